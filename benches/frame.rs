@@ -1,7 +1,7 @@
-//! What a frame takes besides its rays: bringing a world of many moving entities to a moment, and writing down the picture.
+//! Cost of a frame apart from its rays: advancing a world of many moving entities to a time, and encoding the picture.
 //!
-//! `cargo bench --bench frame` measures on the threads that rayon takes; `RAYON_NUM_THREADS=1` makes it one. `-- animate`,
-//! `-- scripts`, `-- propagate`, `-- prepare` and `-- encode` measure parts of it, `-- --sample-count 5` more quickly.
+//! `cargo bench --bench frame` measures on rayon's default number of threads; `RAYON_NUM_THREADS=1` sets it to one. `-- animate`,
+//! `-- scripts`, `-- propagate`, `-- prepare` and `-- encode` measure one part each; `-- --sample-count 5` is quicker.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -27,7 +27,7 @@ fn main() {
     divan::main();
 }
 
-/// Many entities with tracks.
+/// A number of entities with tracks of one kind.
 struct Crowd {
     count: u32,
     name: &'static str,
@@ -47,7 +47,7 @@ const CROWDS: [Crowd; 4] = [
     Crowd { count: 100_000, name: "rotation and colour", channels: rotation_and_color },
 ];
 
-/// From frame to frame, tracks give their values.
+/// Evaluates tracks, frame after frame.
 #[divan::bench(args = CROWDS, sample_count = 101, sample_size = 1)]
 fn animate(bencher: Bencher<'_, '_>, crowd: &Crowd) {
     let mut world = crowd.world();
@@ -58,7 +58,7 @@ fn animate(bencher: Bencher<'_, '_>, crowd: &Crowd) {
         .bench_local_refs(|(time, changes)| run_tracks(&mut world, *time, changes));
 }
 
-/// From frame to frame, what tracks moved gets its place in the world.
+/// Propagates the transforms that tracks moved, frame after frame.
 #[divan::bench(args = CROWDS, sample_count = 101, sample_size = 1)]
 fn propagate(bencher: Bencher<'_, '_>, crowd: &Crowd) {
     let world = RefCell::new(crowd.world());
@@ -70,7 +70,7 @@ fn propagate(bencher: Bencher<'_, '_>, crowd: &Crowd) {
         .bench_local_refs(|changes| run_propagation(&mut world.borrow_mut(), changes));
 }
 
-/// From world to arrays: all of them, or what has changed since the last frame.
+/// Conversion of the world to the kernel's arrays: everything, or only changes since the last frame.
 mod prepare {
     use super::*;
 
@@ -106,13 +106,13 @@ mod prepare {
     }
 }
 
-/// Returns frame after frame of a film that starts over after four seconds, when all tracks have ended.
+/// Returns a function that gives the time of the next frame. It restarts after four seconds, when all tracks have ended.
 fn frames() -> impl FnMut() -> Time {
     let mut frames = (0..97).cycle();
     move || Time::from_ratio(frames.next().unwrap_or(0), 24).expect("it is finite")
 }
 
-/// Brings tracks to a moment, and returns what that changed.
+/// Evaluates tracks at a time, and returns the changes.
 fn moved(world: &mut World, time: Time) -> Changes {
     let mut changes = Changes::default();
     run_tracks(world, time, &mut changes);
@@ -120,7 +120,7 @@ fn moved(world: &mut World, time: Time) -> Changes {
 }
 
 impl Crowd {
-    /// Returns them in their places at time 0.
+    /// Returns a world with these entities, propagated at time 0.
     fn world(&self) -> World {
         let mut world = World::new();
         for index in 0..self.count {
@@ -134,7 +134,7 @@ impl Crowd {
     }
 }
 
-/// Five keys, one a second.
+/// Returns a track with five keys, one per second.
 fn track<T: Interpolate>(easing: Easing, value: impl Fn(f64) -> T) -> Track<T> {
     let key = |time: f64| Key { time, value: value(time), easing };
     Track::new([0.0, 1.0, 2.0, 3.0, 4.0].map(key).into()).expect("times ascend")
@@ -162,7 +162,7 @@ fn rotation_and_color(index: f64) -> Vec<Channel> {
     ]
 }
 
-/// What drives a thousand values.
+/// A name, and a script that drives a thousand values.
 struct Script(&'static str, &'static str);
 
 impl fmt::Display for Script {
@@ -179,7 +179,7 @@ const SCRIPTS: [Script; 5] = [
     Script("a loop of ten", "let y = 0; for i in 1..11 { y += sin(i * t) / i; } [index, y, 0]"),
 ];
 
-/// From frame to frame, scripts give a thousand values. Nothing is drawn.
+/// Evaluates a thousand script values, frame after frame. Nothing is rendered.
 #[divan::bench(args = SCRIPTS, sample_count = 51, sample_size = 1)]
 fn scripts(bencher: Bencher<'_, '_>, Script(_, script): &Script) {
     let entities: String = (0..1000).map(|index| format!("(name: \"e{index}\"),")).collect();
@@ -199,7 +199,7 @@ fn scripts(bencher: Bencher<'_, '_>, Script(_, script): &Script) {
         .bench_local_values(|time| engine.seek(time).unwrap_or_else(|error| panic!("{error}")));
 }
 
-/// From picture to the bytes of a file, 480 x 270.
+/// Encoding of a picture of 480 x 270 pixels as the bytes of a file.
 mod encode {
     use super::*;
 

@@ -1,9 +1,9 @@
-//! Whether error targets are met on scenes that are hard to sample, and at what price.
+//! Accuracy and cost of error targets on scenes that are hard to sample.
 //!
-//! `cargo bench --bench hard` renders a frame of every hard scene, and of shipped ones, for four targets and compares it with a long
-//! reference: the true error, the estimate, the samples, and the rays and the processor time relative to the cheapest uniform
-//! number of samples that meets the target, on one thread. `cargo bench --bench hard -- run` renders twelve pictures of each, with a seed of
-//! their own, for their errors alone. Names of scenes after `--` measure those alone. It takes about half an hour.
+//! `cargo bench --bench hard` renders one frame of every hard scene, and of shipped ones, for four targets and compares it with a reference
+//! of many samples. It prints the true error, the estimate, the sample count, and the rays and the processor time relative to the cheapest
+//! uniform sample count that meets the target, on one thread. `cargo bench --bench hard -- run` renders one frame of each scene with twelve seeds and
+//! prints only errors. Scene names after `--` select scenes. The bench takes about half an hour.
 
 #![allow(
     clippy::print_stdout,
@@ -28,9 +28,10 @@ use spent::Spent;
 
 const TARGETS: [f32; 4] = [4.0, 2.0, 1.0, 0.5];
 const UNIFORM: [u32; 17] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512];
-/// Samples of references: of the hard scenes, which are small, so many that their own error is a tenth of the smallest target's.
+/// Sample counts of references for hard and for shipped scenes. Hard scenes are small; their references have enough samples for an error of
+/// a tenth of the smallest target.
 const REFERENCE: [u32; 2] = [65_536, 8192];
-/// The frame of which the price is measured, for so many seconds.
+/// Index of the frame whose cost is measured. It is rendered repeatedly for more than `LONG` seconds.
 const FRAME: u32 = 6;
 const LONG: f64 = 0.2;
 /// The number of seeds of a run.
@@ -50,7 +51,7 @@ struct Picture {
     estimate: Option<EstimatedError>,
 }
 
-/// Counts of the targets that were met.
+/// Counts of measurements: all, within the target, within the target or reported, and with a close estimate.
 #[derive(Default)]
 struct Met {
     points: u32,
@@ -95,7 +96,7 @@ fn main() {
     if run.is_empty() { prices(subjects) } else { runs(subjects) }
 }
 
-/// Measures errors and prices of a frame of each subject, on one thread.
+/// Measures the error and the cost of one frame of each subject, on one thread, and prints a table.
 fn prices(subjects: impl Iterator<Item = Subject>) {
     println!(
         "| scene | target | true error | estimate | samples a pixel | cheapest uniform | rays / its | time / its |"
@@ -168,7 +169,7 @@ fn prices(subjects: impl Iterator<Item = Subject>) {
     }
 }
 
-/// Measures the errors of several pictures of a frame of each subject, which differ in their seeds alone.
+/// Measures the errors of one frame of each subject with several seeds, and prints a table.
 fn runs(subjects: impl Iterator<Item = Subject>) {
     println!("| scene | target | true errors, seed by seed | estimates |");
     println!("|---|---|---|---|");
@@ -240,7 +241,7 @@ fn render(Subject { engine, alpha, .. }: &mut Subject, frame: u32, settings: Ren
         let picture =
             engine.render_alpha_on(time, Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap();
         let alpha = picture.alpha;
-        // Alpha is compared as it is written, as light that is output without a curve.
+        // Alpha is written without a transfer curve. Decoding it here cancels the curve of the comparison.
         let transfer = engine.film_settings().transfer;
         let light = |alpha: &f32| {
             let byte = f64::from(*alpha) * 255.0;

@@ -1,9 +1,9 @@
-//! What each stage of the kernel takes, what single rays take, and what trees take.
+//! Costs of the kernel's stages, of single rays, and of BVH construction.
 //!
-//! `cargo bench --bench kernel` measures on one thread. A row of `frame` takes one sample of every pixel of a shipped scene
-//! through the stages up to the one that it names, and sums up: what a stage takes by itself is the difference to the row above
-//! it. Only `next_rays` has waves of rays after the first, and all stages for them. `-- frame` measures that alone,
-//! `-- first_light` one scene, `-- --sample-count 5` more quickly.
+//! `cargo bench --bench kernel` measures on one thread. A row of `frame` traces one sample of every pixel of a shipped scene through the
+//! stages up to the named one, and accumulates the result. The cost of a stage is the difference from the row above. Only `next_rays` has
+//! wavefronts after the first, and it runs all stages for them. `-- frame` measures these rows alone, `-- first_light` one scene;
+//! `-- --sample-count 5` is quicker.
 
 use std::fmt;
 use std::sync::atomic::AtomicBool;
@@ -25,7 +25,7 @@ mod shipped;
 use shipped::{SCENES, prepared};
 
 fn main() {
-    // The thread that measures is the pool's only one.
+    // The measuring thread is the pool's only thread.
     rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .use_current_thread()
@@ -34,7 +34,7 @@ fn main() {
     divan::main();
 }
 
-/// The stages, in their order; sums are in each.
+/// The stages, in order. Every row includes accumulation.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     CameraRays,
@@ -45,7 +45,7 @@ enum Stage {
     NextRays,
 }
 
-/// A shipped scene, through the stages up to this one.
+/// A shipped scene, and the last stage to run.
 struct Stages(&'static str, Stage);
 
 impl fmt::Display for Stages {
@@ -58,7 +58,7 @@ impl fmt::Display for Stages {
             Stage::Shadows => "shadows",
             Stage::NextRays => "next_rays",
         };
-        // The number keeps rows in the order of the stages.
+        // The number sorts the rows by stage.
         write!(formatter, "{}: {} {stage}", self.0, self.1 as u8 + 1)
     }
 }
@@ -92,7 +92,7 @@ fn frame(bencher: Bencher<'_, '_>, Stages(name, stage): &Stages) {
     bencher.counter(ItemsCount::new(rays)).with_inputs(dark).bench_local_refs(expose);
 }
 
-/// Returns a scene and effects for which a picture enters the stages up to this one, and none after it but the sums.
+/// Returns a scene and effects for which a picture runs the stages up to `stage`, and no later one except accumulation.
 fn up_to(stage: Stage, scene: PreparedScene, planned: Effects) -> (PreparedScene, Effects) {
     let plain = Effects { lighting: Lighting::None, paths: Paths::Straight, extras: false };
     match stage {
@@ -108,7 +108,7 @@ fn up_to(stage: Stage, scene: PreparedScene, planned: Effects) -> (PreparedScene
     }
 }
 
-/// Puts a light with a size in the place of all others: without extras it proposes nothing, but surface points are found for it.
+/// Replaces all lights with one area light. Without extras it proposes no samples, but surface points are still computed for it.
 fn lit_by_nothing(mut scene: PreparedScene) -> PreparedScene {
     scene.lights = vec![Light {
         source: LightSource::Sphere { center: DVec3::ZERO, radius: 1.0 },
@@ -121,18 +121,18 @@ fn lit_by_nothing(mut scene: PreparedScene) -> PreparedScene {
     scene
 }
 
-/// Single rays, by the renderer's own path: what each meets, and the surface point there.
+/// Single rays on the renderer's own path: closest hits, and the surface points there.
 mod rays {
     use super::*;
 
-    /// Through the pixels, row by row.
+    /// Casts camera rays, row by row.
     #[divan::bench(args = SCENES, sample_count = 21, sample_size = 1)]
     fn camera(bencher: Bencher<'_, '_>, name: &str) {
         let (_, preparation) = prepared(name);
         measure(bencher, preparation.scene(), &camera_rays(preparation.camera()));
     }
 
-    /// Mirrored where camera rays meet something, whatever it is made of.
+    /// Casts rays reflected at the hits of camera rays, whatever the material.
     #[divan::bench(args = SCENES, sample_count = 21, sample_size = 1)]
     fn mirrored(bencher: Bencher<'_, '_>, name: &str) {
         let (_, preparation) = prepared(name);
@@ -157,7 +157,7 @@ mod rays {
     }
 }
 
-/// The tree over the shapes, with what is sorted out before: equal shapes, and those that are too large for it.
+/// Construction of the BVH, including the separation of equal shapes and of shapes too large for it.
 mod tree {
     use super::*;
 
@@ -170,7 +170,7 @@ mod tree {
     fn balls(bencher: Bencher<'_, '_>, count: u32) {
         let mut geometry = Geometry::default();
         for index in 0..count {
-            // Spread evenly in a cube by golden ratios.
+            // Golden ratios spread the centres evenly in a cube.
             let place = |step: f64| 100.0 * (f64::from(index) * step).fract();
             let center = DVec3::new(place(0.819_172_513_4), place(0.671_043_606_7), place(0.549_700_477_9));
             geometry.push(PreparedShape::Sphere(Sphere { center, radius: 0.5 }));

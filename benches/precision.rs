@@ -1,8 +1,7 @@
-//! What it costs to be right: the guaranteed leaves beside the textbook's in f64 and f32, per ray and per frame.
+//! Cost of robust intersection, compared with the naive intersectors in f64 and f32, per ray and per frame.
 //!
-//! `cargo bench --bench precision` measures on one thread; the kernel's documentation has tables of the medians. `-- rays`
-//! measures rays alone, of which `Mitem/s` are counted, `-- frames` the middle frame of every shipped scene,
-//! `-- --sample-count 5` more quickly.
+//! `cargo bench --bench precision` measures on one thread. The kernel's documentation has tables of the medians. `-- rays` measures single
+//! rays, as `Mitem/s`, and `-- frames` the middle frame of every shipped scene; `-- --sample-count 5` is quicker.
 
 use std::fmt;
 use std::path::Path;
@@ -18,7 +17,7 @@ use rayreel::trace::{CastRay, Geometry, Precision, PreparedScene, PreparedShape,
 const PRECISIONS: [Precision; 3] = [Precision::TextbookF32, Precision::TextbookF64, Precision::Guaranteed];
 
 fn main() {
-    // The thread that measures is the pool's only one.
+    // The measuring thread is the pool's only thread.
     rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .use_current_thread()
@@ -27,7 +26,7 @@ fn main() {
     divan::main();
 }
 
-/// Something by name, at a precision.
+/// A named subject at a precision.
 struct At<T> {
     name: String,
     of: T,
@@ -72,7 +71,7 @@ fn shapes() -> impl Iterator<Item = At<PreparedShape>> {
     )
 }
 
-/// One shape, rays from all around towards it: about half of them hit.
+/// Casts rays from all sides towards one shape. About half of them hit.
 #[divan::bench(args = shapes(), sample_count = 21, sample_size = 1)]
 fn rays(bencher: Bencher<'_, '_>, At { of, precision, .. }: &At<PreparedShape>) {
     const COUNT: usize = 200_000;
@@ -84,7 +83,7 @@ fn rays(bencher: Bencher<'_, '_>, At { of, precision, .. }: &At<PreparedShape>) 
     bencher.counter(ItemsCount::new(COUNT)).bench_local(|| scene.cast_all(&rays));
 }
 
-/// From a sphere around the shape to a disc across it, spread evenly by golden ratios.
+/// Returns a ray from a sphere of radius 4 around the shape to a point in a cube of half-extent 1.3, spread by golden ratios.
 fn ray(index: usize) -> Option<CastRay> {
     let spread = |step: f64| (index as f64 * step).fract() * 2.0 - 1.0;
     let origin = DVec3::new(spread(0.618_033_988_75), spread(0.754_877_666_25), spread(0.569_840_290_99));
@@ -105,7 +104,7 @@ fn scenes() -> impl Iterator<Item = At<()>> {
     at_all(names.into_iter().map(|name| (name, ())))
 }
 
-/// The middle frame of every shipped scene, with every effect, so that all precisions do the same work.
+/// Renders the middle frame of every shipped scene with every effect, so that all precisions do the same work.
 #[divan::bench(args = scenes(), sample_count = 11, sample_size = 1)]
 fn frames(bencher: Bencher<'_, '_>, At { name, precision, .. }: &At<()>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("ron");

@@ -1,7 +1,7 @@
-//! From a world of moving spheres to the kernel's arrays, by how many there are and how many of them move.
+//! Cost of converting a world of moving spheres to the kernel's arrays, by the number of spheres and the share that moves.
 //!
-//! `cargo bench --bench preparation` measures on the threads that rayon takes; `RAYON_NUM_THREADS=1` makes it one. `-- first`, `-- again`,
-//! `-- camera` and `-- moving` measure parts of it, `-- 1000000` one number of spheres.
+//! `cargo bench --bench preparation` measures on rayon's default number of threads; `RAYON_NUM_THREADS=1` sets it to one. `-- first`,
+//! `-- again`, `-- camera` and `-- moving` measure one part each, `-- 1000000` one number of spheres.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -19,7 +19,7 @@ fn main() {
     divan::main();
 }
 
-/// The first frame of a world as it was spawned.
+/// Prepares the first frame of a newly spawned world.
 #[divan::bench(args = COUNTS, sample_count = 9, sample_size = 1)]
 fn first(bencher: Bencher<'_, '_>, count: u32) {
     bencher
@@ -28,7 +28,7 @@ fn first(bencher: Bencher<'_, '_>, count: u32) {
         .bench_local_refs(|engine| engine.seek(Time::ZERO));
 }
 
-/// A world that was prepared before, anew.
+/// Prepares a world again, in newly allocated arrays.
 #[divan::bench(args = COUNTS, sample_count = 9, sample_size = 1)]
 fn in_new_memory(bencher: Bencher<'_, '_>, count: u32) {
     let mut gas = Gas::new(count);
@@ -36,7 +36,7 @@ fn in_new_memory(bencher: Bencher<'_, '_>, count: u32) {
     bencher.counter(ItemsCount::new(count)).bench_local(|| gas.prepare());
 }
 
-/// The same, in the arrays of the frame before.
+/// Prepares a world again, in the arrays of the previous frame.
 #[divan::bench(args = COUNTS, sample_count = 9, sample_size = 1)]
 fn again(bencher: Bencher<'_, '_>, count: u32) {
     let mut gas = Gas::new(count);
@@ -47,7 +47,7 @@ fn again(bencher: Bencher<'_, '_>, count: u32) {
     });
 }
 
-/// Only the camera moves.
+/// Prepares frames in which only the camera moves.
 #[divan::bench(args = COUNTS, sample_count = 101, sample_size = 1)]
 fn camera(bencher: Bencher<'_, '_>, count: u32) {
     let mut gas = Gas::new(count);
@@ -64,7 +64,7 @@ fn camera(bencher: Bencher<'_, '_>, count: u32) {
     });
 }
 
-/// From frame to frame, some spheres move a little.
+/// Frames in which some spheres move a little.
 mod moving {
     use super::*;
 
@@ -103,7 +103,7 @@ mod moving {
     }
 }
 
-/// Spheres all over a cube, of which they fill a tenth.
+/// Unit spheres at random positions in a cube. Their volumes add up to a tenth of the cube's.
 struct Gas {
     world: World,
     spheres: Vec<Entity>,
@@ -132,7 +132,7 @@ impl Gas {
         Preparation::of(&mut self.world, Time::ZERO)
     }
 
-    /// Moves one in so many spheres, and returns which.
+    /// Moves every `one_in`-th sphere, and returns the changes.
     fn push(&mut self, one_in: usize) -> Changes {
         let mut changes = Changes::default();
         self.step += 1;
@@ -146,7 +146,7 @@ impl Gas {
     }
 }
 
-/// Returns the next of random numbers in 0..1 (Steele and others, `SplitMix64`, 2014).
+/// Returns the next random number in 0..1 (Steele and others, `SplitMix64`, 2014).
 #[expect(clippy::cast_precision_loss, reason = "53 bits")]
 fn number(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);

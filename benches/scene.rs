@@ -1,8 +1,7 @@
-//! What it takes to get from text to a world: to read a scene, to let a script spawn one, and to go on with one that was
-//! edited.
+//! Cost of getting from text to a world: reading a scene, spawning entities with a script, and reloading an edited scene.
 //!
-//! `cargo bench --bench scene` measures on the threads that rayon takes; `RAYON_NUM_THREADS=1` makes it one. `-- read`,
-//! `-- spawn` and `-- edits` measure parts of it, `-- --sample-count 5` more quickly.
+//! `cargo bench --bench scene` measures on rayon's default number of threads; `RAYON_NUM_THREADS=1` sets it to one. `-- read`, `-- spawn`
+//! and `-- edits` measure one part each; `-- --sample-count 5` is quicker.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -20,7 +19,7 @@ mod shipped;
 
 use shipped::SCENES;
 
-/// How many entities are in the scenes that are not shipped.
+/// Number of entities in the scenes that are not shipped.
 const COUNT: usize = 100_000;
 
 fn main() {
@@ -32,7 +31,7 @@ fn load(file: &str, text: String) -> Scene {
     Scene::from_text(file, text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// From text to world: parsed, validated and spawned.
+/// Reading of a scene: parsing, validation and spawning.
 mod read {
     use super::*;
 
@@ -53,7 +52,7 @@ mod read {
     }
 }
 
-/// A script that spawns entities, with the reading of its small scene.
+/// Reads a small scene whose script spawns entities.
 #[divan::bench(args = [1000, COUNT], sample_count = 11, sample_size = 1)]
 fn spawn(bencher: Bencher<'_, '_>, count: usize) {
     let script = format!(
@@ -66,12 +65,11 @@ fn spawn(bencher: Bencher<'_, '_>, count: usize) {
     bencher.bench_local_values(|text| load("spawn.ron", text));
 }
 
-/// A scene of 100 000 entities is edited, and an engine goes on with it: from the file to the scene, and from that to the
-/// arrays that rays need.
+/// Reloading of an edited scene of 100 000 entities in an engine: from the file to the scene, and from the scene to the kernel's arrays.
 mod edits {
     use super::*;
 
-    /// The file is read again: what the edit changed is parsed, then all is validated and spawned.
+    /// Reads the file again: parses the changed part, then validates and spawns everything.
     #[divan::bench(args = edits(), sample_count = 21, sample_size = 1)]
     fn reading(bencher: Bencher<'_, '_>, edit: &Edit) {
         let (mut file, mut reader) = (SceneFile::new(edit), Reader::new());
@@ -81,7 +79,7 @@ mod edits {
         bencher.with_inputs(|| file.write()).bench_local_values(|()| read(&mut reader, &path));
     }
 
-    /// The engine takes the new scene in the place of the old one.
+    /// Replaces the engine's scene with the new one.
     #[divan::bench(args = edits(), sample_count = 21, sample_size = 1)]
     fn reload(bencher: Bencher<'_, '_>, edit: &Edit) {
         let mut session = Session::new(edit);
@@ -93,7 +91,7 @@ mod edits {
         bencher.with_inputs(next).bench_local_values(|scene| engine.borrow_mut().reload(scene));
     }
 
-    /// The engine brings the new scene, and the arrays, to the moment.
+    /// Advances the new scene and the kernel's arrays to the current time.
     #[divan::bench(args = edits(), sample_count = 21, sample_size = 1)]
     fn to_the_moment(bencher: Bencher<'_, '_>, edit: &Edit) {
         let mut session = Session::new(edit);
@@ -110,7 +108,7 @@ mod edits {
         engine.seek(Time::ZERO).expect("nothing in the scene can fail");
     }
 
-    /// A file that is edited, and what reads it.
+    /// A file that is edited, and its reader.
     struct Session {
         file: SceneFile,
         reader: Reader,
@@ -127,7 +125,7 @@ mod edits {
             read(&mut self.reader, &self.file.path)
         }
 
-        /// Returns an engine that has been at its moment, with the scene as it is before all edits.
+        /// Returns an engine with the scene before all edits, already advanced to its time.
         fn engine(&mut self) -> Engine {
             let mut engine = Engine::from_scene(self.next());
             seek(&mut engine);
@@ -136,12 +134,12 @@ mod edits {
     }
 }
 
-/// A scene file in a folder of its own, and how many versions of it were written.
+/// A scene file in a temporary folder, and the number of versions written.
 struct SceneFile {
     path: PathBuf,
     edit: Edit,
     versions: usize,
-    /// Removed in the end.
+    /// Deletes the folder on drop.
     _folder: TempDir,
 }
 
@@ -161,14 +159,14 @@ impl SceneFile {
     }
 }
 
-/// Gives the version that the edit with this number, 1 or more, leads to.
+/// Function from the number of an edit, 1 or more, to the version after it.
 type NextVersion = fn(usize) -> Version;
 
-/// What is edited again and again.
+/// A kind of edit, made repeatedly.
 #[derive(Clone)]
 struct Edit {
     name: &'static str,
-    /// Whether entities have names.
+    /// Set if entities have names.
     named: bool,
     version: NextVersion,
 }
@@ -196,22 +194,22 @@ fn edits() -> impl Iterator<Item = Edit> {
 /// A version of the scene of balls.
 #[derive(Clone, Copy)]
 struct Version {
-    /// Whether entities have names.
+    /// Set if entities have names.
     named: bool,
-    /// Of the first material.
+    /// Red channel of the first material's colour.
     red: usize,
-    /// How high the first entity lies.
+    /// Height (y) of the first entity.
     height: usize,
-    /// Whether there is one more entity, before all others.
+    /// Set if one more entity precedes all others.
     extra: bool,
 }
 
 impl Version {
-    /// Before all edits.
+    /// The version before all edits.
     const START: Self = Self { named: true, red: 0, height: 0, extra: false };
 }
 
-/// A field of balls of a hundred materials.
+/// Returns the text of a scene with a field of balls of a hundred materials.
 fn text(Version { named, red, height, extra }: Version) -> String {
     let mut text = "Scene(camera: (position: (0, 50, -200), target: (0, 0, 0)), materials: {".to_owned();
     for material in 0..100 {

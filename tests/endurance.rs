@@ -1,6 +1,6 @@
-//! Many edits in one session, a tenth of them broken: it holds no more memory, threads and files at the end, and is still right.
+//! Test of a long session with many edits, a tenth of them invalid: memory, threads and open files do not grow, and pictures stay right.
 //!
-//! `RAYREEL_CASES=2000` asks for more than the usual few hundred.
+//! `RAYREEL_CASES=2000` sets the number of edits; the default is 400.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
@@ -29,12 +29,12 @@ use http::request;
 use model::Model;
 use random::Random;
 
-/// What must happen does so long before, even on a machine that is busy with other things.
+/// Time limit for expected events, generous enough for a busy machine.
 const AT_MOST: Duration = Duration::from_secs(60);
-/// So many texts take turns, so that what they need stays the same.
+/// Number of scene versions, used in turns so that the resources they need stay the same.
 const VERSIONS: usize = 30;
 
-/// A scene's file, and what it includes.
+/// The text of a scene, and the files that it includes.
 type Files = (String, [(&'static str, String); 2]);
 
 #[test]
@@ -65,7 +65,7 @@ fn a_long_session_grows_in_nothing_and_stays_right() {
     let mut broken = 0;
     for edit in 1..=edits {
         let (text, files) = &versions[edit % VERSIONS];
-        // Something is different in every text, so that none is taken for the one before.
+        // A comment makes every text different from the previous one.
         let text = format!("{text}\n// edit {edit}");
         let breaks = edit % 10 == 5;
         write(folder.path(), &(if breaks { text[..text.len() / 2].to_owned() } else { text }, files.clone()));
@@ -85,14 +85,14 @@ fn a_long_session_grows_in_nothing_and_stays_right() {
     println!("{} reloads, {broken} broken: {held:?}", state.reloads);
     drop((server, session));
     listener.join().unwrap();
-    // By half of the time everything has been needed once.
+    // By the middle of the run, every resource has been needed once.
     let Some((last, before)) = held.split_last() else { return };
     let Some(half) = before.get(held.len() / 2) else { return };
     assert!(last.threads <= half.threads && last.files <= half.files, "{held:?}");
     assert!(last.memory <= half.memory * 21 / 20, "{held:?}");
 }
 
-/// Random versions of a scene that are all without mistakes.
+/// Returns random valid versions of a scene.
 fn versions(folder: &Path) -> Vec<Files> {
     let random = &mut Random(6);
     let mut versions = Vec::new();
@@ -111,7 +111,7 @@ fn versions(folder: &Path) -> Vec<Files> {
     versions
 }
 
-/// Puts files in place of the ones before, each in one piece.
+/// Replaces the files, each atomically.
 fn write(folder: &Path, (text, files): &Files) {
     let all = files.iter().map(|(name, text)| (*name, text)).chain([("scene.ron", text)]);
     for (name, text) in all {
@@ -120,7 +120,7 @@ fn write(folder: &Path, (text, files): &Files) {
     }
 }
 
-/// Waits until an edit is read, and says whether it is good.
+/// Waits until an edit is read, and returns true if it is valid.
 fn is_read(events: &Receiver<Event>) -> bool {
     loop {
         match events.recv_timeout(AT_MOST).unwrap() {
@@ -143,7 +143,7 @@ fn last_full(events: &Receiver<Event>) -> Shown {
     }
 }
 
-/// Hears of everything, as a page does, until the server ends.
+/// Receives all events, as a page does, until the server ends.
 fn listen(port: u16) -> thread::JoinHandle<()> {
     thread::spawn(move || {
         let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
@@ -154,7 +154,7 @@ fn listen(port: u16) -> thread::JoinHandle<()> {
     })
 }
 
-/// What a page does that is opened, and closed again.
+/// Makes the requests of a page that is opened and closed.
 fn visit(port: u16, session: &Session) {
     let host = format!("127.0.0.1:{port}");
     let headers = [("Host", host.as_str())];
@@ -166,13 +166,13 @@ fn visit(port: u16, session: &Session) {
     drop(TcpStream::connect(("127.0.0.1", port)).unwrap());
 }
 
-/// What this process holds, where the system tells.
+/// Resources held by this process, where the system reports them.
 #[derive(Debug)]
 struct Held {
-    /// Resident, in kB.
+    /// Resident memory in kB.
     memory: u64,
     threads: u64,
-    /// Open files, sockets among them.
+    /// Number of open files, including sockets.
     files: usize,
 }
 

@@ -1,10 +1,10 @@
-//! What effects cost: nothing when absent, and how much when present.
+//! Costs of effects, absent and present.
 //!
-//! `cargo bench --bench effects` prints a table of milliseconds. `benches/instructions` counts instructions under valgrind with
-//! the same program, by `count planned|full SCENE FRAMES`.
+//! `cargo bench --bench effects` prints a table of milliseconds. `benches/instructions` counts instructions under valgrind with the same
+//! program, by `count planned|full SCENE FRAMES`.
 //!
-//! Divan has no part in it, unlike in other benches: planned frames and full ones take turns here, as ratios of a few per cent
-//! are what matters, and valgrind needs a program that renders a given number of frames and measures nothing.
+//! Divan is not used, unlike in other benches. Renders with the planned effects alternate with renders with all effects, because ratios of
+//! a few per cent matter. Valgrind needs a program that renders a given number of frames and measures nothing.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a bench prints its table, and may fail loudly")]
 
@@ -13,10 +13,10 @@ use std::time::Instant;
 
 use rayreel::{Engine, Scene};
 
-/// The scene that has only what every scene has, and lines to be put into it, each calling for one effect.
+/// The base scene, with placeholders for lines that enable one effect each.
 const BASE: &str = include_str!("base.ron");
 
-/// Effects by name, with what is to be written in place of what.
+/// Effects by name, with pairs of a placeholder and its replacement.
 const EFFECTS: &[(&str, &[(&str, &str)])] = &[
     ("ambient light only", &[("/* lights */", "")]),
     ("point lights without shadows", &[("/* lights */", UNSHADOWED)]),
@@ -75,7 +75,7 @@ fn main() {
     });
 }
 
-/// The base scene with an effect's lines written into it.
+/// Returns the base scene with an effect's lines inserted.
 fn scene_text(lines: &[(&str, &str)]) -> String {
     let with = |text: String, (mark, line): &(&str, &str)| text.replace(mark, line);
     let text = lines.iter().fold(BASE.to_owned(), with);
@@ -86,7 +86,7 @@ fn engine(lines: &[(&str, &str)]) -> Engine {
     Engine::from_scene(Scene::from_text("base.ron", scene_text(lines)).unwrap())
 }
 
-/// Renders some frames, to be counted from outside. What is the same for any number of frames cancels out.
+/// Renders `frames` frames for counting from outside. Costs that do not depend on the number of frames cancel out.
 fn count(kernel: &str, scene: &str, frames: u32) {
     let (_, lines) = EFFECTS.iter().find(|(name, _)| *name == scene).unwrap();
     let mut engine = engine(lines);
@@ -96,7 +96,7 @@ fn count(kernel: &str, scene: &str, frames: u32) {
     }
 }
 
-/// Medians of rounds in turns, on one thread.
+/// Prints the medians of alternating renders on one thread.
 fn table(rounds: usize) {
     let mut engines: Vec<_> = EFFECTS.iter().map(|(name, lines)| (name, engine(lines))).collect();
     let mut times = vec![Vec::new(); engines.len()];

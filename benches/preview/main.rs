@@ -1,11 +1,11 @@
-//! How long it takes from a save to the picture in a browser.
+//! Latency from a save to the picture in a browser.
 //!
-//! `cargo bench --bench preview` edits a scene 50 times by renaming another file to its name, and prints how many milliseconds
-//! later Chromium, without a window, had decoded the coarse and the full picture. Needs chromedriver. A scene of one's own may
-//! be given with `-- SCENE`; a comment at its end is what is edited then.
+//! `cargo bench --bench preview` edits a scene 50 times by renaming another file over it, and prints the milliseconds until headless
+//! Chromium had decoded the coarse and the full picture. It needs chromedriver. `-- SCENE` measures another scene; each edit then changes a
+//! comment at its end.
 //!
-//! Divan has no part in it, unlike in other benches: it times calls in one process and gives medians, but here a browser says
-//! when each of several things happened after one edit, and the slowest of them matter, by the 95th percentile.
+//! Divan is not used, unlike in other benches. It times calls in one process and reports medians; here a browser reports the times of
+//! several events after one edit, and the slowest edits matter, by the 95th percentile.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a bench prints its table, and may fail loudly")]
 
@@ -89,13 +89,13 @@ fn main() {
     }
 }
 
-/// Moves a ball and changes a colour; in a scene of which nothing is known, a comment and nothing else.
+/// Moves a ball and changes a colour; in any other scene, changes only a comment.
 fn edited(text: &str, edit: u64) -> String {
     let moved = text.replacen("3.52823968", &format!("3.{edit:02}"), 1);
     moved.replacen("229.5", &format!("{}", 200 + edit), 1) + format!("// edit {edit}\n").as_str()
 }
 
-/// Waits until the full picture after so many reloads is there; seldom asks, as that takes time too.
+/// Waits until the full picture after `reloads` reloads is shown. Polls rarely, because each poll takes time too.
 fn wait_for_full(browser: &Browser, reloads: u64) {
     loop {
         sleep(Duration::from_millis(150));

@@ -1,16 +1,17 @@
-//! Scenes that adaptive sampling finds hard: what matters in them is smaller than a pixel, rare, bright, out of focus, moving, or transparent.
+//! Scenes that are hard for adaptive sampling: their important features are smaller than a pixel, rare, bright, out of focus, moving, or
+//! transparent.
 
 use std::fmt::Write;
 
-/// A scene, and the name that it goes by.
+/// A named scene.
 pub(crate) struct HardScene {
     pub(crate) name: &'static str,
-    /// Whether alpha is what is hard.
+    /// Set if the scene tests the alpha channel.
     pub(crate) alpha: bool,
     pub(crate) text: String,
 }
 
-/// Numbers that look random, the same ones every time.
+/// A deterministic pseudo-random generator.
 struct Random(u64);
 
 impl Random {
@@ -25,11 +26,11 @@ impl Random {
     }
 }
 
-/// A pixel of a camera at -10 that sees 32 by 18 units of the plane z = 0 in `columns` columns.
+/// Width in pixels of a picture whose camera at z = -10 sees 32 x 18 units of the plane z = 0.
 const COLUMNS: f64 = 128.0;
 const PIXEL: f64 = 32.0 / COLUMNS;
 
-/// Everything but the film's size and what is in the scene.
+/// Returns the text of a scene of 12 frames on a film of 128 x 72 pixels.
 fn scene(settings: &str, materials: &str, entities: &str) -> String {
     format!(
         "Scene(timeline: (fps: 24, duration: 0.5), film: (width: 128, height: 72), {settings}\n\
@@ -55,7 +56,7 @@ fn spheres(seed: u64, count: u32, radius: f64, material: &str) -> String {
     text
 }
 
-/// Boxes much longer than they are thick, upright or turned.
+/// Returns boxes much longer than they are thick, upright or at random angles.
 fn needles(seed: u64, count: u32, (thickness, length): (f64, f64), turned: bool) -> String {
     let mut random = Random(seed);
     let mut text = String::new();
@@ -76,7 +77,6 @@ const FLOOR: &str =
     "(shape: Plane(normal: (0, 1, 0)), transform: (translation: (0, -3, 0)), material: \"floor\"),";
 const LAMP: &str = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (-8, 12, -10))),";
 
-/// Returns all of them.
 pub(crate) fn hard_scenes() -> Vec<HardScene> {
     let plain = |name, entities: &str| HardScene {
         name,
@@ -88,7 +88,7 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
         alpha: false,
         text: scene(settings, materials, entities),
     };
-    // What glows has k_a = 1 in strong ambient light, everything else next to none.
+    // Materials glow by k_a in strong ambient light. All other materials have a k_a near 0.
     let (bright, strong) = ("ambient: (400, 400, 400),", format!("{CAMERA}ambient: (400, 400, 400),"));
     let lit = &strong;
     let lens = "camera: (position: (0, 0, -10), target: (0, 0, 0), screen: (distance: 10, width: 32, height: 18), \

@@ -1,4 +1,4 @@
-//! Error targets on scenes that are hard to sample, held against long references.
+//! Tests of error targets on scenes that are hard to sample, against references of many samples.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -60,7 +60,7 @@ fn targets_are_met_where_geometry_shows_what_is_hard() {
         let reference = render(&mut engine, long, scene.alpha);
         for target in [4.0, 2.0] {
             let (found, estimate) = errors(&mut engine, scene.alpha, &reference, target);
-            // The reference is off, too.
+            // The reference has an error, too.
             let most = 1.1 * f64::from(target);
             assert!(found <= most, "{name}: {found:.2} for {target}, estimated {estimate:?}");
             assert!(estimate.value <= f64::from(target), "{name}: {estimate:?}");
@@ -68,7 +68,8 @@ fn targets_are_met_where_geometry_shows_what_is_hard() {
     }
 }
 
-/// Estimates know of mirrors, glass and penumbrae only by audits; for images in mirrors they state how much those may hide.
+/// Checks estimates that detect mirrors, glass and penumbrae only by audits. For images in mirrors, estimates state how much error may be
+/// hidden.
 #[test]
 fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
     for scene in hard_scenes() {
@@ -88,13 +89,13 @@ fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
             let EstimatedError { value, deviation, hidden } = estimate;
             let most = f64::from(target).max((value + 2.0 * deviation).hypot(hidden));
             assert!(found <= 1.1 * most, "{}: {found:.2} for {target}, {estimate:?}", scene.name);
-            // Where no lamp is mirrored, little is said to be hidden.
+            // The hidden error is small where no lamp is mirrored.
             assert!(hidden < value || scene.name == "fireflies", "{}: {estimate:?}", scene.name);
         }
     }
 }
 
-/// A frame has the same bits alone and after others.
+/// Checks that a frame has the same bits alone and after others.
 #[test]
 fn frames_with_a_target_depend_on_no_other_frame() {
     for scene in hard_scenes().into_iter().filter(|scene| ["fast ball", "stars"].contains(&scene.name)) {

@@ -1,4 +1,4 @@
-//! `rayreel accuracy`: errors and prices of every setting.
+//! Tests of `rayreel accuracy`: errors and costs of every setting.
 
 use std::fs;
 use std::path::Path;
@@ -53,7 +53,7 @@ fn every_knob_that_is_called_for_is_turned() {
     assert!(rms(samples[0]) > rms(samples[2]));
     let uncertainty = report["reference"]["rms_uncertainty"].as_f64().unwrap();
     assert!(uncertainty > 0.0 && uncertainty < rms(samples[0]));
-    // More rays, and less error: a mirror in a mirror is seen at greater depths.
+    // The error decreases with the depth, as more reflections are traced.
     let depths = of_knob(&report, "depth");
     assert!(depths[0]["alone"]["rms"].as_f64() > depths[2]["alone"]["rms"].as_f64());
     let without: Vec<_> =
@@ -101,7 +101,7 @@ fn a_page_and_a_table_are_written() {
     assert!(table.lines().any(|line| line.starts_with('*')), "{table}");
     let page = fs::read_to_string(folder.join("r.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
-    // Nothing comes from elsewhere.
+    // The page loads nothing from other sites.
     assert!(!page.contains("http://") && !page.contains("https://") && !page.contains("<script"));
     for part in ["Error against time", "Effects", "Knobs", "How it was measured", "data:image/png;base64,"] {
         assert!(page.contains(part), "{part}");
@@ -110,7 +110,7 @@ fn a_page_and_a_table_are_written() {
     assert!(csv.starts_with("scene,version,width,height,rounds,"));
     assert!(csv.lines().count() > 20 && csv.lines().all(|line| line.split(',').count() == 40), "{csv}");
     assert!(csv.lines().skip(1).all(|line| line.starts_with("a.ron,0.1.0,16,9,4,")), "{csv}");
-    // The table, the drawing and the file have the same stars and the same settings.
+    // The table, the chart and the CSV file have the same stars and the same settings.
     let in_table = |mark: char| table.lines().skip(5).filter(|line| line.starts_with(mark)).count() - 1;
     let in_csv = |column: &str, value: fn(&str) -> bool| {
         let place = csv.lines().next().unwrap().split(',').position(|name| name == column).unwrap();

@@ -1,4 +1,4 @@
-//! Cameras on paths whose targets come to rest before they do.
+//! Tests of warnings about camera targets whose paths end before the camera's path.
 
 use std::fs;
 
@@ -61,7 +61,7 @@ fn targets_that_rest_with_their_cameras_or_later_are_not_warned_of() {
     let moving = target("duration: 1)");
     for (duration, position, target) in [
         (4.0, POSITION, &*target("duration: 4)")),
-        // 3.7 + 0.3 need not be 4 in binary numbers.
+        // 3.7 + 0.3 may differ from 4 in binary floating point.
         (4.0, POSITION, &target("start: 3.7, duration: 0.3)")),
         (4.0, POSITION, &target("duration: 8), speed: 2")),
         (9.0, POSITION, &target("duration: 6)")),

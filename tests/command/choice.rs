@@ -1,4 +1,4 @@
-//! Samples that are chosen for an error or a deadline, and the same frames from what was written of them.
+//! Tests of sample counts chosen for an error or a deadline, and of rendering the same frames from the recorded settings.
 
 use std::fs;
 use std::path::Path;
@@ -68,7 +68,7 @@ fn frames_are_as_good_as_asked_and_come_back_from_their_settings() {
             assert!(!folder.join("again/a.settings.json").exists());
         }
     }
-    // One frame again with another target: the settings of the others stay.
+    // Rendering one frame again with another target keeps the settings of the other frames.
     render(folder, &["--max-error", "200", "--frames", "2", "--out", "chosen"]);
     let errors: Vec<f64> = settings(&folder.join("chosen"))["frames"]
         .as_array()
@@ -87,7 +87,7 @@ fn a_deadline_is_met_and_its_frames_come_back_without_it() {
     for seconds in [0.5, 4.0] {
         let start = Instant::now();
         render(folder, &["--deadline", &format!("{seconds}s"), "--out", "chosen"]);
-        // Loosely: machines are busy with other tests.
+        // The limit is loose because other tests run on the same machine.
         assert!(start.elapsed().as_secs_f64() < 10.0 * seconds + 5.0);
         let chosen = settings(&folder.join("chosen"));
         let last = chosen["frames"][3]["samples_per_pixel"].as_f64().unwrap();
@@ -98,7 +98,7 @@ fn a_deadline_is_met_and_its_frames_come_back_without_it() {
     }
 }
 
-/// Twelve frames of the scene, whose last four a change of the last key changes.
+/// Options for twelve frames of the scene. Changing the last key changes only the last four frames.
 const TWELVE: [&str; 4] = [
     "--set",
     "timeline.fps=12",
@@ -126,7 +126,7 @@ fn frames_with_a_target_depend_on_no_other_frame() {
             twelve(&["--max-error", "2", "--shard", &shard, "--threads", &threads, "--out", &out]);
         }
         assert!(bytes(&folder.join(&out)) == whole, "{shards} shards");
-        // Together they have written of all frames what was chosen.
+        // The shards together have recorded the settings of all frames.
         twelve(&["--settings", &format!("{out}/a.settings.json"), "--out", "again"]);
         assert!(bytes(&folder.join("again")) == whole, "{shards} shards, from their settings");
         fs::remove_dir_all(folder.join("again")).unwrap();
@@ -179,18 +179,18 @@ fn frames_of_the_same_deadline_are_kept() {
     assert_eq!(rendered(&[]), 0);
     let told = told(folder, ["verify", "kept"]);
     assert!(told.contains("4 of 4 frames"), "{told}");
-    // A frame that is lost or torn is rendered anew, with the others left as they are.
+    // A missing or corrupt frame is rendered again; the other frames are kept.
     fs::remove_file(folder.join("kept/a.0001.ppm")).unwrap();
     fs::write(folder.join("kept/a.0002.ppm"), "P6").unwrap();
     assert_eq!(rendered(&[]), 2);
-    // Another time, or another scene, asks for other frames.
+    // Another deadline or another scene requires all frames again.
     let report = render(folder, &["--deadline", "1s", "--out", "kept"]);
     assert_eq!(report["frames"].as_array().unwrap().len(), 4);
     let changed = ["--deadline", "1s", "--out", "kept", "--set", "camera.fov=41"];
     assert_eq!(render(folder, &changed)["frames"].as_array().unwrap().len(), 4);
 }
 
-/// What `rayreel render` says of arguments with which it cannot succeed, and its exit code.
+/// Runs `rayreel render`, and returns its exit code and standard error.
 fn refused(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let output = rayreel(folder, [&["render", "a.ron"], arguments].concat());
     (output.status.code(), text(&output.stderr))
@@ -200,7 +200,7 @@ fn refused(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
 fn impossible_targets_are_reported() {
     let folder = folder();
     let folder = folder.path();
-    // What limits the picture is known once it is rendered, and reported.
+    // The limit is known only after rendering, and reported then.
     let (code, message) = refused(folder, &["--max-error", "0.001", "--samples", "16", "--out", "o"]);
     assert_eq!(code, Some(0));
     let off = message.split_once("is off by about ").unwrap().1;

@@ -1,4 +1,4 @@
-//! `rayreel compare`: how far two pictures are from each other.
+//! Tests of `rayreel compare`: differences between two pictures.
 
 use std::fs;
 use std::path::Path;
@@ -7,20 +7,20 @@ use serde_json::Value;
 
 use crate::{FIRST_LIGHT, rayreel, text};
 
-/// A binary portable pixmap.
+/// Writes a binary PPM file.
 fn ppm(folder: &Path, name: &str, width: usize, pixels: &[[u8; 3]]) {
     let header = format!("P6 {width} {} 255\n", pixels.len() / width);
     fs::write(folder.join(name), [header.as_bytes(), pixels.as_flattened()].concat()).unwrap();
 }
 
-/// A portable float map of a single row.
+/// Writes a PFM file of a single row.
 fn pfm(folder: &Path, name: &str, numbers: &[[f32; 3]]) {
     let header = format!("PF\n{} 1\n-1.0\n", numbers.len());
     let numbers: Vec<u8> = numbers.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
     fs::write(folder.join(name), [header.as_bytes(), &numbers].concat()).unwrap();
 }
 
-/// Exit code and report of two files.
+/// Compares two files, and returns the exit code and the JSON report.
 fn compared(folder: &Path, files: [&str; 2], options: &[&str]) -> (i32, Value) {
     let output = rayreel(folder, [&["compare", files[0], files[1], "--json"], options].concat());
     let report = serde_json::from_slice(&output.stdout);
@@ -130,7 +130,7 @@ fn light_above_1_counts_only_without_tolerance() {
     let relative = report["relative_mse"].as_f64().unwrap();
     assert!((relative - 4.0 / 16.01 / 6.0).abs() < 1e-12, "{relative}");
     assert_eq!(compared(folder, ["a.pfm", "b.pfm"], &["--tolerance", "0.001"]).0, 0);
-    // A half is 127.5 as it is, and 187.5 as sRGB.
+    // An intensity of 0.5 has the output value 127.5 with `classic`, and 187.516 with `srgb`.
     pfm(folder, "c.pfm", &[[1.0, 0.5, 0.5], [0.0; 3]]);
     for (transfer, expected) in [("classic", 127.5), ("srgb", 187.516)] {
         let (_, report) = compared(folder, ["a.pfm", "c.pfm"], &["--transfer", transfer]);
@@ -149,7 +149,7 @@ fn alpha_is_compared() {
     save("also_open.png", [3, 4, 5, 0]);
     save("closed.png", [0, 0, 0, 255]);
     ppm(folder, "black.ppm", 2, &gray(4, 0));
-    // Colours that nothing of shows make no difference, and neither does alpha that leaves nothing open.
+    // Colours of fully transparent pixels are ignored, and an opaque alpha channel is equal to no alpha channel.
     assert_eq!(compared(folder, ["open.png", "also_open.png"], &[]).0, 0);
     assert_eq!(compared(folder, ["closed.png", "black.ppm"], &[]).0, 0);
     let (code, report) = compared(folder, ["open.png", "black.ppm"], &[]);

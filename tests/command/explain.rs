@@ -1,5 +1,4 @@
-//! `rayreel explain`, on a scene whose effects come and go over its timeline, and whose rays and colours can be counted by
-//! hand.
+//! Tests of `rayreel explain` on a scene whose effects start and end over its timeline, and whose rays and colours can be computed by hand.
 
 use std::fs;
 use std::process::Output;
@@ -8,9 +7,9 @@ use serde_json::{Value, json};
 
 use crate::{rayreel, text, told};
 
-/// A floor that fills the picture, seen and lit from straight above, and a marble that nobody sees. Of full white, 0.2 is
-/// ambient, and more is added between two frames: 0.4 is diffuse from frame 3 on, 0.2 mirrored from 5 on, 0.2 a highlight as
-/// wide as the floor from 8 on.
+/// A floor that fills the picture, viewed and lit from straight above, and a marble outside the picture. Ambient light contributes 0.2 of
+/// full white. More is added between frames: diffuse light of 0.4 from frame 3, a reflection of 0.2 from frame 5, and a highlight of 0.2 as
+/// wide as the floor from frame 8.
 const COMING_AND_GOING: &str = r#"Scene(
     timeline: (fps: 10, duration: 1),
     film: (width: 64, height: 36, transfer: Classic),
@@ -38,10 +37,10 @@ const COMING_AND_GOING: &str = r#"Scene(
 )
 "#;
 
-/// Camera rays of a frame: all pixels, four samples each.
+/// Number of camera rays in a frame: all pixels, four samples each.
 const CAMERA: f64 = 64.0 * 36.0 * 4.0;
 
-/// In a folder with the scene.
+/// Runs `rayreel explain` in a folder with the scene.
 fn explain(arguments: &[&str]) -> Output {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("scene.ron"), COMING_AND_GOING).unwrap();
@@ -55,12 +54,12 @@ fn explained(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// What is told of an effect.
+/// Returns the report of an effect.
 fn effect<'a>(told: &'a Value, name: &str) -> &'a Value {
     told["effects"].as_array().unwrap().iter().find(|effect| effect["effect"] == name).unwrap()
 }
 
-/// When it is needed, and why, span by span.
+/// Returns the frames of each span of an effect, the need for the effect, and the reason.
 fn spans(told: &Value, name: &str) -> Vec<(Value, bool, String)> {
     let all = effect(told, name)["spans"].as_array().unwrap();
     let span = |span: &Value| {
@@ -69,7 +68,7 @@ fn spans(told: &Value, name: &str) -> Vec<(Value, bool, String)> {
     all.iter().map(span).collect()
 }
 
-/// A table's cells without the column of seconds: cells are apart by two blanks or more, and have none inside.
+/// Returns the cells of a table row without the time column. Two or more blanks separate cells; a cell contains no two blanks in a row.
 fn cells(line: &str) -> Vec<&str> {
     let cells = line.split("  ").map(str::trim).filter(|cell| !cell.is_empty());
     cells.filter(|cell| *cell != "time" && !cell.ends_with('%')).collect()
@@ -123,7 +122,7 @@ fn every_effect_has_its_frames_and_reasons() {
                 (json!([[5, 9]]), true, "k_r is above 0"),
             ],
         ),
-        // The floor, once it mirrors, could show the marble.
+        // The floor, once reflective, could show the marble.
         (
             "refraction",
             vec![
@@ -173,20 +172,20 @@ fn every_effect_has_its_frames_and_reasons() {
 #[test]
 fn costs_are_the_rays_and_bytes_that_effects_make() {
     let told = explained(&["--measure"]);
-    // Frame 0 has camera rays, frame 4 shadow rays too, frame 9 mirrored ones besides.
+    // Frame 0 has camera rays, frame 4 also shadow rays, and frame 9 also reflection rays.
     assert_eq!(told["measured"]["rays"], json!(CAMERA * (1.0 + 2.0 + 3.0) / 3.0));
     assert!(told["measured"]["seconds"].as_f64().unwrap() > 0.0);
-    // Rays in units of a frame's camera rays over the three frames, the largest error, and in how many of the three it is.
+    // Columns: rays over the three frames in units of a frame's camera rays, the largest error, and the number of frames with that error.
     for (name, rays, max_error, frames) in [
         ("ambient light", 0.0, 51, 3.0),
-        // In frame 9 the highlight asks the light too.
+        // In frame 9 the highlight needs the shadow rays, too.
         ("diffuse light", 1.0, 102, 2.0),
         ("highlights", 0.0, 51, 1.0),
         ("shadows", 2.0, 0, 0.0),
         ("clear shadows", 0.0, 0, 0.0),
         ("reflection", 1.0, 51, 1.0),
         ("refraction", 0.0, 0, 0.0),
-        // Three of four samples.
+        // It adds three of four samples.
         ("antialiasing", 0.75 * 6.0, 0, 0.0),
         ("motion blur", 0.0, 0, 0.0),
     ] {
@@ -256,7 +255,7 @@ fn only_the_chosen_frames_are_told() {
     let told = explained(&["--frames", "8,1-7x2", "--size", "8x2"]);
     assert_eq!((&told["width"], &told["height"], &told["frames"]), (&json!(8), &json!(2), &json!(5)));
     assert_eq!(told["measured"]["frames"], json!([1, 5, 8]));
-    // Runs have no gap among the chosen frames 1, 3, 5, 7 and 8.
+    // Spans have no gaps among the chosen frames 1, 3, 5, 7 and 8.
     assert_eq!(spans(&told, "highlights")[1].0, json!([[3, 7]]));
     assert_eq!(spans(&told, "highlights")[2].0, json!([[8, 8]]));
     let output = explain(&["scene.ron", "--frames", "2", "--size", "8x2"]);
@@ -294,7 +293,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
     }
 }
 
-/// A hundred million frames, of which ten thousand are looked at.
+/// Checks a timeline of a hundred million frames, of which ten thousand are examined.
 #[test]
 fn of_very_many_frames_some_are_looked_at() {
     let folder = tempfile::tempdir().unwrap();
@@ -304,13 +303,13 @@ fn of_very_many_frames_some_are_looked_at() {
     let told: Value = serde_json::from_str(&explain(&["--json"])).unwrap();
     assert_eq!((&told["frames"], &told["spread_over"]), (&json!(10_000), &json!(100_000_000)));
     assert_eq!(told["measured"]["frames"].as_array().unwrap().last(), Some(&json!(99_999_999)));
-    // The light goes on at frame 250 000, between frames 240 024 and 250 025 of those that are looked at.
+    // The light turns on at frame 250 000, between the examined frames 240 024 and 250 025.
     let lit = &spans(&told, "diffuse light")[1];
     assert_eq!((&lit.0, lit.1), (&json!([[250_025, 99_999_999]]), true));
     let words = explain(&[]);
     assert!(words.starts_with("long.ron: 10000 of 100000000 frames, spread evenly, of 64x36\n"), "{words}");
     assert!(words.contains("--frames looks at some of them one by one"), "{words}");
-    // As many as that are all looked at.
+    // Ten thousand chosen frames are all examined.
     let told: Value = serde_json::from_str(&explain(&["--json", "--frames", "240000-249999"])).unwrap();
     assert_eq!((&told["frames"], &told["spread_over"]), (&json!(10_000), &Value::Null));
     assert!(!explain(&["--frames", "7-8"]).contains("--frames"));

@@ -1,11 +1,11 @@
-//! `rayreel explain --path`: the drawing of a camera's path.
+//! Tests of `rayreel explain --path`: the drawing of a camera's path.
 
 use std::fs;
 use std::path::Path;
 
 use crate::{rayreel, text, told};
 
-/// A circle of radius 5, around a ball and a box on a floor, once in 4 seconds.
+/// A camera on a circle of radius 5 around a ball and a box on a floor, once in 4 seconds.
 const AROUND: &str = r#"Scene(
     timeline: (fps: 24, duration: 4),
     camera: (position: (0, 2, -8), target: (0, 1, 0)),
@@ -18,7 +18,7 @@ const AROUND: &str = r#"Scene(
     animate: [ (target: "camera", channel: Position, track: Orbit(center: (0, 2, 0), radius: 5, duration: 4)) ],
 )"#;
 
-/// Standard output, and the drawing.
+/// Returns standard output and the drawing.
 fn explain(arguments: &[&str]) -> (String, String) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("around.ron"), AROUND).unwrap();
@@ -27,7 +27,7 @@ fn explain(arguments: &[&str]) -> (String, String) {
     (told, fs::read_to_string(folder.path().join("path.svg")).unwrap())
 }
 
-/// An element with its attributes as they are written, and its text.
+/// An element with its unparsed attributes and its text.
 struct Element {
     name: String,
     attributes: String,
@@ -49,7 +49,7 @@ impl Element {
     }
 }
 
-/// Reads XML without comments and the like, and insists on its being well-formed.
+/// Parses XML without comments and the like. Panics if it is not well-formed.
 fn elements(drawing: &str) -> Vec<Element> {
     let (mut found, mut open) = (Vec::new(), Vec::new());
     for part in drawing.split('<').skip(1) {
@@ -94,7 +94,7 @@ fn the_drawing_has_two_views_and_two_charts() {
     let ticks: Vec<_> =
         of(&elements, "ticks").iter().map(|path| path.attribute("d").unwrap().matches('M').count()).collect();
     assert_eq!(ticks, [96, 96]);
-    // The ball in both views, an ellipse twice as long as wide in that from above.
+    // In the view from above, the ball is an ellipse twice as long as wide.
     let ball = elements.iter().find(|element| element.name == "ellipse").unwrap();
     assert!((ball.number("rx") / ball.number("ry") - 2.0).abs() < 1e-3);
 }
@@ -118,7 +118,7 @@ fn the_way_is_a_circle_on_the_page() {
     let (least, most) =
         radii.fold((f64::MAX, 0.0_f64), |(least, most), radius| (least.min(radius), most.max(radius)));
     assert!(least > 100.0 && most - least < 0.05, "{least} {most}");
-    // From +z, up the page, to +x, to the right.
+    // The path runs from +z, up the page, to +x, to the right.
     assert!(places[0][1] < middle[1] - 0.99 * least && places[24][0] > middle[0] + 0.99 * least);
 }
 
@@ -168,7 +168,7 @@ fn of_very_many_frames_some_are_drawn_and_the_last_is_among_them() {
         let fixed = ["explain", "long.ron", "--path", "path.svg"];
         told(folder.path(), [&fixed[..], frames].concat())
     };
-    // Once around, at the same speed all the while.
+    // The camera goes around once at constant speed.
     let all = told(&[]);
     assert!(
         all.starts_with("path.svg: 4000 of 14400 frames, a path of 31.4 units at 0.05 units a second"),
@@ -180,7 +180,7 @@ fn of_very_many_frames_some_are_drawn_and_the_last_is_among_them() {
     assert!(told(&["--frames", "0-3999"]).starts_with("path.svg: 4000 frames, "));
 }
 
-/// A second name of the old drawing keeps what it had: the new one takes its place, and is not written into it.
+/// Checks that the new drawing replaces the old file. A hard link to the old file keeps its content.
 #[test]
 fn a_drawing_is_whole_or_the_old_one_stays() {
     let folder = tempfile::tempdir().unwrap();

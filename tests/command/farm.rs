@@ -1,4 +1,4 @@
-//! Job scripts, held against what schedulers make of them.
+//! Tests of job scripts, run and parsed as schedulers do.
 
 use std::fs;
 use std::path::Path;
@@ -17,14 +17,14 @@ const SCENE: &str = r#"Scene(
     animate: [(target: "ball", channel: Translation, track: Keys([(0, (0, 0, 0)), (2, (0, 4, 0))]))],
 )"#;
 
-/// A folder whose scene has a name that needs quotes.
+/// Returns a folder with a scene whose name needs quotes.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("it's a $HOME.ron"), SCENE).unwrap();
     folder
 }
 
-/// What a scheduler does: runs what it is given, a shard after the other, and then what depends on them.
+/// Stand-in for `sbatch` that runs jobs at once: the shards of an array one after another, or a single job.
 #[cfg(unix)]
 const SBATCH: &str = r#"#!/bin/sh
 echo "$@" >> "$LOG"
@@ -90,7 +90,7 @@ fn run(folder: &Path, words: &[Value]) {
     assert!(output.status.success(), "{words:?}: {}", text(&output.stderr));
 }
 
-/// As its own parser takes it, where that is installed.
+/// Checks a file with the scheduler's own parser, if it is installed.
 fn checked_by(program: &str, arguments: &[&str], folder: &Path) {
     match command(program, folder).args(arguments).spawn() {
         Ok(child) => {
@@ -119,7 +119,7 @@ fn a_job_description_has_a_task_a_shard_and_verifies_them() {
         let put_in =
             |word: &Value| word.as_str().unwrap().replace("{{Task.Param.Shard}}", &shard.to_string()).into();
         let words: Vec<Value> = arguments.map(put_in).collect();
-        // Sessions have working directories of their own.
+        // Sessions have their own working directories.
         assert_eq!((&action["command"], &words[0]), (&"sh".into(), &"-c".into()));
         assert_eq!(Path::new(words[2].as_str().unwrap()), folder.canonicalize().unwrap());
         words[3..].to_vec()
@@ -183,7 +183,7 @@ fn what_jobs_would_stumble_over_is_told_before() {
     }
 }
 
-/// A word of a container's command as Kubernetes expands it: `$$` is `$`, and `$(JOB_COMPLETION_INDEX)` the index.
+/// Expands a word of a container's command as Kubernetes does: `$$` becomes `$`, and `$(JOB_COMPLETION_INDEX)` the index.
 fn expanded(word: &str, index: &str) -> String {
     let mut parts = word.split("$$");
     let first = parts.next().unwrap_or_default().to_owned();
@@ -191,7 +191,7 @@ fn expanded(word: &str, index: &str) -> String {
     parts.fold(replace(&first), |text, part| text + "$" + replace(part).as_str())
 }
 
-/// A path of a log as Slurm expands it: `%%` is `%`, `%a` the index, and a backslash switches that off.
+/// Expands a log path as Slurm does: `%%` becomes `%`, and `%a` the index. A backslash would disable the expansion.
 #[cfg(unix)]
 fn log_path(pattern: &str, index: &str) -> String {
     assert!(!pattern.contains('\\'), "{pattern}");
@@ -200,7 +200,7 @@ fn log_path(pattern: &str, index: &str) -> String {
     parts.fold(first, |text, part| text + "%" + part.replace("%a", index).as_str())
 }
 
-/// Parts of names and values that a shell, YAML or a scheduler reads in its own way.
+/// Parts of names and values that a shell, YAML or a scheduler interprets.
 #[cfg(unix)]
 const PARTS: [&str; 35] = [
     "'",
@@ -240,7 +240,7 @@ const PARTS: [&str; 35] = [
     "\u{ffff}",
 ];
 
-/// Parts that no script may hold.
+/// Parts that no script may contain.
 #[cfg(unix)]
 const REFUSED: [&str; 6] =
     ["\n", "\r", "\u{1b}[31m", "\ntouch spoiled\n", "\nRENDER\ntouch spoiled\n", "\u{2028}"];
@@ -254,13 +254,13 @@ fn odd_text() -> impl Strategy<Value = String> {
     proptest::collection::vec(part, 1..5).prop_map(|parts| parts.concat())
 }
 
-/// Records its arguments, each ended by a zero byte, in a file of its own.
+/// Script that records its arguments in its own file, each terminated by a zero byte.
 #[cfg(unix)]
 const RECORDER: &str = r#"#!/bin/sh
 printf '%s\0' "$@" > "$RECORDS/rayreel.$$"
 "#;
 
-/// Records its arguments likewise, and runs the job as `SBATCH` does.
+/// Script that records its arguments in the same way, and runs the job as `SBATCH` does.
 #[cfg(unix)]
 const RECORDING_SBATCH: &str = r#"#!/bin/sh
 printf '%s\0' "$@" > "$RECORDS/sbatch.$$"
@@ -273,7 +273,7 @@ rm "$RECORDS/job.$$"
 echo 7
 "#;
 
-/// The arguments of all commands of that name that ran, sorted.
+/// Returns the recorded arguments of all runs of a command, sorted.
 #[cfg(unix)]
 fn recorded(records: &Path, program: &str) -> Vec<Vec<String>> {
     let mut all = Vec::new();
@@ -287,7 +287,7 @@ fn recorded(records: &Path, program: &str) -> Vec<Vec<String>> {
     all
 }
 
-/// Documents of YAML as a parser of YAML reads them, where there is one, which must find what a parser of JSON finds.
+/// Returns the documents of a YAML stream, parsed as JSON. A YAML parser, if installed, must find the same.
 #[cfg(unix)]
 fn documents(folder: &Path, manifests: &str) -> Vec<Value> {
     const READ: &str = "import json, sys, yaml\nprint(json.dumps(list(yaml.safe_load_all(open(sys.argv[1], encoding='utf-8', newline='')))))";
@@ -317,7 +317,7 @@ fn strings(words: &Value) -> Vec<String> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever names and values hold, jobs get just these arguments and run nothing else, or nothing is printed.
+    /// Checks that jobs get exactly these arguments and run nothing else for any names and values, or that nothing is printed.
     #[test]
     fn jobs_run_what_was_given_and_nothing_else(name in odd_text(), out in odd_text(), value in odd_text()) {
         use std::os::unix::fs::PermissionsExt;

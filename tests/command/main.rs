@@ -1,4 +1,4 @@
-//! The `rayreel` command: its subcommands, as a person or a script meets them, and as a process among others.
+//! Tests of the `rayreel` command: its subcommands, as used by a person or a script, and its behaviour as a process.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
@@ -37,29 +37,29 @@ use std::time::{Duration, Instant};
 const FIRST_LIGHT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/first_light.ron");
 const RAYREEL: &str = env!("CARGO_BIN_EXE_rayreel");
 
-/// What must happen does so long before, even on a machine that is busy with other things.
+/// Time limit for expected events, generous enough for a busy machine.
 const AT_MOST: Duration = Duration::from_secs(300);
 
-/// A command in a folder, of which everything is heard.
+/// Returns a command that runs in a folder without input and with captured output.
 fn command(program: &str, folder: &Path) -> Command {
     let mut command = Command::new(program);
     command.current_dir(folder).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
 
-/// `rayreel` with these arguments, until it ends by itself.
+/// Runs `rayreel` with these arguments until it ends by itself.
 fn rayreel<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> Output {
     output_of(command(RAYREEL, folder).args(arguments).spawn().unwrap())
 }
 
-/// What `rayreel` tells with these arguments, where it must succeed.
+/// Runs `rayreel` with these arguments, which must succeed, and returns its standard output.
 fn told<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> String {
     let output = rayreel(folder, arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Waits for a process to end, and fails if it does not.
+/// Waits for a process to end, and returns its output. Panics after `AT_MOST`.
 fn output_of(mut child: Child) -> Output {
     let [stdout, stderr] = [all_of(child.stdout.take()), all_of(child.stderr.take())];
     let start = Instant::now();
@@ -96,7 +96,7 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The pictures in a folder.
+/// Returns the names of the PNG files in a folder.
 fn pictures(folder: &Path) -> Vec<String> {
     files(folder).into_iter().filter(|name| name.ends_with(".png")).collect()
 }
@@ -107,7 +107,7 @@ fn signal(child: &Child, name: &str) {
     assert!(status.success());
 }
 
-/// Waits until it is so.
+/// Waits until a condition is true. Panics after `AT_MOST`.
 #[cfg(unix)]
 fn until(what: &str, mut is: impl FnMut() -> bool) {
     let start = Instant::now();

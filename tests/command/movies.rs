@@ -1,4 +1,4 @@
-//! `render --movie`: refusals before rendering, and names of files.
+//! Tests of `render --movie`: refusals before rendering, and file names.
 
 use std::fs;
 use std::io::Write;

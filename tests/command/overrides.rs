@@ -1,4 +1,4 @@
-//! Values and effects in the place of the scene's own.
+//! Tests of options that override a scene's values and effects.
 
 use std::fs;
 use std::path::Path;
@@ -26,7 +26,7 @@ const THINGS: &str = "Scene(
 )
 ";
 
-/// Writes the scene, with texts in the place of others, and its part.
+/// Writes the scene and its included file, with text replacements.
 fn write(folder: &Path, edits: &[(&str, &str)]) {
     let edited = |text: &str| edits.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to));
     fs::create_dir_all(folder.join("parts")).unwrap();
@@ -34,7 +34,7 @@ fn write(folder: &Path, edits: &[(&str, &str)]) {
     fs::write(folder.join("parts/things.ron"), edited(THINGS)).unwrap();
 }
 
-/// The bytes of the scene's frame.
+/// Renders the scene's frame, and returns its pixels.
 fn frame(folder: &Path, arguments: &[&str]) -> Vec<u8> {
     told(folder, [&["render", "a.ron", "--out", "o", "--format", "ppm", "--json"], arguments].concat());
     image::open(folder.join("o/a.0000.ppm")).unwrap().to_rgb8().into_raw()
@@ -76,7 +76,7 @@ fn a_value_does_what_an_edit_does() {
         };
         write(folder, &edits);
         assert!(set == frame(folder, &[]), "{arguments:?}");
-        // At a depth of 1 nothing is mirrored.
+        // A depth of 1 traces no reflections.
         assert!(set != plain || arguments.contains(&"--depth"), "{arguments:?}");
     }
 }

@@ -1,7 +1,7 @@
-//! `rayreel probe`: what it tells of a pixel is what the picture shows, and what it tells of rays is what the engine says.
+//! Tests of `rayreel probe`: pixels must agree with the picture, and rays with the engine.
 //!
-//! Its trees are held against `tests/probe/*.txt`. `RAYREEL_BLESS=1 cargo test --test command probe` writes them anew; look
-//! at what changed before you keep it.
+//! Ray trees are compared with `tests/probe/*.txt`. `RAYREEL_BLESS=1 cargo test --test command probe` rewrites these files; review the
+//! changes before keeping them.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -31,7 +31,7 @@ fn probe(arguments: &[&str], input: &str) -> Output {
     command.write_stdin(input).output().unwrap()
 }
 
-/// The results of a call that must succeed.
+/// Returns the standard output of a call that must succeed.
 fn told(arguments: &[&str], input: &str) -> String {
     let output = probe(arguments, input);
     assert!(output.status.success() && output.stderr.is_empty(), "{arguments:?}: {}", text(&output.stderr));
@@ -51,7 +51,7 @@ fn shipped_scenes() -> Vec<PathBuf> {
     scenes
 }
 
-/// An `f32` that was written as an `f64`.
+/// Returns an `f32` that was written as an `f64`.
 #[expect(clippy::cast_possible_truncation, reason = "it is one")]
 fn single(value: f64) -> f32 {
     value as f32
@@ -79,7 +79,7 @@ fn every_pixel_of_the_shipped_scenes_has_the_color_that_its_rays_explain() {
     }
 }
 
-/// The mean of the colours of every pixel's samples, row by row.
+/// Returns the mean colour of every pixel's samples, row by row.
 fn means_of_samples(engine: &mut Engine, time: Time, film: &Film) -> Vec<rayreel::Rgb> {
     let samples = engine.sampling().map_or(1, |sampling| sampling.samples);
     let mut sums = vec![DVec3::ZERO; film.pixels().len()];
@@ -93,12 +93,12 @@ fn means_of_samples(engine: &mut Engine, time: Time, film: &Film) -> Vec<rayreel
     sums.into_iter().map(|sum| (sum / f64::from(samples)).as_vec3()).collect()
 }
 
-/// A copy of a scene in `folder` that has one sample a pixel, so that the sample's bytes are the pixel's.
+/// Copies a scene to `folder` with one sample per pixel, so that the bytes of a sample are the bytes of its pixel.
 fn with_one_sample(path: &Path, folder: &Path) -> PathBuf {
     let scene = fs::read_to_string(path).unwrap();
     let kept: Vec<&str> = scene.lines().filter(|line| !line.trim().starts_with("sampling:")).collect();
     let copy = folder.join(path.file_name().unwrap());
-    // The files that it names stay where they are.
+    // Paths of referenced files lead to the original folder.
     let beside = path.parent().unwrap().display();
     let naming = ["(file: \"", "File(\""];
     let text =
@@ -129,7 +129,7 @@ fn the_bytes_are_those_of_the_frame_file() {
                 let arguments = [&[scene, "--pixel", &pixel], size, when.as_slice()].concat();
                 let report = told_json(&arguments);
                 assert_eq!(report["bytes"], json!(picture.get_pixel(i, j).0), "{file} at {pixel}");
-                // The text says the same.
+                // The text output has the same bytes.
                 let text = told(&arguments, "");
                 let bytes = text.lines().find_map(|line| line.strip_prefix("bytes")).unwrap();
                 let bytes: Vec<u8> = bytes.split_whitespace().map(|byte| byte.parse().unwrap()).collect();
@@ -240,7 +240,7 @@ fn json_tells_what_the_tree_tells() {
         json!({ "name": "curtain", "order": 4, "file": "corner.ron", "line": 17 })
     );
 
-    // What goes to the pixel adds up to its colour.
+    // The contributions to the pixel add up to its colour.
     let sum = rays.iter().fold([0.0_f32; 3], |sum, ray| {
         let part = numbers(&ray["to_pixel"]);
         std::array::from_fn(|channel| sum[channel] + single(part[channel]))
@@ -295,7 +295,7 @@ fn rays_are_answered_in_order_from_a_file_and_from_standard_input() {
         {\"hit\":true,\"entity\":\"back mirror\",\"t\":4.0,\"point\":[0.0,0.0,-8.0],\"normal\":[0.0,0.0,1.0]}\n\
         {\"hit\":false}\n"
     );
-    // Nothing in, nothing but the header out.
+    // Empty input produces only the header.
     assert_eq!(told(&["corner.ron", "--rays", "-"], ""), format!("{HEADER}\n"));
     assert_eq!(told(&["corner.ron", "--rays", "-", "--json"], "\n"), "");
 }
@@ -312,7 +312,7 @@ fn rays_see_the_moment_that_was_asked_for_and_normals_face_them() {
     }
 }
 
-/// Rays from a fixed rule, over several batches.
+/// Returns rays by a fixed rule, enough for several batches.
 fn many_rays(count: u32) -> Vec<Ray> {
     let part =
         |index: u32, factor: u32| f64::from(index.wrapping_mul(factor) >> 8) / f64::from(1 << 24) - 0.5;
@@ -469,7 +469,7 @@ fn a_reader_that_goes_away_ends_it_quietly() {
     let mut child = probe.spawn().unwrap();
     let mut input = child.stdin.take().unwrap();
     let lines = csv_of(&many_rays(8_192));
-    // Until nobody listens any more.
+    // The feeder writes until the pipe is closed.
     let feeder = std::thread::spawn(move || (0..1_000).all(|_| input.write_all(lines.as_bytes()).is_ok()));
     let mut output = BufReader::new(child.stdout.take().unwrap());
     let mut line = String::new();

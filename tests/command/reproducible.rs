@@ -1,5 +1,5 @@
-//! The bytes of all files and streams: a function of the scene and the arguments, in every process.
-//! Only the settings file holds more, the seconds that frames took.
+//! Tests that the bytes of all files and streams depend only on the scene and the arguments, in every process. Only the settings file also
+//! contains the seconds that frames took.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::{FIRST_LIGHT, files, rayreel, text};
 
-/// Renders four frames in a process of its own. Returns the bytes of every file that was written, and those of standard output.
+/// Renders four frames in a new process. Returns the bytes of every written file and of standard output, without the seconds.
 fn rendered(folder: &Path, options: &[&str]) -> BTreeMap<String, Vec<u8>> {
     let arguments = ["render", FIRST_LIGHT, "--size=16x9", "--frames=0-3"];
     let output = rayreel(folder, arguments.iter().chain(options));
@@ -32,7 +32,7 @@ fn without_seconds(path: &Path) -> Vec<u8> {
 
 #[test]
 fn every_format_has_the_same_bytes_in_every_process() {
-    /// Two attributes in a random order would pass for a fixed one in 1 of 8^4 times.
+    /// Number of runs. Two attributes in random order would always match with a probability of 1 in 8^4.
     const PROCESSES: usize = 4;
     let folder = tempfile::tempdir().unwrap();
     for (options, count) in [

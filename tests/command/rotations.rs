@@ -1,4 +1,4 @@
-//! Rotation keys that are written further apart than half a turn, between which an entity turns the short way.
+//! Tests of warnings about rotation keys more than half a turn apart, between which an entity rotates the short way.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! Sequences that go on where they were interrupted, that are checked, and that are shared out.
+//! Tests of sequences that are resumed, verified, and divided into shards.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::{RAYREEL, command, output_of, pictures, rayreel, text, told};
 
-/// A film of three shots, of which the last is lit by a lamp of its own, and cut to so many seconds.
+/// Returns a film of three shots, cut to `duration` seconds and edited.
 fn film(duration: f64, edit: impl Fn(String) -> String) -> String {
     edit(format!(
         r#"Scene(
@@ -38,7 +38,7 @@ fn write_film(folder: &Path, duration: f64, edit: impl Fn(String) -> String) {
     fs::write(folder.join("film.ron"), film(duration, edit)).unwrap();
 }
 
-/// Renders, and returns the frames that were rendered, and those that were kept.
+/// Renders the film. Returns the rendered frames and the kept frames.
 fn render(folder: &Path, options: &[&str]) -> (Vec<u64>, Vec<u64>) {
     let arguments = ["render", "film.ron", "--out", "out", "--json"];
     let report: Value = serde_json::from_str(&told(folder, arguments.iter().chain(options))).unwrap();
@@ -48,7 +48,7 @@ fn render(folder: &Path, options: &[&str]) -> (Vec<u64>, Vec<u64>) {
     (numbers(&report["frames"], &|frame| frame["frame"].as_u64()), numbers(&report["kept"], &Value::as_u64))
 }
 
-/// What `verify` tells, which must exit with 0 just if all is whole.
+/// Returns the report of `verify`, which must exit with 0 exactly if the sequence is complete.
 fn verify(folder: &Path, options: &[&str]) -> Value {
     let output = rayreel(folder, ["verify", "out", "--json"].iter().chain(options));
     let verdict: Value =
@@ -57,7 +57,7 @@ fn verify(folder: &Path, options: &[&str]) -> Value {
     verdict
 }
 
-/// `render` must fail with these options, and say why.
+/// Checks that `render` fails with these options and reports the reason.
 fn assert_refused(folder: &Path, options: &[&str], why: &str) {
     let output = rayreel(folder, ["render", "film.ron"].iter().chain(options));
     assert!(!output.status.success());
@@ -68,7 +68,7 @@ fn all(range: std::ops::Range<u64>) -> Vec<u64> {
     range.collect()
 }
 
-/// All frames, with their bytes.
+/// Returns all frames with their bytes.
 fn frames(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     pictures(folder).into_iter().map(|name| (name.clone(), fs::read(folder.join(&name)).unwrap())).collect()
 }
@@ -83,14 +83,14 @@ fn only_what_an_edit_touches_is_rendered_again() {
     assert_eq!(verify(folder, &[])["whole"], true);
     let before = frames(&folder.join("out"));
 
-    // Names, comments and other ways to write the same are nothing that is seen.
+    // Other names, comments and equivalent notations do not change the pictures.
     write_film(folder, 3.0, |film| {
         let renamed = film.replace("clay", "terracotta").replace("\"ball\"", "\"globe\"");
         format!("// A film.\n{renamed}").replace("(255, 120, 60)", "\"#ff783c\"")
     });
     assert_eq!(render(folder, &[]), (vec![], all(0..12)));
 
-    // The last shot's camera, and then everything.
+    // First the last shot's camera changes, then every frame.
     write_film(folder, 3.0, |film| film.replace("(position: (4, 1, -8)", "(position: (4, 2, -8)"));
     let verdict = verify(folder, &[]);
     assert_eq!(verdict["stale"], serde_json::json!([8, 9, 10, 11]));
@@ -103,17 +103,17 @@ fn only_what_an_edit_touches_is_rendered_again() {
     assert_eq!(render(folder, &["--overwrite", "--frames=3"]), (vec![3], vec![]));
     assert_eq!(frames(&folder.join("out")), before);
 
-    // Other threads and the full kernel make the same; other settings do not.
+    // Other thread counts and the full kernel make the same frames; other settings do not.
     assert_eq!(render(folder, &["--threads", "1", "--full"]).0, Vec::<u64>::new());
     assert_eq!(render(folder, &["--frames=0", "--samples", "4"]).0, [0]);
     assert_eq!(render(folder, &["--frames=0", "--set", "film.transfer=Classic"]).0, [0]);
-    // A moment is kept as well as a frame.
+    // A frame at a time is kept like a numbered frame.
     assert_eq!(render(folder, &["--at=0.1s"]).1, Vec::<u64>::new());
     let again = told(folder, ["render", "film.ron", "--out", "out", "--at=0.1s", "--json"]);
     let report: Value = serde_json::from_str(&again).unwrap();
     assert_eq!((&report["kept"], &report["frames"]), (&serde_json::json!([null]), &serde_json::json!([])));
 
-    // The folder says with which settings it was rendered last.
+    // The folder records the settings of the last rendering.
     assert_eq!(verify(folder, &[])["to_render"], "1-11");
 }
 
@@ -140,12 +140,12 @@ fn a_film_made_shorter_names_what_is_left_over() {
 
     let output = rayreel(folder, ["render", "film.ron", "--out", "out", "--clean"]);
     assert!(text(&output.stderr).contains("removed 3 files"), "{}", text(&output.stderr));
-    // Of what was not rendered here nothing is removed.
+    // Files that were not rendered here are not removed.
     assert_eq!(pictures(&folder.join("out")).len(), 12);
     fs::remove_file(folder.join("out/film.9999.png")).unwrap();
     assert_eq!(verify(folder, &[])["whole"], true);
 
-    // Of another size they are no frames either, until they are rendered.
+    // Frames of another size are surplus if they are not requested, and stale if they are.
     assert_eq!(render(folder, &["--size", "16x9", "--frames=0"]).0, [0]);
     let verdict = verify(folder, &["--frames=0"]);
     assert_eq!(verdict["surplus"].as_array().unwrap().len(), 9);
@@ -175,7 +175,7 @@ fn no_torn_frame_is_taken_for_done() {
         assert_eq!(verdict["damage"][0]["frame"], 5);
         assert_eq!(render(folder, &[]).0, [5]);
     }
-    // Another frame, a picture without a fingerprint, and none at all.
+    // A copy of another frame, a picture without a fingerprint, and a missing file.
     fs::copy(path(0), path(11)).unwrap();
     image::RgbImage::new(32, 18).save(path(6)).unwrap();
     fs::remove_file(path(7)).unwrap();
@@ -210,7 +210,7 @@ fn shards_together_render_every_frame_once() {
         assert_eq!(frames(&folder.join("out")), whole);
         assert_eq!(verify(folder, &[])["whole"], true);
     }
-    // More shards than frames leave some without.
+    // With more shards than frames, some shards are empty.
     assert_eq!(render(folder, &["--shard", "5/7", "--frames", "0-2"]), (vec![], vec![]));
 }
 
@@ -222,7 +222,7 @@ fn chosen_samples_are_part_of_what_is_verified() {
     assert_eq!(render(folder, &["--max-error", "2"]).0, all(0..4));
     assert_eq!(verify(folder, &[])["whole"], true);
     assert_eq!(render(folder, &["--max-error", "2"]), (vec![], all(0..4)));
-    // Lost settings are found again.
+    // Lost settings are restored.
     fs::remove_file(folder.join("out/film.settings.json")).unwrap();
     assert_eq!(render(folder, &["--max-error", "2"]), (vec![], all(0..4)));
     assert_eq!(render(folder, &["--settings", "out/film.settings.json"]), (vec![], all(0..4)));
@@ -231,7 +231,7 @@ fn chosen_samples_are_part_of_what_is_verified() {
     assert_eq!(verify(folder, &[])["to_render"], "0-1,3");
 }
 
-/// Each writes beside the frames what it chose, and none loses what the others did.
+/// Checks that concurrent shards record their chosen samples next to the frames without losing the samples of other shards.
 #[test]
 fn shards_side_by_side_keep_each_others_samples() {
     let folder = tempfile::tempdir().unwrap();
@@ -259,7 +259,7 @@ fn drafts_and_other_places_are_verified_too() {
     write_film(folder, 1.0, |film| film);
     render(folder, &["--draft", "--format", "ppm"]);
     assert!(rayreel(folder, ["verify", "out/draft"]).status.success());
-    // The way from the folder to the scene stays, wherever both go.
+    // The folder and the scene can be moved together.
     fs::create_dir(folder.join("moved")).unwrap();
     for name in ["film.ron", "out"] {
         fs::rename(folder.join(name), folder.join("moved").join(name)).unwrap();
@@ -302,7 +302,7 @@ fn standard_output_takes_video() {
     }
 }
 
-/// Who has seen enough ends it, and that is no failure.
+/// Checks that a reader that closes the pipe ends the rendering without a failure.
 #[test]
 fn a_reader_of_standard_output_may_go() {
     use std::io::Read;
@@ -322,7 +322,7 @@ fn a_reader_of_standard_output_may_go() {
     assert!(!told.contains("error") && !told.contains("panicked"), "{told}");
 }
 
-/// Nobody can make a folder there, not even who may do everything.
+/// Checks folders that even root cannot create.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_that_cannot_be_written_is_named() {
@@ -339,7 +339,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     }
 }
 
-/// Every format has the light that the library makes, as exactly as it has room for.
+/// Checks that every format holds the library's light, as exactly as the format allows.
 #[test]
 fn every_format_has_the_same_light() {
     let folder = tempfile::tempdir().unwrap();
@@ -371,7 +371,7 @@ fn every_format_has_the_same_light() {
     assert!(planes_by_ffmpeg(&folder.join("out/film.0001.exr"), "gbrpf32le").unwrap() == planes(&film));
 }
 
-/// Frames without their backgrounds have what the library makes, as each format wants it: premultiplied or not.
+/// Checks that frames with alpha hold the library's values, premultiplied or not, as each format requires.
 #[test]
 fn frames_with_alpha_leave_the_background_out() {
     let folder = tempfile::tempdir().unwrap();
@@ -418,8 +418,7 @@ fn frames_with_alpha_leave_the_background_out() {
     assert!(exr == planes(&light).into_iter().chain(alpha).collect::<Vec<u8>>());
 }
 
-/// Returns the green, the blue, the red and, if it is asked for, the alpha of all pixels, as another program reads a file. `None` without
-/// that program.
+/// Returns the green, blue and red planes, and alpha if requested, as ffmpeg decodes a file. Returns `None` without ffmpeg.
 fn planes_by_ffmpeg(file: &Path, planes: &str) -> Option<Vec<u8>> {
     let mut command = std::process::Command::new("ffmpeg");
     let command = command.args(["-v", "error", "-i"]).arg(file);
@@ -546,7 +545,7 @@ fn programs_and_people_hear_what_they_want_to() {
         assert!(index == 0 || object["seconds"]["trace"].is_f64() && object["rays"]["camera"] == 32 * 18);
     }
     assert!(run(&["--progress", "none", "--overwrite"]).lines().count() == 2);
-    // With everything that is warned of, too.
+    // All warnings are reported, too.
     let faulty = r#"(camera: (position: (0, 0, -5), target: (0, 0, 0)), materials: { "m": (k_a: 1) }, film: (width: 16, height: 9),
         entities: [(name: "far", shape: Box(size: (1, 1, 1)), material: "m", transform: (translation: (1e17, 0, 0)))])"#;
     fs::write(folder.join("faulty.ron"), faulty).unwrap();
@@ -580,7 +579,7 @@ fn programs_and_people_hear_what_they_want_to() {
     assert_eq!(lines.iter().filter(about).count(), 2, "{details}");
 }
 
-/// A frame that takes very long tells how far it is, until one has seen enough.
+/// Checks that a very long frame reports its progress until it is interrupted.
 #[cfg(unix)]
 #[test]
 fn a_slow_frame_tells_how_far_it_is() {
@@ -614,7 +613,7 @@ fn a_slow_frame_tells_how_far_it_is() {
     }
 }
 
-/// A name without a place for the number is that of a single frame.
+/// Checks that a name without a placeholder for the number names a single frame.
 #[test]
 fn a_single_frame_has_the_name_that_is_given() {
     let folder = tempfile::tempdir().unwrap();
@@ -642,7 +641,7 @@ fn a_single_frame_has_the_name_that_is_given() {
     assert_eq!(fs::read(folder.join("out/hero.png")).unwrap(), kept);
 }
 
-/// What is not text is refused wherever text is read, instead of something else being written in its place.
+/// Checks that arguments that are not UTF-8 are refused wherever text is required, instead of being converted.
 #[cfg(unix)]
 #[test]
 fn arguments_that_are_not_text_are_refused() {

@@ -1,4 +1,4 @@
-//! Sheets of frames, and drafts, as a person or a script asks for them.
+//! Tests of contact sheets and of drafts.
 
 use std::fs;
 use std::path::Path;
@@ -12,12 +12,12 @@ use crate::{FIRST_LIGHT, files, rayreel, told};
 
 const NEWTONS_CRADLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/newtons_cradle.ron");
 
-/// Pixels around tiles.
+/// Width in pixels of the gap around tiles.
 const GAP: u32 = 8;
-/// Rows of pixels from a tile to the one below, where tiles are less than 800 pixels wide.
+/// Distance in pixels from a tile to the tile below, for tiles less than 800 pixels wide.
 const BETWEEN_ROWS: u32 = 5 + 9 + GAP;
 
-/// The JSON report of a rendering that succeeds.
+/// Renders successfully, and returns the JSON report.
 fn render(folder: &TempDir, scene: &str, arguments: &[&str]) -> Value {
     let told = told(folder.path(), [&["render", scene, "--json"], arguments].concat());
     serde_json::from_str(&told).unwrap()
@@ -31,7 +31,7 @@ fn frames(report: &Value) -> Vec<u64> {
     report["frames"].as_array().unwrap().iter().map(|frame| frame["frame"].as_u64().unwrap()).collect()
 }
 
-/// Holds every tile of the sheet in `out` against the frame file that the same arguments make without `--sheet`.
+/// Checks that every tile of the sheet equals the frame in `out` that the same arguments make without `--sheet`.
 fn assert_tiles_are_frames(folder: &TempDir, scene: &str, report: &Value, arguments: &[&str], out: &str) {
     let side = |value: &Value| u32::try_from(value.as_u64().unwrap()).unwrap();
     let sheet = picture(&folder.path().join(report["sheet"]["file"].as_str().unwrap()));

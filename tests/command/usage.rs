@@ -1,4 +1,4 @@
-//! The `rayreel` command as a person or a script meets it.
+//! Tests of the `rayreel` command as a person or a script uses it.
 
 use std::fs;
 #[cfg(unix)]
@@ -54,7 +54,7 @@ fn frames_moments_sizes_and_formats_can_be_chosen() {
     let moments = ["first_light.0036.ppm", "first_light.at-1.5s.ppm"];
     let all = [names.as_slice(), &moments, &["first_light.sequence.json"]].concat();
     assert_eq!(files(&folder.path().join("o")), all);
-    // 1.5 s is frame 36 of 24 a second.
+    // At 24 frames per second, 1.5 s is frame 36.
     let [frame, moment] = moments.map(|name| fs::read(folder.path().join("o").join(name)).unwrap());
     assert_eq!(frame, moment);
     assert_eq!(image::load_from_memory(&frame).unwrap().to_rgb8().dimensions(), (32, 18));
@@ -121,7 +121,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
     assert_eq!(files(&folder.path().join("out")), Vec::<String>::new());
 }
 
-/// An option's value that starts with a hyphen is a wrong value, and no option that nobody knows.
+/// Checks that an option's value that starts with a hyphen is reported as an invalid value, not as an unknown option.
 #[test]
 fn values_with_a_hyphen_are_answered_with_what_would_be_right() {
     let folder = tempfile::tempdir().unwrap();
@@ -147,7 +147,7 @@ fn values_with_a_hyphen_are_answered_with_what_would_be_right() {
             let error = text(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{command} {option} {value}");
             assert!(error.contains(told) && !error.contains("tip"), "{command} {option} {value}: {error}");
-            // Words of programmers.
+            // Messages contain no programming jargon.
             assert!(!error.contains("..=") && !error.contains("invalid digit"), "{error}");
         }
     }
@@ -180,7 +180,7 @@ fn a_frame_that_cannot_be_written_is_told_and_others_stay() {
     assert_eq!(pictures(&folder.path().join("o")), ["first_light.0000.png", "first_light.0001.png"]);
 }
 
-/// From frame 6 on, its script gives no value.
+/// A scene whose script fails at frame 6.
 const FAILS_MIDWAY: &str = r#"(
     timeline: (fps: 10, duration: 1.2),
     film: (width: 8, height: 8),
@@ -208,7 +208,7 @@ fn a_script_that_fails_midway_leaves_a_report_of_what_was_written() {
 
     let output = run(&["--out", "people"]);
     assert!(text(&output.stderr).contains("6 frames in "), "{}", text(&output.stderr));
-    // On a sheet, none of them is written.
+    // On a sheet, no frame is written.
     let output = run(&["--out", "sheet", "--sheet", "3x4", "--json"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((report["frames"].as_array().unwrap().len(), report["sheet"].is_null()), (6, true));
@@ -274,7 +274,7 @@ fn help_shows_examples_and_completions_are_scripts() {
     assert!(text(&rayreel(folder.path(), ["completions", "bash"]).stdout).contains("_rayreel"));
 }
 
-/// Starts a long rendering, and gives it time for a few frames.
+/// Starts a long rendering, and waits for its first frames.
 #[cfg(unix)]
 fn start_long_rendering(folder: &Path) -> (Child, PathBuf) {
     let arguments = ["render", FIRST_LIGHT, "--size", "960x540", "--json"];
@@ -290,7 +290,7 @@ fn start_long_rendering(folder: &Path) -> (Child, PathBuf) {
 fn an_interruption_leaves_whole_files_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let (child, out) = start_long_rendering(folder.path());
-    // Shells let what they start in the background ignore SIGINT.
+    // Shells start background processes with SIGINT ignored.
     signal(&child, "TERM");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(143), "{}", text(&output.stderr));

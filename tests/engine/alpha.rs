@@ -1,4 +1,4 @@
-//! Pictures without their backgrounds, held against the reference path and against pictures with them.
+//! Tests of pictures with alpha, against the reference path and against pictures with backgrounds.
 
 use std::ops::ControlFlow::Continue;
 use std::sync::atomic::AtomicBool;
@@ -10,7 +10,7 @@ use rayreel::{Engine, Rgb, Time};
 
 const SIZE: (u32, u32) = (45, 27);
 
-/// A shipped scene at a small size, with so many samples, or as many as an error takes.
+/// Returns an engine with a shipped scene at a small size and these sampling settings.
 fn engine(scene: &str, samples: u32, max_error: f32) -> Engine {
     let path = format!("{}/scenes/{scene}.ron", env!("CARGO_MANIFEST_DIR"));
     let mut engine = Engine::load(path).unwrap();
@@ -52,7 +52,7 @@ fn what_is_covered_and_the_background_are_the_picture() {
         if max_error == 0.0 {
             assert_eq!(engine.report().rays, report.rays);
         } else {
-            // The error of alpha counts, so that pixels may take more samples; and the picture is another one.
+            // The error of alpha counts, too, so pixels may take more samples, and the pictures differ.
             assert!(engine.report().rays.camera >= report.rays.camera);
             continue;
         }
@@ -81,7 +81,7 @@ fn what_is_covered_and_the_background_are_the_picture() {
     }
 }
 
-/// Before a sky of two colours: clear glass, that may tint what is behind it, and a mirror.
+/// A transparent, a tinted and a reflective ball in front of a background of two colours.
 const GLASS: &str = r#"
     Scene(
         film: (width: 45, height: 27),
@@ -99,7 +99,7 @@ const GLASS: &str = r#"
         ],
     )"#;
 
-/// Mirrors and glass show the background, and cover it; so does fog.
+/// Checks that mirrors and glass cover the background that they show, and that fog covers it.
 #[test]
 fn what_meets_something_covers_the_background() {
     let fog = render(&mut engine("foggy_avenue", 2, 0.0), Time::ZERO);

@@ -1,10 +1,10 @@
-//! Cameras on paths and orbits, as scenes write them and as frames have them.
+//! Tests of cameras on paths and orbits, from the text of a scene to its frames.
 
 use glam::DVec3;
 
 use rayreel::{Engine, Scene};
 
-/// A scene of a camera that moves, 24 frames a second.
+/// Returns an engine with a moving camera, at 24 frames per second.
 fn engine(duration: f64, animate: &str) -> Engine {
     let text = format!(
         "Scene(
@@ -17,7 +17,7 @@ fn engine(duration: f64, animate: &str) -> Engine {
     Engine::from_scene(Scene::from_text("moving.ron", text).unwrap())
 }
 
-/// Where the eye is in each frame.
+/// Returns the position of the camera in each frame.
 fn eyes(engine: &mut Engine) -> Vec<DVec3> {
     let timeline = engine.timeline();
     let eye = |frame| {
@@ -70,7 +70,7 @@ fn a_closed_path_loops_without_a_doubled_frame_and_without_a_kink() {
         assert!(
             (at.distance(before) / mean - 1.0).abs() < 0.01 && (after.distance(at) / mean - 1.0).abs() < 0.01
         );
-        // The way turns by less than ten degrees there, as it does between any two frames around.
+        // There the path turns by less than ten degrees, as between the frames around it.
         assert!((at - before).angle_between(after - at) < 10_f64.to_radians());
     }
 }
@@ -109,7 +109,7 @@ fn an_orbit_goes_from_z_to_x_about_y() {
     }
 }
 
-/// What stands in `repeat`, `offset` and `speed` goes for ways too.
+/// Checks that `repeat`, `offset` and `speed` apply to paths, too.
 #[test]
 fn ways_are_played_like_keys() {
     let keys = "track: Keys([(1, (0, 0, 0)), (3, (4, 0, 0))])";
@@ -146,7 +146,7 @@ fn entities_and_targets_go_along_ways_too() {
     assert!(engine.camera().unwrap().axes()[2].distance(expected) < 1e-14);
 }
 
-/// However a target moves, it stays at its last point, and the view turns no further while the camera stands.
+/// Checks that targets stay at the end of their tracks, and that the view of a camera at rest then turns no further.
 #[test]
 fn targets_hold_where_their_ways_end() {
     for track in [
@@ -167,7 +167,7 @@ fn targets_hold_where_their_ways_end() {
         let turning: Vec<usize> = (0..144).filter(|frame| views[*frame] != held).collect();
         let last = turning.last().copied().unwrap();
         assert!((20..72).contains(&last), "{track}: {last}");
-        // As far as in the frame before, and not more.
+        // The last step is about as large as the step before, or smaller.
         let turn = |frame: usize| views[frame].angle_between(views[frame + 1]);
         assert!(turn(last) <= 1.5 * turn(last - 1), "{track}: {} {}", turn(last), turn(last - 1));
     }

@@ -1,4 +1,4 @@
-//! Cameras that are tied to things, that roll, and that take turns; and moments that leave a view or an upright open.
+//! Tests of cameras that are attached to entities, that roll, and that alternate in shots; and of undefined views and up vectors.
 
 use glam::{DMat3, DVec3};
 
@@ -6,7 +6,7 @@ use rayreel::components::{Camera, Parent, Transform, View};
 use rayreel::systems::{Preparation, animate, propagate};
 use rayreel::{Changes, Effect, Engine, Entity, Film, Scene, Time, World, trace};
 
-/// A scene with these cameras and animations; 3 x 3 pixels, so that there is one in the middle.
+/// Returns a scene with these cameras and animations, and 3 x 3 pixels, so that one pixel is in the middle.
 fn text(cameras: &str, animate: &str) -> String {
     format!(
         "Scene(
@@ -35,7 +35,7 @@ fn time(tenths: u64) -> Time {
     Time::from_ratio(tenths, 10).unwrap()
 }
 
-/// Where the camera stands, and its axes: right, up and forward.
+/// The position and the axes of a camera: right, up and forward.
 #[derive(Clone, Copy, Debug)]
 struct CameraPose {
     eye: DVec3,
@@ -62,7 +62,7 @@ impl CameraPose {
         self.eye.is_finite() && square.abs_diff_eq(DMat3::IDENTITY, 1e-14)
     }
 
-    /// The angle from one to the other.
+    /// Returns the angle of the rotation between two cameras.
     fn turned(self, other: Self) -> f64 {
         let turn = self.axes.transpose() * other.axes;
         let trace = turn.x_axis.x + turn.y_axis.y + turn.z_axis.z;
@@ -80,7 +80,7 @@ fn close(found: DVec3, expected: DVec3) {
 
 #[test]
 fn a_camera_with_a_parent_stands_in_its_space() {
-    // +90 degrees about y take z to x; lengths double.
+    // A rotation by +90 degrees about y takes z to x; the scale doubles lengths.
     let found =
         pose("position: (0, 0, -1), target: (0, 0, 3), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
     close(found.eye, DVec3::new(2.0, 2.0, -2.0));
@@ -88,7 +88,7 @@ fn a_camera_with_a_parent_stands_in_its_space() {
     close(found.axes.y_axis, DVec3::new(0.0, 1.0, -1.0).normalize());
     let view = pose("position: (0, 0, -1), view: (0, 0, 4), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
     assert_eq!((found.eye, found.axes), (view.eye, view.axes));
-    // And goes with it.
+    // The camera moves with its parent.
     let drive = "(target: \"car\", channel: Translation, track: Keys([(0, (4, 0, -2)), (1, (14, 0, -2))]))";
     let later = pose("position: (0, 0, -1), view: (0, 0, 1), parent: \"wagon\"", drive, time(5));
     close(later.eye, DVec3::new(7.0, 2.0, -2.0));
@@ -136,10 +136,10 @@ fn alone(cameras: &str, name: &str, moment: Time) -> Film {
 
 #[test]
 fn a_cut_belongs_to_the_frame_at_its_time_and_to_all_of_its_instants() {
-    // 0.3 and 0.7 are no binary numbers; frames at 3/10 and 7/10 are theirs all the same.
+    // 0.3 and 0.7 are not exact in binary, but the frames at 3/10 and 7/10 belong to their shots.
     let shots = "shots: [(0.3, \"side\"), (0.7, \"top\"), (1.15, \"camera\")],";
     let mut engine = Engine::from_scene(read(&text(&format!("{CAMERAS} {shots}"), ROLLING)));
-    // Out of order: nothing is left over from the frame before.
+    // The frames are out of order, to show that no state is left over from the frame before.
     for frame in [6, 7, 2, 3, 0, 11, 12, 15, 1] {
         let name = match frame {
             ..7 => "side",
@@ -205,8 +205,8 @@ fn parents_that_are_gone_or_in_rings_leave_a_frame() {
     }
 }
 
-/// Away from the axis of `up`, frames turn by little more than the view does; over the top they turn by half a turn at once,
-/// and not at all with an `up` that the path does not cross.
+/// Checks the rotation of the camera between frames. Away from the axis of `up`, it is little more than the rotation of the view. Over the
+/// top, the camera turns by half a turn at once, unless `up` is an axis that the path does not cross.
 #[test]
 fn neighbouring_frames_turn_as_their_path_does() {
     let steps = |up: DVec3, place: &dyn Fn(f64) -> DVec3| -> Vec<(f64, f64)> {
@@ -230,24 +230,24 @@ fn neighbouring_frames_turn_as_their_path_does() {
         });
         turns.collect()
     };
-    // A round flight, through the target's height and back: at most 45 degrees from the horizon.
+    // A round flight through the target's height, at most 45 degrees from the horizon.
     let round = |s: f64| DVec3::new(libm::cos(3.1 * s), 0.7 * libm::sin(6.2 * s), libm::sin(3.1 * s)) * 5.0;
     for (view, turn) in steps(DVec3::Y, &round) {
         assert!(turn < 1.5 * view + 1e-6, "{turn} of {view}");
     }
-    // Straight over the target, with the top of the way among the frames.
+    // A path straight over the target, with its highest point in one of the frames.
     let over = |s: f64| DVec3::new(0.0, libm::cos(2.0 * s), libm::sin(2.0 * s)) * 5.0;
     let jumps = |up| steps(up, &over).into_iter().filter(|(view, turn)| *turn > 1.5 * view + 1e-6).count();
     assert_eq!(jumps(DVec3::Y), 1);
     assert_eq!(jumps(DVec3::X), 0);
-    // Through the target: half a turn of the view itself.
+    // A path through the target, where the view itself makes half a turn.
     let through = |s: f64| DVec3::new(5.0 * s, 0.0, 0.0);
     let turned = steps(DVec3::Y, &through).into_iter().filter(|(_, turn)| *turn > 1e-6).count();
     assert_eq!(turned, 2);
 }
 
-/// The example of the scene manual: no perspective, so that balls of one size are of one size in the picture however deep they
-/// are, where the screen's own units say.
+/// Checks the example of the scene manual: without perspective, balls of one size have the same size in the picture at any depth, in the
+/// units of the screen.
 #[test]
 fn a_camera_far_away_with_its_screen_among_the_things_shows_no_perspective() {
     const SIDE: u32 = 81;

@@ -1,4 +1,4 @@
-//! Crowds of which a few change from frame to frame: the tree over the shapes is mostly refitted, and the picture does not tell.
+//! Tests of crowds in which a few entities change from frame to frame: the BVH is mostly refitted, which must not affect the pictures.
 
 use glam::{DQuat, DVec3};
 
@@ -25,8 +25,8 @@ fn clay(random: &mut Random) -> Material {
     Material { k_a: 0.3, k_d: 0.7, color, ambient_color: None }
 }
 
-/// Spheres, ellipsoids, boxes along the axes and turned ones, some of them mirrors and some of glass, on a plane and in front of a
-/// huge sphere.
+/// Returns a world of spheres, ellipsoids, axis-aligned and rotated boxes, some of them mirrors or glass, on a plane and in front of a huge
+/// sphere, and the entities of the crowd.
 fn crowd(seed: u64) -> (World, Vec<Entity>) {
     let mut random = Random(seed);
     let mut world = World::new();
@@ -67,8 +67,8 @@ fn crowd(seed: u64) -> (World, Vec<Entity>) {
     (world, crowd)
 }
 
-/// Moves some, mostly a little: now and then one far away, onto another one, or out of sight for having no size or no place. Now and
-/// then one comes, goes, is hidden or is shown again.
+/// Changes some entities, mostly by a small move. Rarely, an entity moves far away or onto another one, or becomes invisible because its
+/// size is 0 or its position is not finite. Rarely, an entity is added, removed, hidden or shown again.
 fn disturb(context: &mut Context<'_>, crowd: &[Entity]) {
     let mut random = Random(context.time.seconds().to_bits());
     for _ in 0..random.index(COUNT / 20) {
@@ -122,7 +122,7 @@ fn engine(seed: u64) -> Engine {
     engine
 }
 
-/// What rays from in front of the crowd hit.
+/// Returns the hits of rays from in front of the crowd.
 fn hits(engine: &Engine) -> Vec<Option<(Entity, f64)>> {
     let mut random = Random(5);
     let origin = DVec3::new(0.0, 1.0, -12.0);
@@ -141,7 +141,7 @@ fn films_and_hits_do_not_tell_how_often_the_tree_was_refitted() {
             builds += along.report().bvh_builds;
             refits += along.report().bvh_refits;
             if frame % 9 == 8 {
-                // On its own, all steps are made before anything is prepared.
+                // A fresh engine runs all steps before it prepares anything.
                 let mut alone = engine(seed);
                 assert!(alone.render_frame(frame).unwrap() == film, "frame {frame} of {seed} alone");
                 assert_eq!(alone.report().bvh_refits, 0);
@@ -163,7 +163,7 @@ fn the_tree_is_refitted_while_few_move_and_built_when_many_do() {
     let (world, crowd) = crowd(1);
     let mut engine = Engine::new(world);
     engine.add_stepped_system(Step::per_second(24), move |context| {
-        // Half of them in every fifth step, and otherwise one.
+        // In every fifth step half of the crowd moves, otherwise one entity.
         let many = (context.time.seconds() * 24.0).round() % 5.0 == 0.0;
         for entity in crowd.iter().take(if many { COUNT / 2 } else { 1 }) {
             context.world.get::<&mut Transform>(*entity).unwrap().translation.x += 0.01;

@@ -1,4 +1,4 @@
-//! Films of output bytes: those of linear light, encoded.
+//! Tests that films of output bytes equal encoded linear films.
 
 use std::ops::ControlFlow::Continue;
 use std::sync::atomic::AtomicBool;
@@ -7,7 +7,7 @@ use rayreel::color::Transfer;
 use rayreel::trace::Signals;
 use rayreel::{Engine, Film, Scene, Time};
 
-/// A scene with these film settings and samples, in which light goes from none to more than a film holds.
+/// Returns a scene with these film and sampling settings, whose light ranges from none to more than a film can hold.
 fn engine(film: &str, sampling: &str) -> Engine {
     let text = format!(
         r#"Scene(

@@ -1,5 +1,4 @@
-//! Every value that can move moves: in the world and in the picture, and its keys show what a scene shows in which the value
-//! is written once and for all.
+//! Tests that every animatable value moves in the world and in the picture, and that its keys show the same as scenes with constant values.
 
 use glam::DVec3;
 
@@ -11,7 +10,7 @@ use rayreel::{Effect, Engine, Need, Rgb, Scene, Time};
 
 use crate::named;
 
-/// A scene in which every value can be written in place of its `@word`.
+/// A scene in which a value can replace each `@word`.
 const SCENE: &str = r##"Scene(
     timeline: (fps: 10, duration: 3),
     film: (width: 32, height: 20),
@@ -61,7 +60,7 @@ const SCENE: &str = r##"Scene(
     animate: [@animate],
 )"##;
 
-/// What is written where nothing else is said.
+/// Default values of the words.
 const PLAIN: [(&str, &str); 38] = [
     ("position", "(0, 1.5, -6)"),
     ("view", "target: (0, 0, 0)"),
@@ -103,10 +102,10 @@ const PLAIN: [(&str, &str); 38] = [
     ("animate", ""),
 ];
 
-/// How a property is animated, and how it is written: `{}` is the value, in place of a word of the scene.
+/// The animation target and the notation of a property. `{}` in `written` is the value; the result replaces a word of the scene.
 struct Case {
     target: &'static str,
-    /// Whose value it is.
+    /// Name of the entity that has the value.
     owner: &'static str,
     word: &'static str,
     written: &'static str,
@@ -202,7 +201,7 @@ fn case(property: Property) -> Case {
 }
 
 fn scene(words: &[(&str, String)]) -> String {
-    // Longer words first: one may begin with another.
+    // Longer words come first, because a word may begin with another.
     let mut plain: Vec<_> = PLAIN.iter().collect();
     plain.sort_by_key(|(word, _)| std::cmp::Reverse(word.len()));
     plain.iter().fold(SCENE.to_owned(), |text, (word, default)| {
@@ -223,7 +222,7 @@ fn seconds(seconds: u64) -> Time {
     Time::from_ratio(seconds, 1).unwrap()
 }
 
-/// With the last value written, and keys from the first to the last in two seconds.
+/// Returns a scene with the last value written, and with keys from the first to the last in two seconds.
 fn moving(property: Property, case: &Case, shutter: &str) -> Engine {
     let [first, last] = case.values;
     let keys = format!("Keys([(0, {first}), (2, {last})])");
@@ -240,7 +239,7 @@ fn every_value_moves_in_the_world_and_in_the_picture() {
         let mut moving = moving(property, &case, "");
         let owner = named(&moving, case.owner);
         let mut shown = Vec::new();
-        // And back: only what changes is brought up to date.
+        // Going back updates only changed values.
         for time in [0, 2, 0, 1] {
             let film = moving.render_at(seconds(time)).unwrap();
             let value = value(moving.world(), owner, property).unwrap();
@@ -264,7 +263,7 @@ fn every_value_moves_in_the_world_and_in_the_picture() {
     }
 }
 
-/// What moves while the shutter is open blurs, and a shutter that sees nothing move is left out.
+/// Checks that values that move while the shutter is open cause motion blur, and that motion blur is disabled if nothing moves.
 #[test]
 fn every_value_moves_while_the_shutter_is_open() {
     for property in Property::ALL {
@@ -299,7 +298,7 @@ fn colours_blend_as_light() {
     assert!((classic - Rgb::new(0.5, 94.0 / 255.0, 0.0)).length() < 1e-7);
 }
 
-/// Where curves overshoot: with `OutBack` and from near the bound, most of the time.
+/// Checks tracks that would leave their range: `OutBack` overshoots an end near the bound.
 #[test]
 fn swinging_curves_stay_in_range() {
     for (property, target, word, written, keys, lowest) in [
@@ -341,7 +340,7 @@ fn handles_are_in_the_units_of_their_values() {
         let property = Property::ALL.into_iter().find(|property| property.name() == channel).unwrap();
         value(engine.world(), named(&engine, target), property).unwrap()
     };
-    // Half-way, 3/8 of each handle is added to the middle.
+    // Half-way, 3/8 of each handle is added to the mean of the keys.
     let radius = at_one("ball", "Radius", "(0, 1, Handles(2, 4)), (2, 2)");
     assert_eq!(radius, Value::Number(1.5 + 0.375 * 6.0));
     let place =
@@ -355,7 +354,7 @@ fn handles_are_in_the_units_of_their_values() {
     assert!((color - Rgb::new(0.0, 0.125, 0.5)).length() < 1e-6);
 }
 
-/// Is a track taken, when the scene is read and when a frame is made?
+/// Returns true if a track is accepted, by the reader and at the first frame.
 fn is_taken(property: Property, case: &Case, track: &str) -> bool {
     let animation = format!("({}, channel: {}, track: {track})", case.target, property.name());
     let written = (case.word, case.written.replace("{}", case.values[0]));
@@ -363,7 +362,7 @@ fn is_taken(property: Property, case: &Case, track: &str) -> bool {
     scene.is_ok_and(|scene| Engine::from_scene(scene).seek(seconds(0)).is_ok())
 }
 
-/// Light, colours and coefficients are held to their ranges instead.
+/// Returns true for light, colours and coefficients, which are clamped to their ranges instead.
 fn is_held(property: Property) -> bool {
     use Property::{Ka, Kd, Kr, Ks, Kt, Shininess, Softness};
     matches!(property.notation(), Notation::Light | Notation::Color)

@@ -1,5 +1,5 @@
-//! Whatever is in a world, nothing panics, every film is as large as it should be and finite, and every shape is either drawn
-//! or named among the faults.
+//! Tests that no world causes a panic, that every film has the right size and finite pixels, and that every shape is either drawn or
+//! reported as faulty.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +18,7 @@ use rayreel::components::{
 use rayreel::systems::{Consequence, FaultCause};
 use rayreel::{Context, Engine, Entity, Fault, Film, Ray, Rgb, Time, World};
 
-/// Any number at all, and most often one that means trouble.
+/// Generates any numbers, with a high share of problematic ones.
 fn number() -> impl Strategy<Value = f64> {
     let trouble = [
         0.0,
@@ -130,7 +130,7 @@ fn light() -> impl Strategy<Value = Light> {
         Just(LightKind::Point),
         (number(), number()).prop_map(|(angle, softness)| LightKind::Spot { angle, softness }),
         vector().prop_map(|direction| LightKind::Directional { direction }),
-        // The most samples are right, and slow.
+        // Larger sample counts are valid, but slow.
         (area, samples).prop_map(|(shape, samples)| LightKind::Area { shape, samples: samples.min(5) }),
     ];
     let falloff = (number(), number(), number()).prop_map(|(constant, linear, quadratic)| Falloff {
@@ -143,14 +143,14 @@ fn light() -> impl Strategy<Value = Light> {
     )
 }
 
-/// An entity: every part of it may be missing.
+/// An entity. Any of its components may be missing.
 #[derive(Clone, Debug)]
 struct Thing {
     shape: Option<Shape>,
     looks: Option<Looks>,
     light: Option<Light>,
     transform: Option<Transform>,
-    /// Which of the entities, itself among them, or one that is gone.
+    /// Index of the parent among all entities, including the entity itself and a despawned one.
     parent: Option<prop::sample::Index>,
 }
 
@@ -321,13 +321,13 @@ fn check_film(engine: &Engine, film: &Film) -> TestCaseResult {
     Ok(())
 }
 
-/// Shapes that are left out of the picture.
+/// Returns the shapes that are not drawn.
 fn not_drawn(faults: &[Fault]) -> BTreeSet<Entity> {
     let left_out = faults.iter().filter(|fault| fault.consequence == Consequence::NotDrawn);
     left_out.map(|fault| fault.entity).collect()
 }
 
-/// Every shape is named if and only if nothing of it can be met; and what is named can say why and what to do.
+/// Checks that a shape is reported if and only if rays cannot hit it, and that every fault has a message and a remedy.
 fn check_faults(engine: &Engine) -> TestCaseResult {
     let faults = engine.faults();
     for fault in &faults {
@@ -366,7 +366,7 @@ proptest! {
         let _ = engine.cast(Ray { origin: DVec3::ZERO, direction: DVec3::ONE });
         let _ = engine.plan();
 
-        // The same, of what a system makes of the world and declares entity by entity.
+        // The same checks follow for a system that changes the world and declares its changes entity by entity.
         let entities: Vec<Entity> = engine.world().query::<hecs::With<Entity, &Shape>>().iter().collect();
         engine.register::<WorldTransform>();
         engine.add_system(move |context: &mut Context<'_>| {
@@ -396,10 +396,10 @@ proptest! {
             let film = engine.render_at(seconds.parse().unwrap()).unwrap();
             check_film(&engine, &film)?;
             check_faults(&engine)?;
-            // While a shutter is open, a film ends at another moment.
+            // With an open shutter, rendering leaves the world at another time.
             engine.seek(seconds.parse().unwrap()).unwrap();
             let faults = engine.faults();
-            // As an engine finds them that sees this world for the first time.
+            // After `world_mut` the engine reads the whole world again, and must find the same faults.
             engine.world_mut();
             engine.seek(seconds.parse().unwrap()).unwrap();
             prop_assert_eq!(format!("{:?}", engine.faults()), format!("{:?}", faults));
@@ -411,7 +411,7 @@ fn clay() -> Material {
     Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None }
 }
 
-/// What an engine says of an entity, and how to mend it.
+/// Returns the message and the remedy of an entity's only fault.
 fn said(build: impl FnOnce(&mut World) -> Entity) -> (String, String) {
     let mut world = World::new();
     let entity = build(&mut world);
@@ -487,7 +487,7 @@ fn faults_say_what_is_wrong_in_plain_words() {
     assert_eq!(shallow.0, "is not as it says: its depth is 0, and counts as 1");
 }
 
-/// A box that is lost, and a ball that is scaled to nothing twice on its way.
+/// A box that is lost to rounding, and a ball whose scale becomes 0 twice.
 const FAULTY: &str = r#"Scene(
     timeline: (fps: 2, duration: 2),
     film: (width: 8, height: 6),
@@ -527,7 +527,7 @@ fn commands_warn_with_names_and_lines() {
     for part in [&format!("{far} and 3 more"), &format!("{ball} 1 and one more"), help] {
         assert!(warnings.contains(part), "{warnings}");
     }
-    // Of the frames that are looked at.
+    // `first` is the first of the examined frames.
     for (arguments, first) in [
         (&["check", "faulty.ron", "--json"][..], "frame 3"),
         (&["render", "faulty.ron", "--out", "out2", "--json"], "frame 1"),

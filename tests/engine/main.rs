@@ -1,4 +1,4 @@
-//! Worlds over time: what animations, cameras, scripts, systems and reloads make of them, and what is wrong in them.
+//! Tests of worlds over time, with animations, cameras, scripts, systems and reloads, and of faults in worlds.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 

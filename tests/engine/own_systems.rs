@@ -1,4 +1,4 @@
-//! Systems that a program adds: pure ones leave nothing behind, stepped ones are the same from wherever one comes.
+//! Tests of systems added by a program. Pure systems leave no state behind; stepped systems do not depend on the frames rendered before.
 
 use glam::{DQuat, DVec3};
 
@@ -27,19 +27,19 @@ fn at(seconds: u64) -> Time {
     Time::from_ratio(seconds, 10).unwrap()
 }
 
-/// The films at some tenths of seconds, on one engine.
+/// Renders films at these tenths of a second on one engine.
 fn films(engine: &mut Engine, tenths: &[u64]) -> Vec<Film> {
     tenths.iter().map(|tenth| engine.render_at(at(*tenth)).unwrap()).collect()
 }
 
-/// Renders forwards, backwards and each moment on a fresh engine, and expects the same.
+/// Checks that films are equal if rendered forwards, backwards, and each on a fresh engine.
 fn assert_frames_are_pure(make: impl Fn() -> Engine) {
     let moments = [0, 1, 2, 5, 9, 10, 17];
     let forwards = films(&mut make(), &moments);
     let mut backwards = films(&mut make(), &moments.iter().rev().copied().collect::<Vec<_>>());
     backwards.reverse();
     let alone: Vec<Film> = moments.iter().map(|moment| make().render_at(at(*moment)).unwrap()).collect();
-    // Films are too long to print.
+    // `assert_eq!` would print whole films.
     assert!(forwards == backwards, "backwards");
     assert!(forwards == alone, "alone");
     assert!(forwards.windows(2).any(|pair| pair[0] != pair[1]), "nothing moves: the test shows nothing");
@@ -99,7 +99,7 @@ fn stepped_systems_replay_with_spawning_and_despawning() {
         let mut engine = Engine::new(world);
         engine.register::<Velocity>();
         engine.add_stepped_system(Step::per_second(50), gravity);
-        // A fountain: a ball every 3/10 s, and none lives for long.
+        // A fountain emits a ball every 3/10 s; balls live only briefly.
         engine.add_stepped_system(Step::of_seconds(3, 10).unwrap(), |context| {
             let x = context.time.seconds();
             let (shape, material, transform) = ball(DVec3::new(x, 2.0, 0.0));
@@ -115,7 +115,7 @@ fn stepped_systems_replay_with_spawning_and_despawning() {
                 context.world.despawn(entity).unwrap();
             }
         });
-        // On top, a pure system and a track.
+        // A pure system is added on top.
         engine.add_system(|context| {
             let tilt = DQuat::from_rotation_z(context.time.seconds());
             for transform in context.world.query_mut::<&mut Transform>() {
@@ -242,7 +242,7 @@ fn a_scene_with_a_lamp_that_changes_its_material_keeps_its_light_in_place() {
     });
 }
 
-/// Reads what depends on the order of rows and on world transforms.
+/// Checks steps that read the order of rows and world transforms.
 #[test]
 fn steps_do_not_see_which_frames_were_rendered() {
     assert_frames_are_pure(|| {
@@ -256,7 +256,7 @@ fn steps_do_not_see_which_frames_were_rendered() {
             let rows: Vec<(Entity, f64)> =
                 query.iter().map(|(entity, _, world, _)| (entity, world.affine.translation.x)).collect();
             drop(query);
-            // The first row's x moves the last row; now and then the first row goes.
+            // The first row's x moves the last row. Late steps also replace the first row.
             if let (Some((first, x)), Some((last, _))) = (rows.first(), rows.last()) {
                 context.world.get::<&mut Transform>(*last).unwrap().translation.y += 0.1 * x + 0.05;
                 if context.time.seconds() > 0.75 && rows.len() > 3 {
@@ -326,7 +326,7 @@ fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
         }
         context.changes.mark_settings();
     });
-    // Frame 5 begins before 0.2 s and ends after it.
+    // The shutter of frame 5 opens before 0.2 s and closes after it.
     let first = engine.render_frame(5).unwrap();
     assert_eq!(engine.render_frame(5).unwrap(), first);
     engine.render_frame(20).unwrap();

@@ -1,4 +1,4 @@
-//! What pixels meet first, held against the reference path.
+//! Tests of render passes against the reference path.
 
 use std::sync::atomic::AtomicBool;
 
@@ -47,7 +47,7 @@ fn passes_are_what_the_reference_path_meets() {
     }
 }
 
-/// Returns the passes of a picture of 5x3 pixels, at a moment at which the entity `gone` has no width.
+/// Returns the passes of a picture of 5x3 pixels, at a time at which the entity `gone` has no width.
 fn passes(camera: &str, entities: &str) -> Vec<PassPixel> {
     let text = format!(
         r#"Scene(timeline: (fps: 1, duration: 3), film: (width: 5, height: 3), camera: ({camera}), materials: {{ "m": (k_d: 0.5, color: (255, 0, 0)) }}, entities: [{entities}],
@@ -58,7 +58,7 @@ fn passes(camera: &str, entities: &str) -> Vec<PassPixel> {
     engine.passes_unless(time, &AtomicBool::new(false)).unwrap().unwrap()
 }
 
-/// The screen of each camera is 4 wide and 2 high, 2 away from the eye: pixels are 1 apart.
+/// Checks depth on screens 4 wide and 2 high, at a distance of 2 from the eye: pixels are 1 apart.
 #[test]
 fn depth_is_constant_on_a_wall_across_the_view_and_distance_is_not() {
     let screen = "screen: (distance: 2, width: 4, height: 2)";
@@ -71,7 +71,7 @@ fn depth_is_constant_on_a_wall_across_the_view_and_distance_is_not() {
             "(1, 2, 2)",
             [-1.0, -2.0, -2.0].map(|part| part / 3.0),
         ),
-        // Nearly without perspective: the eye is far away.
+        // The eye is far away, which leaves almost no perspective.
         ("position: (0, 0, -1e6), view: (0, 0, 1)", "(0, 0, -999990)", "(0, 0, 1)", [0.0, 0.0, -1.0]),
     ];
     for (camera, point, normal, expected) in walls {

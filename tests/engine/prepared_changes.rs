@@ -1,4 +1,4 @@
-//! What an update of the kernel's scene says is different.
+//! Tests of the changes reported by updates of the kernel's scene.
 
 use glam::DVec3;
 use hecs::{Entity, World};

@@ -1,4 +1,4 @@
-//! The samples of pixels that take different numbers.
+//! Test of sample counts that differ between pixels.
 
 use rayreel::{Engine, Scene, Time};
 
@@ -21,7 +21,7 @@ fn all_samples_are_counted_where_they_are_taken() {
     let counts = engine.sample_counts();
     assert_eq!(counts.len(), 50 * 30);
     assert_eq!(counts.iter().map(|count| u64::from(*count)).sum::<u64>(), engine.report().rays.camera);
-    // Those on the outline of the ball take the most.
+    // Pixels on the outline of the ball take the most samples.
     let most = counts.iter().max().unwrap();
     for (pixel, count) in (0_u32..).zip(&counts).filter(|(_, count)| *count == most) {
         let around = [(0, 1), (2, 1), (1, 0), (1, 2)]

@@ -1,4 +1,4 @@
-//! Scripts in scenes: what they do to the world and to pictures, and what is said when they go wrong.
+//! Tests of scripts in scenes: their effects on the world and on pictures, and their error messages.
 
 use std::fs;
 use std::path::Path;
@@ -27,7 +27,7 @@ fn engine(rest: &str) -> Engine {
     Engine::from_scene(scene(rest).unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// A ball whose translation is a script.
+/// Returns a scene body with a ball whose translation is a script.
 fn ball(script: &str) -> String {
     format!(
         r#"entities: [(name: "ball", shape: Sphere(radius: 1), material: "clay", transform: (translation: (1, 2, 3)))],
@@ -132,7 +132,7 @@ fn an_entity_s_own_script_or_track_wins_over_its_material_s() {
     assert!((color("plain") - glam::Vec3::new(127.5, 60.0, 32.0)).length() < 1e-3, "{}", color("plain"));
 }
 
-/// Brings engines to moments in several orders, and expects the same picture of the last.
+/// Renders one time after several sequences of other times, and checks that the pictures are equal.
 fn assert_order_does_not_matter(text: &str) {
     let film = |moments: &[&str]| {
         let mut engine = engine(text);
@@ -196,7 +196,7 @@ fn what_is_made_of_other_values_is_read_after_them() {
     ] {
         assert_order_does_not_matter(&format!("{balls} animate: [{animate}]"));
     }
-    // One that looks at a point may be moved by where that is.
+    // A script that moves a camera may read its target.
     let mut follows = engine(&format!(
         r#"{balls} animate: [(target: "camera", channel: Position, track: Script("value(`camera`, `Target`) + [t, 0, -8]"))]"#
     ));
@@ -268,7 +268,7 @@ fn a_script_that_reads_thousands_ends_soon_too() {
     assert!(found.starts_with("nothing is wrong"), "{found}");
 }
 
-/// Balls with scripts that count for some milliseconds each, and end.
+/// Returns balls whose scripts each run for some milliseconds.
 fn laborious(balls: usize) -> String {
     let entities: String = (0..balls)
         .map(|ball| format!("(name: \"b{ball}\", shape: Sphere(radius: 1), material: \"clay\"),"))
@@ -386,7 +386,7 @@ fn scripts_and_systems_of_one_s_own_go_together() {
     let alone = (translation(&mut fresh, "ball", "2"), transform(&fresh, "ball").rotation);
     assert_eq!((late, late), (again, alone));
     assert_eq!(late.0, DVec3::new(3.0, 2.0, 3.0));
-    // What is edited has its own values again.
+    // An edited world has its own values again.
     let ball = named(&first, "ball");
     assert_eq!(first.world_mut().get::<&Transform>(ball).unwrap().translation, DVec3::new(1.0, 2.0, 3.0));
 }
@@ -460,7 +460,7 @@ fn files_hold_scripts_too() {
     assert!(error.contains("there is no file") && error.contains("did you mean `raw.rhai`?"), "{error}");
 }
 
-/// What is said of a scene in the end, when it is loaded or when its frames are made, within a second.
+/// Returns the error of loading a scene or rendering its frames, which must take less than 2 seconds of processor time.
 fn complaint(text: &str) -> String {
     let start = Spent::now();
     let found = match Scene::from_text("scene.ron", text.to_owned()) {
@@ -479,8 +479,8 @@ fn complaint(text: &str) -> String {
     found
 }
 
-/// Scenes in `tests/bad_scripts`, and beside each what is said of it. `RAYREEL_BLESS=1 cargo test --test engine scripts`
-/// writes them anew; look at what changed before you keep it.
+/// Checks the message of every scene in `tests/bad_scripts` against the file next to it. `RAYREEL_BLESS=1 cargo test --test engine scripts`
+/// rewrites these files; review the changes before keeping them.
 #[test]
 fn every_bad_script_says_what_is_wrong_with_it() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scripts");

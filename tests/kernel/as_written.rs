@@ -1,4 +1,4 @@
-//! What is written flush is flush, and what is written as a quarter turn is one: to the last bit, in the world as in the picture.
+//! Tests that boxes written as flush are flush, and that quarter turns are exact, to the last bit, in the world and in the picture.
 
 use glam::{DAffine3, DVec3};
 use rayreel::components::{Name, WorldTransform};
@@ -16,23 +16,24 @@ fn placed(engine: &Engine, name: &str) -> DAffine3 {
     placed.iter().find(|(found, _)| found.0 == name).unwrap().1.affine
 }
 
-/// Whose shape the ray meets.
+/// Returns the name of the entity that a ray hits.
 fn seen(engine: &Engine, origin: DVec3, direction: DVec3) -> String {
     let hit = engine.cast(Ray { origin, direction }).unwrap();
     engine.world().get::<&Name>(hit.entity).unwrap().0.clone()
 }
 
-/// Tenths as a decimal number, as people write it.
+/// Formats tenths as a decimal number.
 fn tenths(count: u32) -> String {
     format!("{}.{}", count / 10, count % 10)
 }
 
-/// Twentieths, likewise.
+/// Formats twentieths as a decimal number.
 fn twentieths(count: u32) -> String {
     format!("{}.{:02}", count / 20, count % 20 * 5)
 }
 
-/// A glass cube that stands on a table, in either order, in a group of its own; heights and the table's place in tenths.
+/// Returns a glass cube on a table, in either document order, in one group. The table's thickness, the height of its middle, and the size
+/// of the cube are in tenths.
 fn stack(glass_first: bool, [table, place, glass]: [u32; 3], group: &str, turn: &str) -> String {
     let (middle, above) = (tenths(place), twentieths(2 * place + table + glass));
     let (table, glass) = (tenths(table), tenths(glass));
@@ -51,8 +52,8 @@ fn stack(glass_first: bool, [table, place, glass]: [u32; 3], group: &str, turn: 
     )
 }
 
-/// A ray down through the glass must see the table, though the glass is first: there is no gap. A ray up through the table must see
-/// the table, if that is first: there is no overlap.
+/// Checks that the cube and the table touch exactly. A ray down through the glass must hit the table even if the glass comes first: there
+/// is no gap. A ray up through the table must hit the table if it comes first: there is no overlap.
 fn assert_flush(sizes: [u32; 3], group: &str, turn: &str) {
     let [table, _, glass] = sizes.map(f64::from);
     let apart = (table + glass) / 20.0;
@@ -71,7 +72,7 @@ fn assert_flush(sizes: [u32; 3], group: &str, turn: &str) {
     }
 }
 
-/// Every decimal stack stands without a gap and without an overlap.
+/// Checks that every stack of decimal sizes has neither a gap nor an overlap.
 #[test]
 fn decimal_stacks_are_flush() {
     for table in 1..=9 {
@@ -83,7 +84,7 @@ fn decimal_stacks_are_flush() {
     }
 }
 
-/// So it does where the glass is turned on its table, the whole is carried, turned, leant or scaled, alone or all at once.
+/// Checks stacks whose cube is rotated on the table, in groups that are translated, rotated, tilted or scaled, separately or combined.
 #[test]
 fn stacks_are_flush_however_they_are_moved_together() {
     let groups = [
@@ -102,7 +103,7 @@ fn stacks_are_flush_however_they_are_moved_together() {
     let mut sizes = (0..).map(|step: u32| [1 + step % 9, 1 + step / 2 % 9, 1 + step / 3 % 9]);
     for group in groups {
         for turn in turns {
-            // A scale that differs by direction shears what is turned about another axis than that of the group.
+            // Some cubes are sheared, by a non-uniform scale and a rotation about another axis than the group's.
             for _ in 0..20 {
                 assert_flush(sizes.next().unwrap(), group, turn);
             }
@@ -110,7 +111,7 @@ fn stacks_are_flush_however_they_are_moved_together() {
     }
 }
 
-/// Faces that are truly apart, by however little, stay so.
+/// Checks that a gap between faces stays, however small it is.
 #[test]
 fn faces_that_are_apart_stay_apart() {
     for apart in ["1e-15", "3e-16", "1e-12"] {
@@ -126,7 +127,7 @@ fn faces_that_are_apart_stay_apart() {
     }
 }
 
-/// A picture of a box, a cube and a plane, all of them turned by the same.
+/// Renders a box, a cube and a plane with the same rotation.
 fn picture(rotation: &str, size: [&str; 3], normal: [i32; 3]) -> Vec<[f32; 3]> {
     let ([a, b, c], [x, y, z]) = (size, normal);
     let mut engine = engine(&format!(
@@ -143,7 +144,7 @@ fn picture(rotation: &str, size: [&str; 3], normal: [i32; 3]) -> Vec<[f32; 3]> {
     film.pixels().iter().map(glam::Vec3::to_array).collect()
 }
 
-/// Turned by quarter turns, everything is bit for bit where it would be had it been written there.
+/// Checks that shapes rotated by quarter turns are bit for bit equal to shapes written in the rotated positions.
 #[test]
 fn quarter_and_half_turns_are_exact() {
     const SIZES: [&str; 3] = ["1.1", "0.7", "2.3"];
@@ -175,7 +176,7 @@ fn quarter_and_half_turns_are_exact() {
     }
 }
 
-/// A key of a quarter turn is one, on both sides of it and at its end; and so is the middle of half a turn.
+/// Checks that rotations are exact at keys of quarter turns, after the last key, and in the middle of half a turn.
 #[test]
 fn keys_of_quarter_turns_are_exact() {
     let mut engine = engine(

@@ -1,4 +1,4 @@
-//! Ids are names and no more: which shape is seen of several in one place is said by the order of the document alone.
+//! Tests that shape ids do not affect pictures: among coincident shapes, the order of the document alone decides which one is visible.
 
 use std::sync::atomic::AtomicBool;
 
@@ -13,7 +13,7 @@ use rayreel::{Film, Rgb};
 
 use crate::splitmix::Random;
 
-/// A shape at one of few places, so that faces and whole shapes are often shared.
+/// Returns a shape at one of a few positions, so that faces and whole shapes often coincide.
 fn shape(random: &mut Random) -> PreparedShape {
     let mut place = || [-1.0, 0.0, 0.5][random.index(3)];
     let place = DVec3::new(place(), place(), place());
@@ -43,7 +43,7 @@ fn material(random: &mut Random) -> SurfaceMaterial {
     }
 }
 
-/// The scene of these shapes, in document order, that are added in the order `added`.
+/// Returns the scene of these shapes, in document order, inserted in the order `added`.
 fn scene(shapes: &[(PreparedShape, SurfaceMaterial)], added: &[usize]) -> PreparedScene {
     let mut geometry = Geometry::default();
     let mut ids: Vec<Option<ShapeId>> = vec![None; shapes.len()];
@@ -99,7 +99,7 @@ fn ids_are_names_and_the_order_of_the_document_is_a_key_beside_them() {
         assert_eq!(film(&renamed, &camera).pixels(), expected.pixels());
         let slow = reference::render(&renamed, &camera, Sampling::default());
         assert_eq!(slow.pixels(), expected.pixels());
-        // A test of the test: the order matters where shapes share places.
+        // Checks the test itself: the order matters where shapes coincide.
         let reordered: Vec<_> = shuffled.iter().map(|index| shapes[*index].clone()).collect();
         differing_orders +=
             u32::from(film(&scene(&reordered, &in_order), &camera).pixels() != expected.pixels());

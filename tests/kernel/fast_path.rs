@@ -1,5 +1,5 @@
-//! Random scenes with random effects: the planned effects, all effects and the reference path make the same pictures, bit for bit,
-//! with all vector instructions of the processor and any number of threads, and never a number that is not finite.
+//! Tests with random scenes and random effects: the planned effects, all effects and the reference path make the same pictures, bit for
+//! bit, at all SIMD levels of the processor and on any number of threads, and all numbers are finite.
 
 use std::sync::LazyLock;
 
@@ -17,7 +17,7 @@ use rayreel::components::{
 use rayreel::trace::SimdLevel;
 use rayreel::{Effect, Engine, Film, RenderSettings, Rgb, Time, World};
 
-/// Which effects a scene may have, beside what every scene has.
+/// Optional effects of a scene.
 #[derive(Clone, Copy, Debug)]
 struct Effects {
     lights: bool,
@@ -35,17 +35,17 @@ struct Thing {
     shape: Shape,
     transform: Transform,
     color: [f32; 3],
-    /// k_d; 0 leaves highlights alone.
+    /// k_d; at 0, only highlights remain.
     diffuse: f32,
     specular: Option<Specular>,
     mirror: bool,
     glass: Option<Refractive>,
     checker: Option<Checker>,
-    /// Where it is after a second, where things move.
+    /// Position after a second, if shapes move.
     later: DVec3,
 }
 
-/// Coordinates that often coincide, so that faces are flush, shapes equal and origins on surfaces.
+/// Generates coordinates that often coincide, so that faces are flush, shapes equal and origins on surfaces.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![3 => (-4i32..=4).prop_map(f64::from), 2 => -4.0..4.0f64, 1 => (-8i32..=8).prop_map(|half| f64::from(half) / 2.0)]
 }
@@ -125,7 +125,7 @@ fn effects() -> impl Strategy<Value = Effects> {
     )
 }
 
-/// A light, and where it is.
+/// Generates a light and its transform.
 fn light() -> impl Strategy<Value = (Light, Transform)> {
     let falloff =
         prop_oneof![Just((1.0, 0.0, 0.0)), Just((1e-300, 0.0, 0.0)), (0.1..1.0, 0.0..1.0, 0.0..1.0f64)]
@@ -219,12 +219,12 @@ fn assert_same(found: &Film, expected: &Film) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// `RAYREEL_CASES` asks for more than the usual few hundred.
+/// Returns the number of cases, `RAYREEL_CASES` or 400.
 fn cases() -> u32 {
     std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(400)
 }
 
-/// The same cases every time, unless more of them are asked for.
+/// Returns a fixed seed, or a random one if `RAYREEL_CASES` is set.
 fn seed() -> RngSeed {
     if std::env::var_os("RAYREEL_CASES").is_some() { RngSeed::Random } else { RngSeed::Fixed(2026) }
 }
@@ -268,7 +268,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases().div_ceil(8), failure_persistence: None, rng_seed: seed(), ..ProptestConfig::default() })]
 
-    /// Which pixels get how many samples is decided from sums of samples, in the same way on any number of threads.
+    /// Checks adaptive sampling, which decides sample counts from sums of samples, in the same way on any number of threads.
     #[test]
     fn adaptive_pictures_agree(
         effects in effects(),

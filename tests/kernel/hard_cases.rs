@@ -1,23 +1,23 @@
-//! Hard cases outside of intersection, each with its defined outcome.
+//! Tests of hard cases outside of intersection, each with its defined outcome.
 //!
-//! | what | outcome |
+//! | case | outcome |
 //! |---|---|
-//! | camera at its target | refused in a file; at a moment of an animation it looks along +z |
-//! | up parallel to the view | refused in a file below an angle of 1e-9; at a moment, below 1e-12, y or else z is up |
+//! | camera at its target | refused in a file; at a time of an animation it looks along +z |
+//! | up parallel to the view | refused in a file below an angle of 1e-9; in an animation, below 1e-12, y or else z is up |
 //! | up nearly parallel | right and up of the picture are perpendicular to the last bits |
-//! | directions of any length | view, up, normals, axes and light directions count by direction alone, to 5e-324 |
+//! | directions of any length | of views, ups, normals, axes and lights only the direction counts, down to a length of 5e-324 |
 //! | a resolution of 1 | the middle of the screen |
-//! | sizes and scales of zero | refused in a file; at a moment, the entity is not drawn |
+//! | sizes and scales of zero | refused in a file; at a time of an animation, the entity is not drawn |
 //! | sizes of any magnitude | the same picture, from 1e-60 to 1e60 |
-//! | maps without digits left | the same picture by both paths |
-//! | rotations | the short way, of unit length, exact to the last bits; of a half turn, the way of the sign as written |
-//! | keys | at the same time: refused; one key: always; neighbouring instants: a jump |
-//! | nothing to see | the background |
+//! | transforms that lose all digits | the same picture by both paths |
+//! | rotations | the short way, of unit length, exact to the last bits; for a half turn, the sign decides the direction |
+//! | keys | at the same time: refused; one key: always; at adjacent floating-point times: a jump |
+//! | empty scenes | the background |
 //! | heaps of coincident shapes | as one shape |
-//! | numbers that are not finite | refused, wherever they stand |
+//! | numbers that are not finite | refused in every position |
 //!
-//! Rays against single shapes are in `numerics` and `oracle`, flush faces in `model` and among the goldens, the words of refusals
-//! in `tests/scenes/messages.rs`, and random input in `tests/robustness`. `RAYREEL_CASES=1000000` asks for larger heaps.
+//! Rays against single shapes are in `numerics` and `oracle`, flush faces in `model` and among the goldens, the messages of refusals in
+//! `tests/scenes/messages.rs`, and random input in `tests/robustness`. `RAYREEL_CASES=1000000` sets a larger size of heaps.
 
 use std::f64::consts::{PI, TAU};
 
@@ -34,7 +34,7 @@ use rayreel::{Engine, Film, Rgb, Scene, Time, World, trace};
 
 use crate::engine;
 
-/// The smallest number, numbers near the ends of what squares can hold, the ends themselves, and what is between.
+/// The smallest number, numbers near the limits of squares, the largest number, and numbers in between.
 const LENGTHS: [f64; 10] =
     [5e-324, 1e-310, f64::MIN_POSITIVE, 1e-300, 1e-160, 1.0, 1e160, 1e300, 8.9e307, f64::MAX];
 
@@ -47,7 +47,7 @@ fn refusal(text: &str) -> String {
     error.mistakes().next().unwrap().diagnostic.message.clone()
 }
 
-/// A ball and a crate with a mirror and a lamp before them; the camera is what is asked about.
+/// Returns a scene with a ball, a reflective crate and lights, for tests of the camera.
 fn scene(camera: &str, animate: &str) -> String {
     format!(
         r#"Scene(timeline: (fps: 1, duration: 3), film: (width: 24, height: 14, transfer: Classic), camera: ({camera}), ambient: (0.3, 0.3, 0.3),
@@ -68,10 +68,10 @@ fn pictures_of(text: &str) -> [Film; 3] {
     [0, 1, 2].map(|frame| engine.render_frame(frame).unwrap())
 }
 
-/// Right, up and forward of a camera, read off its rays.
+/// Returns the right, up and forward axes of a camera, computed from its rays.
 fn axes(view: DVec3, up: DVec3) -> [DVec3; 3] {
     let camera = |distance, size| trace::Camera::new(DVec3::ZERO, view, up, distance, size, (3, 3));
-    // Sizes so different that nothing of the others is left.
+    // The sizes differ so much that a ray shows only one axis.
     let (huge, tiny) = (libm::ldexp(1.0, 300), libm::ldexp(1.0, -300));
     [
         camera(tiny, (2.0 * huge, tiny)).towards(2, 1) / huge,
@@ -80,7 +80,7 @@ fn axes(view: DVec3, up: DVec3) -> [DVec3; 3] {
     ]
 }
 
-/// A unit vector along a x b, exact to the last bits.
+/// Returns a unit vector along a x b, exact to the last bits.
 fn exact_across(a: DVec3, b: DVec3) -> DVec3 {
     let [a, b] =
         [a, b].map(|v| v.to_array().map(|part| FBig::try_from(part).unwrap().with_precision(400).value()));
@@ -132,7 +132,7 @@ fn axes_are_perpendicular_however_near_up_is_to_the_view() {
                 let off = [right.dot(upward), upward.dot(forward), forward.dot(right)];
                 assert!(off.iter().all(|cosine| cosine.abs() < 1e-15), "{shown}: {off:?}");
                 assert!((upward.cross(forward) - right).length() < 1e-15, "{shown}");
-                // As written, as long as there is something written.
+                // The axes follow `up` while it has a significant part across the view.
                 if exponent <= 11 {
                     assert!((right - exact_across(up, view)).length() < 1e-15, "{shown}");
                 }
@@ -161,7 +161,7 @@ fn up_parallel_to_the_view_is_refused() {
     );
 }
 
-/// Nothing but the last bits apart.
+/// Returns true if vectors differ only in the last bits.
 fn same(found: impl IntoIterator<Item = DVec3>, expected: impl IntoIterator<Item = DVec3>) -> bool {
     found.into_iter().zip(expected).all(|(found, expected)| (found - expected).length() < 1e-15)
 }
@@ -175,7 +175,7 @@ fn views_and_ups_count_by_direction_alone() {
                 assert!(same(found, axes(view, up)), "{length:e}: {found:?}");
             }
         }
-        // Subnormal numbers have few digits of their own.
+        // Subnormal numbers have too few digits.
         if (f64::MIN_POSITIVE..1e307).contains(&length) {
             let (view, up) = (DVec3::new(1.0, -0.5, 2.0), DVec3::new(0.25, 1.0, 0.5));
             assert!(same(axes(view * length, up * length), axes(view, up)), "{length:e}");
@@ -214,7 +214,7 @@ fn a_resolution_of_one_is_the_middle_of_the_screen() {
     }
 }
 
-/// A world with one thing to see, a sun along `light`, and a camera at -5 that looks along +z.
+/// Returns a world with one shape, a sun along `light`, and a camera at -5 that looks along +z.
 fn world(shape: Shape, transform: Transform, light: DVec3) -> World {
     let mut world = World::new();
     let material = Material { k_a: 0.2, k_d: 0.8, color: Rgb::new(0.9, 0.6, 0.3), ambient_color: None };
@@ -246,7 +246,7 @@ fn normals_and_light_directions_count_by_direction_alone() {
         assert!(plane(DVec3::Y * length, DVec3::NEG_Y) == expected, "normal {length:e}");
         assert!(plane(DVec3::Y, DVec3::NEG_Y * length) == expected, "light {length:e}");
     }
-    // Without a direction there is no plane, and no light.
+    // Without a direction there is no plane and no light.
     assert!(is_blank(&plane(DVec3::ZERO, DVec3::NEG_Y)));
     assert!(plane(DVec3::Y, DVec3::ZERO) == plane(DVec3::Y, DVec3::Y));
 }
@@ -314,7 +314,7 @@ fn a_light_that_passes_through_no_direction_is_off_for_that_moment() {
     assert!(at == pictures_of(&scene(camera, off))[1]);
 }
 
-/// Powers of two change no bit, as long as nothing leaves the range of numbers.
+/// Checks that powers of two change no bit while all numbers stay in range.
 #[test]
 fn things_of_any_size_look_alike() {
     let rotation = DQuat::from_xyzw(0.1, 0.2, 0.3, 0.9).normalize();
@@ -325,7 +325,7 @@ fn things_of_any_size_look_alike() {
         (Shape::Box { size: DVec3::new(2.0, 1.0, 3.0) }, DVec3::new(1.0, 2.0, 1.0), rotation),
     ];
     for (shape, scale, rotation) in things {
-        // The size may be in the shape, in the scale, or half in one and half in the other.
+        // The size is in the shape, in the scale, or half in one and half in the other.
         let picture = |exponent: i32, of_shape: i32| {
             let power = |exponent: i32| libm::ldexp(1.0, exponent);
             let inner = power(of_shape);
@@ -355,7 +355,7 @@ fn things_of_any_size_look_alike() {
     }
 }
 
-/// Squares of such distances are no numbers any more. `oracle` has the rule, these are the cases that were seen.
+/// Checks distances whose squares overflow. `oracle` has the general rule; these cases occurred in practice.
 #[test]
 fn rays_from_beyond_all_measure_miss_what_they_miss() {
     let miss = |entity: &str, origin: [f64; 3], direction: DVec3| {
@@ -365,7 +365,7 @@ fn rays_from_beyond_all_measure_miss_what_they_miss() {
         engine.seek(Time::ZERO).unwrap();
         let origin = DVec3::from_array(origin);
         assert!(engine.cast(rayreel::Ray { origin, direction }).is_none(), "{entity}");
-        // What a ray from there is aimed at, it does meet.
+        // A ray from as far away that is aimed at a shape hits it.
         let aimed = rayreel::Ray { origin: direction * -origin.abs().max_element(), direction };
         let mut there = crate::engine(
             r#"Scene(camera: (position: (0, 0, -9), target: (0, 0, 0)), materials: { "m": () }, entities: [
@@ -402,7 +402,7 @@ fn the_tiny_is_seen_before_the_huge() {
     }
 }
 
-/// A turned child of a parent whose scales are so different that nothing is left of the smaller ones in the product.
+/// Checks a rotated child of a parent whose scales differ so much that the smaller ones vanish in the product.
 #[test]
 fn paths_agree_on_maps_that_lose_all_digits() {
     for ratio in ["1e6", "1e8", "1e12", "1e16", "1e17", "7.149242111760633e18", "1e30"] {
@@ -440,7 +440,7 @@ fn slerp_is_exact_where_others_were_not() {
         let found = slerp(end("from"), end("to"), case["fraction"].as_f64().unwrap());
         let expected = DQuat::from_array(parts(&case["exact"]));
         let error = (found - expected).length();
-        // Four units in the last place of 1: both ends are rounded before.
+        // Four units in the last place of 1, because both ends are rounded before.
         assert!(
             error <= 4.0 * f64::EPSILON,
             "{}: {found} instead of {expected}, {error:e} off",
@@ -471,7 +471,7 @@ fn slerp_goes_the_short_way_evenly_and_stays_of_unit_length() {
                             |expected: DQuat| (found - expected).length().min((found + expected).length());
                         let mut error = off(about(axis, u * short) * start);
                         if (angle - PI).abs() < 1e-14 {
-                            // Both ways are equally short.
+                            // Both directions are equally short.
                             error = error.min(off(about(axis, u * (short - TAU)) * start));
                         }
                         assert!(error <= 4.0 * f64::EPSILON, "{shown}: {error:e} off");
@@ -480,7 +480,7 @@ fn slerp_goes_the_short_way_evenly_and_stays_of_unit_length() {
             }
         }
     }
-    // Of an exact half turn, the sign says which way.
+    // For an exact half turn, the sign decides the direction.
     let half = DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0);
     let quarter = about(DVec3::Y, 0.5 * PI);
     assert!((slerp(DQuat::IDENTITY, half, 0.5) - quarter).length() < 1e-15);
@@ -576,13 +576,13 @@ fn where_nothing_is_there_is_the_background() {
     assert_eq!(refusal("Scene()"), "the scene has no camera");
 }
 
-/// How many shapes a heap has: 100 000, or as many as `RAYREEL_CASES` asks for, up to a million.
+/// Returns the number of shapes in a heap: `RAYREEL_CASES`, clamped to 100 000..=1 000 000.
 fn heap() -> u32 {
     let asked = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok());
     asked.unwrap_or(0).clamp(100_000, 1_000_000)
 }
 
-/// A picture of spheres about one centre, a mirror each, with a lamp.
+/// Renders concentric reflective spheres with a lamp.
 fn heap_of_spheres(radii: impl Iterator<Item = f64>) -> Film {
     let mut world = World::new();
     let material = Material { k_a: 0.2, k_d: 0.8, color: Rgb::new(0.9, 0.6, 0.3), ambient_color: None };

@@ -1,4 +1,4 @@
-//! Shapes in the very same place: what the model says of them, bit for bit, for what one shape costs.
+//! Tests of coincident shapes: pictures equal the reference bit for bit, at the cost of one shape.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -14,7 +14,7 @@ use rayreel::components::{
 };
 use rayreel::{Engine, Film, Rgb, Time, World};
 
-/// What one of the shapes of a heap is made of, and whether it is a lamp.
+/// The material of one shape of a heap, which may also be a lamp.
 #[derive(Clone, Debug)]
 struct Member {
     color: f32,
@@ -23,7 +23,7 @@ struct Member {
     lamp: bool,
 }
 
-/// Shapes that are all alike. They come in turns with those of other heaps.
+/// Equal, coincident shapes. In document order, the shapes of several heaps alternate.
 #[derive(Clone, Debug)]
 struct Heap {
     shape: Shape,
@@ -43,7 +43,7 @@ fn member() -> impl Strategy<Value = Member> {
         .prop_map(|(color, clear, mirror, lamp)| Member { color, clear, mirror, lamp })
 }
 
-/// Few places and sizes, so that different heaps often share faces and places too.
+/// Generates heaps with few positions and sizes, so that different heaps often share faces and positions, too.
 fn heap() -> impl Strategy<Value = Heap> {
     let size = || prop_oneof![Just(1.0), Just(2.0)];
     let shape = prop_oneof![
@@ -115,7 +115,7 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// The reference path takes every shape of a heap by itself.
+    /// Checks heaps against the reference path, which intersects every shape by itself.
     #[test]
     fn a_heap_is_drawn_as_if_each_of_its_shapes_were_asked(
         heaps in prop::collection::vec(heap(), 1..5),
@@ -133,7 +133,7 @@ proptest! {
         prop_assert!(first_frame(&mut engine) == reference, "full");
     }
 
-    /// Of opaque shapes in one place only the first is seen, and nothing tells that there are others.
+    /// Checks that only the first of coincident opaque shapes is visible, and that the others cause no rays and no escalations.
     #[test]
     fn an_opaque_heap_is_its_first(heaps in prop::collection::vec(heap(), 1..4)) {
         let opaque = |heap: &Heap| {
@@ -145,7 +145,7 @@ proptest! {
         let firsts: Vec<Heap> = heaps.iter().map(alone).collect();
         let eye = DVec3::new(0.5, 1.0, -5.0);
         let (mut all, mut first) = (Engine::new(world(&heaps, eye, 1)), Engine::new(world(&firsts, eye, 1)));
-        // A plan sees that a single plane casts no shadow, and does not look for planes that are one.
+        // A plan detects that a single plane casts no shadow, but does not detect coincident planes.
         all.set_full(true);
         first.set_full(true);
         prop_assert!(first_frame(&mut all) == first_frame(&mut first));
@@ -154,7 +154,7 @@ proptest! {
     }
 }
 
-/// Whatever the kind of shape, and whatever it is made of: each of them would take a comparison with a hundred bits.
+/// Checks that coincident shapes of any kind and material are compared once. Each further comparison would need a hundred bits.
 #[test]
 fn rays_ask_a_heap_once() {
     let glass = Refractive { k_t: 0.9, ior: 1.5, absorption: Rgb::ZERO, fresnel: false };
@@ -188,8 +188,8 @@ fn rays_ask_a_heap_once() {
     }
 }
 
-/// A picture of a single pixel that takes minutes: thousands of shapes that are nowhere near far enough apart to be told
-/// apart without a hundred bits, lit by a light that is asked after four thousand times.
+/// Checks cancellation within a single pixel that takes minutes: thousands of shapes so close together that only a hundred bits can order
+/// them, lit by a light with four thousand samples.
 #[test]
 fn a_picture_can_be_cancelled_within_a_pixel() {
     let mut world = scenery(DVec3::new(0.0, 0.0, -5.0), 1);
@@ -220,7 +220,7 @@ fn a_picture_can_be_cancelled_within_a_pixel() {
         let (film, ended) = rendering.join().unwrap();
         assert!(film.is_none(), "the picture took less than it should");
         let took = ended.saturating_duration_since(asked);
-        // A fifth of a second on a machine that has nothing else to do.
+        // An idle machine takes a fifth of a second.
         assert!(took < Duration::from_secs(2), "{took:?}");
     });
 }

@@ -1,4 +1,4 @@
-//! Whole pictures do not depend on where a scene is, which way it is turned and how large it is; a mirrored scene gives the
+//! Tests that whole pictures do not depend on the position, the orientation and the size of a scene, and that a mirrored scene gives the
 //! mirrored picture.
 
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ fn scenes() -> Vec<PathBuf> {
     scenes
 }
 
-/// The scene's middle frame with everything, the camera too, scaled and then moved.
+/// Renders the middle frame of a scene that is scaled and then moved as a whole, including its camera.
 fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
     let mut engine = Engine::load(path).unwrap();
     for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
@@ -37,7 +37,7 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
                 falloff.quadratic /= scale * scale;
             }
         }
-        // What has a parent goes along with it.
+        // A camera with a parent moves along with it.
         for camera in context.world.query_mut::<hecs::Without<&mut Camera, &Parent>>() {
             camera.position = camera.position * scale + offset;
             if let View::Target(target) = &mut camera.view {
@@ -61,18 +61,18 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
     engine.render_frame(middle).unwrap()
 }
 
-/// What is done to a whole scene, its camera included.
+/// A transformation of a whole scene, including its camera.
 #[derive(Clone, Copy, Debug)]
 enum Motion {
     Stay,
-    /// By a quarter turn about an axis.
+    /// A quarter turn about an axis.
     Turn(DVec3),
-    /// At the plane x = 0. Squares swap their colours, so that there are none.
+    /// A reflection at the plane x = 0. Squares would swap their colours, so there must be none.
     Mirror,
 }
 
-/// The scene's middle frame after the motion, without what refers to the world's own axes or is drawn by lot: all of a blend
-/// is its top, all lights shine from points, and no camera has a lens or a shutter.
+/// Renders the middle frame after the motion, without features that depend on the world's axes or on random samples: gradients become their
+/// top colour, area lights become points, and cameras have neither lens nor shutter.
 fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::Camera) {
     let mut engine = Engine::load(path).unwrap();
     let world = engine.world_mut();
@@ -122,7 +122,7 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
     (film, *engine.camera().unwrap())
 }
 
-/// Every space is mirrored at its own x = 0, so that the world is.
+/// Mirrors every space at its own x = 0, which mirrors the world.
 fn mirror(world: &mut hecs::World) {
     let across = DVec3::new(-1.0, 1.0, 1.0);
     for transform in world.query_mut::<&mut Transform>() {
@@ -149,7 +149,7 @@ fn mirror(world: &mut hecs::World) {
     }
 }
 
-/// Left and right swapped.
+/// Swaps left and right.
 fn flipped(film: &Film) -> Film {
     let (width, height) = (film.width(), film.height());
     let pixels: Vec<_> =
@@ -157,7 +157,7 @@ fn flipped(film: &Film) -> Film {
     Film::from_pixels(width, height, pixels.into_iter())
 }
 
-/// The share of pixels that differ by more than an output code in any channel.
+/// Returns the share of pixels that differ by more than one output code in any channel.
 fn difference(one: &Film, other: &Film) -> f64 {
     let differ =
         |pair: &(&rayreel::Rgb, &rayreel::Rgb)| (*pair.0 - *pair.1).abs().max_element() > 1.0 / 255.0;
@@ -186,7 +186,7 @@ fn other_scales_and_places_change_next_to_nothing() {
             (1.0, DVec3::new(1e7, -1e7, 1e7)),
             (1.0, DVec3::splat(5e8)),
         ] {
-            // At 10^7 numbers are 2 10^-9 apart, and it has things that are 10^-10 thick.
+            // At 10^7, numbers are 2 10^-9 apart, and this scene has shapes that are 10^-10 thick.
             if offset != DVec3::ZERO && path.ends_with("hard_cases.ron") {
                 continue;
             }

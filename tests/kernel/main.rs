@@ -1,5 +1,4 @@
-//! What rays meet and what light does, held against exact arithmetic, closed forms, the reference path and pictures that must be
-//! the same.
+//! Tests of intersections and of light, against exact arithmetic, closed forms, the reference path, and pictures that must be equal.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
@@ -21,7 +20,7 @@ mod splitmix;
 
 use rayreel::{Engine, Scene};
 
-/// The engine of a text that must be a scene.
+/// Returns an engine for the text of a valid scene.
 fn engine(text: &str) -> Engine {
     let scene = Scene::from_text("test.ron", text.to_owned());
     Engine::from_scene(scene.unwrap_or_else(|error| panic!("{error}")))

@@ -1,4 +1,4 @@
-//! The model, on scenes small enough to be worked out by hand.
+//! Tests of the shading model, on scenes small enough to be computed by hand.
 
 use glam::DVec3;
 
@@ -9,14 +9,14 @@ fn engine(body: &str) -> Engine {
     crate::engine(&format!("Scene({body})"))
 }
 
-/// The bytes of the only pixel, which looks from the camera straight ahead.
+/// Returns the bytes of the only pixel, which is straight ahead of the camera.
 fn pixel(body: &str) -> [u8; 3] {
     let mut engine = engine(&format!("film: (width: 1, height: 1, transfer: Classic), {body}"));
     let film = engine.render_frame(0).unwrap();
     engine.film_settings().transfer.encode(film.pixel(0, 0))
 }
 
-/// A camera at (0, 0, -5) that looks along z, and one shape at the origin.
+/// Renders one shape at the origin with a camera at (0, 0, -5) that looks along z.
 fn look_at(shape: &str, material: &str, more: &str) -> [u8; 3] {
     pixel(&format!(
         r#"camera: (position: (0, 0, -5), view: (0, 0, 1)),
@@ -36,7 +36,7 @@ fn ambient_light_is_k_a_times_colour_times_intensity() {
     assert_eq!(lit("(k_a: 0.5, color: (200, 100, 50))"), [50, 50, 0]);
     assert_eq!(lit("(k_a: 1, color: (200, 100, 50), ambient_color: (20, 30, 40))"), [10, 30, 0]);
     assert_eq!(lit("(k_d: 1)"), [0, 0, 0]);
-    // Never more than 255.
+    // Values are at most 255.
     assert_eq!(look_at(ball, "(k_a: 1)", "], ambient: (9, 9, 9)"), [255; 3]);
 }
 
@@ -73,11 +73,12 @@ fn diffuse_light_is_k_d_times_colour_times_intensity_times_cosine() {
             format!("(light: Point(intensity: (1, 0.5, 0)), transform: (translation: (0, {y:?}, {z:?})))");
         assert_eq!(lit(&light), [80, 20, 0], "{distance}");
     }
-    // Two lights add up; a light behind the surface gives nothing; a direction is the way the light travels.
+    // Two lights add up; a light behind the surface adds nothing; a directional light travels along its direction.
     let front = "(light: Directional(intensity: (0.5, 0.5, 0.5)))";
     let behind = "(light: Directional(intensity: (1, 1, 1), direction: (0, 0, -1)))";
     assert_eq!(lit(&format!("{front}, {front}, {behind}")), [160, 80, 40]);
-    // +90 degrees about y takes z to x: from the side, nothing; a half turn, nothing; a full turn is none.
+    // A rotation by +90 degrees about y takes z to x: light from the side adds nothing, light from behind adds nothing, and a full turn
+    // changes nothing.
     for (degrees, expected) in [(90, [0; 3]), (180, [0; 3]), (360, [80, 40, 20])] {
         let turned = format!(
             "(light: Directional(intensity: (0.5, 0.5, 0.5)), transform: (rotation: Euler(0, {degrees}, 0)))"
@@ -96,7 +97,7 @@ fn highlights_are_k_s_times_intensity_times_a_power_of_the_half_cosine() {
         let light = format!("(light: Point(intensity: (1, 0.5, 0)), {})]", at(degrees));
         look_at("Sphere(radius: 1)", &format!("({material}, color: (9, 9, 9))"), &light)
     };
-    // Straight ahead H is N; the material's colour has no part in it.
+    // Straight ahead, H is N. The material's colour has no effect.
     for shininess in ["0", "1", "32", "1e6"] {
         assert_eq!(lit(&format!("specular: (k_s: 0.4, shininess: {shininess})"), 0.0), [102, 51, 0]);
     }
@@ -104,11 +105,11 @@ fn highlights_are_k_s_times_intensity_times_a_power_of_the_half_cosine() {
     assert_eq!(lit("specular: (k_s: 1, shininess: 2)", 60.0), [191, 96, 0]);
     assert_eq!(lit("specular: (k_s: 1, shininess: 4)", 60.0), [143, 72, 0]);
     assert_eq!(lit("specular: (k_s: 1, shininess: 1e6)", 60.0), [0; 3]);
-    // Beside what is scattered: 0.6 of 9 times cos 60 degrees is 2.7.
+    // Diffuse light adds 0.6 of 9 times cos 60 degrees, which is 2.7.
     assert_eq!(lit("k_d: 0.6, specular: (k_s: 1, shininess: 2)", 60.0), [194, 97, 0]);
     // Behind the surface there is no highlight, although N.H is cos 50 degrees.
     assert_eq!(lit("specular: (k_s: 1, shininess: 1)", 100.0), [0; 3]);
-    // Two lights add up, and what stands before a light hides its highlight too.
+    // Two lights add up, and an occluder of a light hides its highlight, too.
     let wall = r#"(shape: Box(size: (1, 1, 0.1)), material: "m", transform: (translation: (0, 0, -7)))"#;
     let ahead = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 0, -9)))";
     let material = "(specular: (k_s: 0.2, shininess: 9))";
@@ -135,8 +136,8 @@ fn highlights_change_over_time() {
 
 #[test]
 fn highlights_are_seen_in_mirrors_from_where_the_mirror_is() {
-    // The mirror turns the view upwards, where it meets the ceiling at (0, 5, 0) head on, as the light does. From the eye
-    // itself the highlight would be 45 degrees off.
+    // The mirror turns the view upwards, where it meets the ceiling at (0, 5, 0) head on, as the light does. Seen from the eye itself, the
+    // highlight would be 45 degrees off.
     let body = r#"camera: (position: (0, 0, -5), view: (0, 0, 1)),
         materials: { "mirror": (reflective: (k_r: 0.5)), "gloss": (specular: (k_s: 0.8, shininess: 1000)) },
         entities: [
@@ -214,7 +215,7 @@ fn a_light_that_casts_no_shadows_reaches_what_faces_it() {
     assert_eq!(lit(&format!("{lamp}, casts_shadows: false)"), 9.0), [0; 3], "it is behind the surface");
 }
 
-/// Nothing stands in its way: neither in that of its highlights, nor, where it lights what is clear from behind, that itself.
+/// Checks that nothing occludes such a light: neither its highlights, nor a transparent surface that it lights from behind.
 #[test]
 fn a_light_that_casts_no_shadows_makes_highlights_and_shines_through_what_is_clear() {
     let lit = |material: &str, casts: bool, z: f64| {
@@ -228,10 +229,10 @@ fn a_light_that_casts_no_shadows_makes_highlights_and_shines_through_what_is_cle
         assert_eq!([true, false].map(|casts| lit(&glossy, casts, -9.0)), [0, 102], "{shininess}");
         assert_eq!(lit(&glossy, false, 9.0), 0, "a highlight of what is behind");
     }
-    // k_d |N.L| of it, and k_t less where the surface counts.
+    // The surface shows k_d |N.L|, times k_t if its own shadow counts.
     for gloss in ["", "specular: (k_s: 1, shininess: 0)"] {
         let clear = format!("(k_d: 0.6, color: (255, 255, 255), refractive: (k_t: 0.5, ior: 1), {gloss})");
-        // Both see the black background too, through the surface.
+        // The black background is visible through the surface as well.
         assert_eq!([true, false].map(|casts| lit(&clear, casts, 9.0)), [77, 153], "{gloss}");
     }
     assert_eq!([true, false].map(|casts| lit("(k_d: 0.6)", casts, 9.0)), [0, 0], "opaque");
@@ -253,7 +254,7 @@ fn falloff_weakens_a_light_with_distance() {
     assert_eq!(lit("(2, 3, 0.5)", 4.0), [9, 5, 0]); // 2 + 12 + 8: 200 / 22 = 9.09
     assert_eq!(lit("(1e-60, 0, 1)", 1.0), [200, 100, 0]);
     assert_eq!(lit("(1, 0, 1e60)", 1e30), [0; 3]);
-    // Distances are the world's, however large the light's own units are; highlights weaken too.
+    // Distances are in world units, whatever the scale of the light. Falloff weakens highlights, too.
     let scaled = "(light: Point(intensity: (1, 1, 1), falloff: (1, 1, 0)), transform: (translation: (0, 0, -5), scale: 9))]";
     assert_eq!(look_at("Sphere(radius: 1)", "(k_d: 1, color: (200, 200, 200))", scaled), [40; 3]);
     assert_eq!(look_at("Sphere(radius: 1)", "(specular: (k_s: 1, shininess: 99))", scaled), [51; 3]);
@@ -273,7 +274,7 @@ fn a_spot_shines_into_a_cone_about_its_forward_axis() {
         {
             assert_eq!(lit("angle: 60", &by(degrees)), [expected, expected / 2, 0], "{degrees} about {axis}");
         }
-        // Half-way between the cosines of 15 and of 30 degrees; a quarter of the way, 5/32.
+        // A factor of 1/2 half-way between the cosines of 15 and of 30 degrees, and of 5/32 a quarter of the way.
         let (inner, outer) = (libm::cos(15_f64.to_radians()), libm::cos(30_f64.to_radians()));
         for (way, expected) in [(-0.1, 0), (0.25, 31), (0.5, 100), (0.75, 169), (1.1, 200)] {
             let degrees = libm::acos(outer + way * (inner - outer)).to_degrees();
@@ -283,7 +284,7 @@ fn a_spot_shines_into_a_cone_about_its_forward_axis() {
         assert_eq!(lit("angle: 180", &by(90.1))[0], 0);
         assert_eq!(lit("angle: 180, softness: 1", &by(60.0))[0], 100);
     }
-    // At distance 8: 200 / 5; a wall in between hides it.
+    // At a distance of 8 the value is 200 / 5. A wall in between occludes the light.
     assert_eq!(lit("angle: 60, falloff: (1, 0.5, 0)", "Euler(0, 0, 0)"), [40, 20, 0]);
     let wall = r#"(shape: Box(size: (1, 1, 0.1)), material: "m", transform: (translation: (0, 0, -7)))"#;
     let spot = "(light: Spot(intensity: (1, 1, 1), angle: 9), transform: (translation: (0, 0, -9)))";
@@ -305,10 +306,10 @@ fn planes_have_two_sides_and_shells_are_seen_from_inside() {
     for normal in ["(0, 0, 1)", "(0, 0, -1)"] {
         assert_eq!(look_at(&format!("Plane(normal: {normal})"), matte, light), [100; 3]);
     }
-    // Camera and light are both inside.
+    // The camera and the light are both inside.
     assert_eq!(look_at("Sphere(radius: 20)", matte, light), [100; 3]);
     assert_eq!(look_at("Box(size: (20, 20, 20))", matte, light), [100; 3]);
-    // A light outside is hidden by the shell itself.
+    // The shell itself occludes a light outside.
     let outside = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 0, -30)))]";
     assert_eq!(look_at("Sphere(radius: 20)", matte, outside), [0; 3]);
     assert_eq!(look_at("Box(size: (20, 20, 20))", matte, outside), [0; 3]);
@@ -362,7 +363,7 @@ fn parents_turn_scale_and_move_their_children() {
         ]"#,
     );
     engine.seek(rayreel::Time::ZERO).unwrap();
-    // z is taken to x, half as far: the hand is at (11.5, 0, 0) with a radius of 0.5.
+    // The arm takes z to x and halves distances: the hand is at (11.5, 0, 0) with a radius of 0.5.
     let hit = engine.cast(Ray { origin: DVec3::new(20.0, 0.0, 0.0), direction: DVec3::NEG_X }).unwrap();
     assert_eq!(name(&engine, &hit), "hand");
     assert!((hit.distance - 8.0).abs() < 1e-12 && (hit.normal - DVec3::X).length() < 1e-12, "{hit:?}");
@@ -397,7 +398,7 @@ fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
         else {
             continue;
         };
-        // Nearly along the surface: inside the shell, a chord of some two hundred units.
+        // A direction nearly along the surface. Inside the shell it is a chord of some two hundred units.
         let along = hit.normal.cross(DVec3::new(random(), random(), random())) + hit.normal * 1e-4;
         if let Some(next) = engine.cast(hit.leave_towards(along)) {
             assert!(next.entity != hit.entity || next.distance > 1.0, "{hit:?} {next:?}");
@@ -418,7 +419,7 @@ fn t_counts_the_direction_as_it_was_given() {
     );
     engine.seek(rayreel::Time::ZERO).unwrap();
     for length in [5e-324, 1e-308, 1e-300, 3e-7, 0.7, 1.0, 5.0, 1e20, 1e300, 1e308] {
-        // Down to the floor beside the ball, up to the ceiling, and towards the ball.
+        // Down to the floor next to the ball, up to the ceiling, and towards the ball.
         let down =
             engine.cast(Ray { origin: DVec3::new(1.0, 2.0, 0.0), direction: DVec3::NEG_Y * length }).unwrap();
         let towards = |direction: DVec3| engine.cast(down.leave_towards(direction)).unwrap();
@@ -430,13 +431,13 @@ fn t_counts_the_direction_as_it_was_given() {
                 Some(t) if length > 1e-300 => {
                     assert!((t * unit - way).abs() < 1e-15 * way, "{length:e}: {hit:?}");
                 }
-                // Of subnormal lengths few digits are left.
+                // Subnormal lengths have few digits.
                 Some(t) => assert!((t / (way / unit) - 1.0).abs() < 1e-7, "{length:e}: {hit:?}"),
                 None => assert!(way / unit > f64::MAX * 0.999, "{length:e}: {hit:?}"),
             }
         }
     }
-    // A light is hidden by what is met before t = 1.
+    // A hit before t = 1 occludes a light.
     let floor = engine.cast(Ray { origin: DVec3::new(0.0, 0.2, 0.0), direction: DVec3::NEG_Y }).unwrap();
     let light = DVec3::new(0.0, 2.0, 0.0);
     let hit = engine.cast(floor.leave_towards(light - floor.point)).unwrap();
@@ -445,7 +446,7 @@ fn t_counts_the_direction_as_it_was_given() {
 
 #[test]
 fn a_closed_mirror_box_leaks_nowhere() {
-    // Whole columns of pixels fall on edges.
+    // Whole columns of pixels lie on edges.
     for (shape, rotation) in [
         ("Box(size: (2, 2, 2))", "Euler(0, 0, 0)"),
         ("Box(size: (2, 2, 2))", "Euler(0, 45, 0)"),
@@ -458,7 +459,7 @@ fn a_closed_mirror_box_leaks_nowhere() {
             entities: [(shape: {shape}, material: "m", transform: (rotation: {rotation}))]"#
         ));
         let film = engine.render_frame(0).unwrap();
-        // After eight generations, the background counts 0.5^8.
+        // After eight bounces, the background has a weight of 0.5^8.
         let leaks = film.pixels().iter().filter(|pixel| pixel.x != 1.0 / 256.0).count();
         assert_eq!(leaks, 0, "{shape} {rotation}");
     }

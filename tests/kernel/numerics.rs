@@ -1,8 +1,7 @@
-//! Hard cases with exact answers: one ray against one shape each, worked out to 25 digits
-//! (`tests/kernel/numerics/cases.jsonl`).
+//! Tests of hard cases with exact results: one ray against one shape each, computed to 25 digits (`tests/kernel/numerics/cases.jsonl`).
 //!
-//! `distances` lists every root as if the direction had length 1; the first that is not negative counts. Where
-//! `verdict_is_free`, hit and miss are both right, but a hit must be at the right place.
+//! `distances` lists every root for a direction of length 1; the first that is not negative counts. If `verdict_is_free`, hit and miss are
+//! both right, but a hit must be at the right point.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use serde_json::Value;
@@ -14,7 +13,7 @@ fn vector(value: &Value) -> DVec3 {
     DVec3::from_slice(&value.as_array().unwrap().iter().map(number).collect::<Vec<_>>())
 }
 
-/// A number, or a text of more digits than a number has, rounded once.
+/// Returns a number, or a text with more digits than a number, rounded once.
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| value.as_str().unwrap().parse().unwrap())
 }
@@ -41,7 +40,7 @@ fn shape(value: &Value) -> PreparedShape {
     }
 }
 
-/// How many steps of an `f64` lie between two numbers of the same sign.
+/// Returns the number of `f64` steps between two numbers of the same sign.
 fn steps(found: f64, expected: f64) -> u64 {
     found.to_bits().abs_diff(expected.to_bits())
 }
@@ -94,8 +93,8 @@ fn every_hard_case_is_right() {
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
 
-/// A ball that rests on the floor shadows it right up to the contact: a ray straight up from the floor, some way from the
-/// contact, meets the ball at 1 - sqrt(1 - way^2).
+/// Checks that a ball on a floor has a shadow up to the contact: a ray straight up from the floor, at a distance `way` from the contact,
+/// hits the ball at 1 - sqrt(1 - way^2).
 #[test]
 fn contact_shadows_reach_the_contact() {
     let mut geometry = Geometry::default();
@@ -108,7 +107,7 @@ fn contact_shadows_reach_the_contact() {
         (0.005, 0.000_012_500_078_125_976_578),
         (1e-5, 0.000_000_000_050_000_000_001_25),
     ] {
-        // From below, so that nothing but the floor is in the way.
+        // The ray comes from below, so that only the floor is in its path.
         let arrived = CastRay::new(DVec3::new(way, -1.0, 0.0), DVec3::Y).unwrap();
         let floor = scene.cast(&arrived).unwrap();
         assert_eq!(floor.point, DVec3::new(way, 0.0, 0.0));
@@ -117,7 +116,7 @@ fn contact_shadows_reach_the_contact() {
         assert_eq!(ball.hit.id.index(), 1);
         assert!(steps(ball.distance(&shadow), expected) <= 2, "{way}");
     }
-    // At the contact itself both are left at once.
+    // At the contact itself, a ray leaves both shapes at once.
     let arrived = CastRay::new(DVec3::NEG_Y, DVec3::Y).unwrap();
     let contact = scene.cast(&arrived).unwrap();
     let inside = scene.cast(&contact.leave_towards(DVec3::Y).unwrap()).unwrap();

@@ -1,15 +1,14 @@
-//! What a scene does not call for costs no rays: counts worked out by hand, with every effect and without it, and the plan's
-//! reason for each.
+//! Tests that disabled effects cost no rays: counts computed by hand, with every effect and without it, and the plan's reasons.
 
 use rayreel::components::{Checker, Material, Shape, Transform};
 use rayreel::systems::{Effect, Need};
 use rayreel::trace::{RayCounts, TreeEnds};
 use rayreel::{Engine, Rgb, Scene, World};
 
-/// Pixels of every picture here.
+/// Number of pixels of every picture here.
 const PIXELS: u64 = 48;
 
-/// A scene on a film of 8 x 6 pixels, seen from (0, 0, -4) along +z, whose first frame is rendered.
+/// Renders the first frame of a scene on a film of 8 x 6 pixels, seen from (0, 0, -4) along +z.
 fn rendered(body: &str) -> Engine {
     let text = format!(
         "Scene(timeline: (fps: 1, duration: 2), film: (width: 8, height: 6, transfer: Classic),
@@ -25,7 +24,7 @@ fn rendered_text(text: &str) -> Engine {
     engine
 }
 
-/// As [`rendered`], with a wall at z = 0 that fills the view, of material "wall", and a ball far behind it, so that shadows are
+/// Renders as [`rendered`], with a wall at z = 0 that fills the view, of material "wall", and a ball far behind it, so that shadows are
 /// possible.
 fn wall(material: &str, more: &str) -> Engine {
     rendered(&format!(
@@ -41,7 +40,7 @@ fn rays(engine: &Engine) -> RayCounts {
     engine.report().rays
 }
 
-/// Rays for every pixel: camera rays, shadow rays, reflected and refracted ones.
+/// Returns ray counts from numbers per pixel: camera rays, shadow rays, reflected and refracted rays.
 fn each(camera: u64, shadow: u64, reflection: u64, refraction: u64) -> RayCounts {
     RayCounts {
         camera: camera * PIXELS,
@@ -51,7 +50,7 @@ fn each(camera: u64, shadow: u64, reflection: u64, refraction: u64) -> RayCounts
     }
 }
 
-/// Ends of trees for every pixel.
+/// Returns counts of tree ends from numbers per pixel.
 fn ends(depth: u64, cutoff: u64) -> TreeEnds {
     TreeEnds { depth: depth * PIXELS, cutoff: cutoff * PIXELS }
 }
@@ -75,7 +74,7 @@ fn a_light_is_asked_once_for_every_point_that_it_may_light() {
         ("(specular: (k_s: 0.5, shininess: 1))", LAMP, 1),
         ("(specular: (k_s: 0, shininess: 1))", LAMP, 0),
         ("(k_d: 1, specular: (k_s: 0.5, shininess: 1))", LAMP, 1),
-        // Off; behind the wall; in it; on its way elsewhere.
+        // Lights that are off, behind the wall, in its plane, or directed elsewhere.
         (MATTE, "(light: Point(intensity: (0, 0, 0)), transform: (translation: (0, 0, -3)))", 0),
         (MATTE, "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 0, 3)))", 0),
         (MATTE, "(light: Point(intensity: (1, 1, 1)), transform: (translation: (90, 0, 0)))", 0),
@@ -93,7 +92,7 @@ fn a_light_is_asked_once_for_every_point_that_it_may_light() {
             "(light: Point(intensity: (1, 1, 1), casts_shadows: false), transform: (translation: (0, 0, -3)))",
             0,
         ),
-        // One that casts shadows beside one that does not; and a highlight that is nowhere near.
+        // A light with shadows next to a light without, and a highlight far outside the view.
         (MATTE, &format!("{LAMP}, (light: Directional(intensity: (1, 1, 1), casts_shadows: false))"), 1),
         (
             "(specular: (k_s: 1, shininess: 1e6))",
@@ -109,8 +108,8 @@ fn a_light_is_asked_once_for_every_point_that_it_may_light() {
 
 #[test]
 fn a_spot_light_is_asked_only_in_its_cone() {
-    // The view is 45 degrees high and, as its pixels are squares, less than 60 wide. The rim of a cone of 90 degrees from
-    // where the camera is lies outside of it, and that of 2 degrees between the four middle pixels.
+    // The view is 45 degrees high and, as pixels are square, less than 60 wide. For a light at the camera, the rim of a cone of 90 degrees
+    // lies outside the view, and the rim of a cone of 2 degrees between the four middle pixels.
     let spot = |angle: f64, turned: f64| {
         let engine = wall(
             MATTE,
@@ -125,7 +124,7 @@ fn a_spot_light_is_asked_only_in_its_cone() {
     assert_eq!(spot(90.0, 0.0), PIXELS);
     assert_eq!(spot(2.0, 0.0), 0);
     assert_eq!(spot(90.0, 180.0), 0);
-    // A half-space of light, in whose rim the view's middle is: half of the rows.
+    // A half-space of light whose boundary passes through the middle of the view: half of the rows.
     assert_eq!(spot(180.0, 90.0), PIXELS / 2);
     assert_eq!(spot(180.0, -90.0), PIXELS / 2);
 }
@@ -145,7 +144,7 @@ fn a_light_with_a_size_is_asked_once_a_sample() {
             assert_eq!(rays(&wall("(k_a: 1)", &light(-3.0))), each(1, 0, 0, 0), "{shape} unanswered");
         }
     }
-    // Samples of a rectangle across the wall lie on both sides of it, as many as they are evenly spread.
+    // Samples of a rectangle perpendicular to the wall lie on both sides of it, evenly spread.
     let across = wall(
         MATTE,
         "(light: Area(shape: Rectangle(width: 1, height: 2), intensity: (1, 1, 1), samples: 16),
@@ -158,7 +157,7 @@ fn a_light_with_a_size_is_asked_once_a_sample() {
 fn nothing_is_lit_where_nothing_is_met() {
     let engine = rendered(&format!(r#"background: (200, 100, 50), entities: [{LAMP}]"#));
     assert_eq!(rays(&engine), each(1, 0, 0, 0));
-    // Half of the rows look down on a floor.
+    // Half of the rows show a floor.
     let engine = rendered(&format!(
         r#"materials: {{ "m": (k_d: 1), "black": (k_a: 0) }}, entities: [
             (shape: Plane(normal: (0, 1, 0)), material: "m", transform: (translation: (0, -1, 0))),
@@ -176,7 +175,7 @@ fn every_pixels_sample_is_a_camera_ray_and_is_lit_for_itself() {
     }
 }
 
-/// Two mirrors that face each other, before and behind the camera, with as much light beyond the last generation as on the way.
+/// Renders two mirrors that face each other, in front of the camera and behind it, with as much light beyond the depth limit as before it.
 fn facing_mirrors(k_r: f64, quality: &str) -> Engine {
     rendered(&format!(
         r#"quality: ({quality}), background: (200, 200, 200), ambient: (1, 1, 1),
@@ -194,7 +193,7 @@ fn mirrors_are_followed_to_the_depth_limit() {
         assert_eq!(rays(&engine), each(1, 0, depth - 1, 0), "{depth}");
         assert_eq!(engine.report().ends, ends(1, 0), "{depth}");
     }
-    // One mirror shows the background, whatever the limit.
+    // A single mirror shows the background at any depth limit.
     for depth in [2, 9] {
         let engine = wall(
             "(reflective: (k_r: 0.5))",
@@ -209,14 +208,14 @@ fn mirrors_are_followed_to_the_depth_limit() {
 
 #[test]
 fn mirrors_are_followed_while_they_can_show() {
-    // No light along any ray is above 1, B(n) for all n, as a power of two is not above 200/255 twice. After k mirrors, what is left
-    // is 2^-k; at 16 steps of 255 the fourth is cut, at 0.25 the tenth.
+    // The radiance bound B(n) is 1 for all n: 200/255, rounded up to a power of two. After k mirrors, the throughput is 2^-k; at 16 steps
+    // of 255 the fourth is cut, at 0.25 the tenth.
     for (cutoff, followed) in [(16.0, 3), (0.25, 9), (128.0, 0), (127.0, 1)] {
         let engine = facing_mirrors(0.5, &format!("depth: 30, cutoff: {cutoff:?}"));
         assert_eq!(rays(&engine), each(1, 0, followed, 0), "{cutoff}");
         assert_eq!(engine.report().ends, ends(0, 1), "{cutoff}");
     }
-    // In the dark nothing can show; a cutoff of 0 follows even that.
+    // In the dark every ray is cut, except with a cutoff of 0.
     let dark = |cutoff| wall("(reflective: (k_r: 1))", &format!("], quality: (cutoff: {cutoff})"));
     let (least, none) = (dark("1e-9"), dark("0"));
     assert_eq!((rays(&least), least.report().ends), (each(1, 0, 0, 0), ends(0, 1)));
@@ -253,18 +252,18 @@ fn a_mirror_that_cannot_be_seen_costs_nothing() {
     assert_eq!(rays(&before), each(1, 0, 1, 0), "the ball fills the view");
     assert_eq!(need(&before, Effect::Reflection), Need::Needed("k_r is above 0"));
 
-    // In the view, but behind a wall: looked for, and never met.
+    // In the view, but behind a wall: the effect is planned, and the mirror is never hit.
     let hidden = ball(3.0, r#"(shape: Plane(normal: (0, 0, 1)), material: "m")"#);
     assert_eq!(rays(&hidden), each(1, 0, 0, 0));
     assert!(need(&hidden, Effect::Reflection).is_needed());
 
-    // Out of the view, but shown by a mirror: all rays of the ball before the camera meet the background or the other ball.
+    // Out of the view, but visible in a mirror.
     let shown = ball(-9.0, r#"(shape: Plane(normal: (0, 0, 1)), material: "mirror")"#);
     assert!(need(&shown, Effect::Reflection).is_needed());
     assert!(rays(&shown).reflection > PIXELS);
 }
 
-/// A ball of glass that fills the view, before a white background.
+/// Renders a glass ball that fills the view, in front of a white background.
 fn glass_ball(refractive: &str, depth: u32) -> Engine {
     rendered_text(&format!(
         r#"Scene(film: (width: 8, height: 6, transfer: Classic), camera: (position: (0, 0, -4), view: (0, 0, 1), fov: 20),
@@ -287,15 +286,15 @@ fn glass_sends_one_ray_in_and_one_out() {
 
 #[test]
 fn glass_that_mirrors_as_fresnel_says_splits_every_ray() {
-    // The first surface sends one ray back and one in; whatever is inside sends one back and one out, and is never reflected
-    // totally, as it meets the sphere at the angle at which it came in.
+    // The first surface spawns one reflected and one refracted ray. Every ray inside spawns one of each, too, and is never totally
+    // reflected, as it meets the sphere at the angle at which it entered.
     for depth in [1, 2, 3, 9] {
         let engine = glass_ball("(k_t: 0.9, ior: 1.5, fresnel: true)", depth);
         let others = u64::from(depth - 1);
         assert_eq!(rays(&engine), each(1, 0, others, others), "{depth}");
         assert_eq!(engine.report().ends, ends(2, 0), "{depth}");
         assert!(need(&engine, Effect::Fresnel).is_needed());
-        // There is no boundary where the index is that of empty space.
+        // There is no surface if the index is 1, as in empty space.
         let engine = glass_ball("(k_t: 0.9, ior: 1, fresnel: true)", depth);
         assert_eq!(rays(&engine), each(1, 0, 0, others.min(2)), "{depth}");
     }
@@ -303,7 +302,7 @@ fn glass_that_mirrors_as_fresnel_says_splits_every_ray() {
 
 #[test]
 fn total_reflection_keeps_rays_inside() {
-    // From inside of the half-space, at 45 degrees to its face: beyond the critical angle of glass, 41.8, not of water, 48.6.
+    // From inside the half-space, at 45 degrees to its face: above the critical angle of glass, 41.8, but not of water, 48.6.
     let inside = |ior: f64| {
         rendered_text(&format!(
             r#"Scene(film: (width: 8, height: 6, transfer: Classic), quality: (cutoff: 0), background: (255, 255, 255),
@@ -362,7 +361,7 @@ fn every_effect_is_called_for_by_something_and_left_out_without_it() {
             ("(k_a: 1)", lamp, each(1, 0, 0, 0)),
         ),
         (Effect::Shadows, (MATTE, lamp, each(1, 1, 0, 0)), (MATTE, "]", each(1, 0, 0, 0))),
-        // A light is before the glass half-space: no ray is refracted to anything that it lights.
+        // The light is in front of the glass half-space, so refracted rays reach nothing that it lights.
         (Effect::ClearShadows, (clear, lamp, each(1, 1, 0, 1)), (MATTE, lamp, each(1, 1, 0, 0))),
         (Effect::AreaLights, (MATTE, area, each(1, 4, 0, 0)), (MATTE, lamp, each(1, 1, 0, 0))),
         (Effect::SpotLights, (MATTE, spot, each(1, 1, 0, 0)), (MATTE, lamp, each(1, 1, 0, 0))),
@@ -418,12 +417,12 @@ fn every_effect_is_called_for_by_something_and_left_out_without_it() {
     }
 }
 
-/// As [`wall`], with the ball out of the way of what goes through the wall, and out of sight.
+/// Renders as [`wall`], with the ball out of sight and not behind the wall.
 fn lonely_wall(material: &str, more: &str) -> Engine {
     rendered(&walled(material, more))
 }
 
-/// As [`lonely_wall`], with the shutter open, half a second after the start.
+/// Renders as [`lonely_wall`], with the shutter open, half a second after the start.
 fn blurred(material: &str, more: &str) -> Engine {
     let text = format!(
         "Scene(timeline: (fps: 2, duration: 2), film: (width: 8, height: 6, transfer: Classic),
@@ -445,7 +444,7 @@ fn walled(material: &str, more: &str) -> String {
     )
 }
 
-/// The scene's text after the camera, an effect, and why it is left out of the first frame.
+/// The text of a scene after the camera, an effect, and the reason for which the first frame does not need it.
 const LEFT_OUT: &[(&str, Effect, &str)] = &[
     (
         r#"materials: { "m": (k_a: 1) }, entities: [(shape: Sphere(radius: 1), material: "m")]"#,
@@ -539,7 +538,7 @@ fn what_is_left_out_is_left_out_for_its_own_reason() {
     for (body, effect, reason) in LEFT_OUT {
         assert_eq!(need(&rendered(body), *effect), Need::LeftOut(reason), "{body}");
     }
-    // A sphere has no squares; a scene file that asks for them is refused, a world of one's own is not.
+    // Spheres have no squares. A scene file with squares on a sphere is refused, but a world may contain them.
     let mut world = World::new();
     let white = Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None };
     let squares = Checker { color: Rgb::ZERO, size: 1.0 };

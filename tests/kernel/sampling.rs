@@ -1,4 +1,4 @@
-//! Pixels as means of samples: against closed forms, and how fast they get there.
+//! Tests of pixels as means of samples, against closed forms and for their rate of convergence.
 
 use std::sync::atomic::AtomicBool;
 
@@ -14,7 +14,8 @@ use rayreel::{Engine, Entity, Film, RenderSettings, Rgb, Time, World};
 
 const SIDE: u32 = 48;
 
-/// A white world seen from the origin along +z, on a square film at distance 1 whose pixels are squares of side 1/SIDE.
+/// Returns an engine with a white shape, and the shape's entity. The camera is at the origin and looks along +z, with a square film at
+/// distance 1 whose pixels are squares of side 1/SIDE.
 fn engine(shape: Shape, place: DVec3, sampling: Sampling) -> (Engine, Entity) {
     let mut world = World::new();
     let white = Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None };
@@ -60,19 +61,19 @@ fn single(value: f64) -> f32 {
     value as f32
 }
 
-/// Right and up from the middle of the screen to the middle of a pixel.
+/// Returns the offset of a pixel's centre from the centre of the screen, to the right and up.
 fn place(i: u32, j: u32) -> (f64, f64) {
     let step = |index: u32| (f64::from(index) + 0.5) / f64::from(SIDE) - 0.5;
     (step(i), -step(j))
 }
 
-/// The share of a square of this side around (x, y) in which a x + b y + c < 0, for a, b > 0: the mean over the columns of
-/// the square of the share of each.
+/// Returns the share of a square of this side around (x, y) in which a x + b y + c < 0, for a, b > 0: the mean of the shares of the
+/// square's columns.
 fn half_plane_in_square([a, b, c]: [f64; 3], (x, y): (f64, f64), side: f64) -> f64 {
     // The height of the edge above the square's lower side, in sides, at its left and right.
     let height = |x: f64| (-(a * x + c) / b - y) / side + 0.5;
     let (left, right) = (height(x - 0.5 * side), height(x + 0.5 * side));
-    // An integral of the height, held in 0..1.
+    // An integral of the height, clamped to 0..1.
     let integral = |height: f64| {
         if height < 0.0 {
             0.0
@@ -85,7 +86,7 @@ fn half_plane_in_square([a, b, c]: [f64; 3], (x, y): (f64, f64), side: f64) -> f
     (integral(right) - integral(left)) / (right - left)
 }
 
-/// The exponent e of an error that falls as n^e, by least squares.
+/// Returns the exponent e of an error that falls as n^e, by least squares.
 fn exponent(errors: &[(u32, f64)]) -> f64 {
     let points: Vec<(f64, f64)> =
         errors.iter().map(|(count, error)| (libm::log(f64::from(*count)), libm::log(*error))).collect();
@@ -97,7 +98,7 @@ fn exponent(errors: &[(u32, f64)]) -> f64 {
 
 #[test]
 fn coverage_along_an_edge_converges_to_the_closed_form() {
-    // Rays from the origin meet this plane, which passes below it, where they go against its normal.
+    // The plane passes below the origin. Rays from the origin hit it if they point against its normal.
     let normal = DVec3::new(0.37, 1.0, 0.021);
     let (mut engine, _) = engine(Shape::Plane { normal }, DVec3::new(0.0, -1.0, 0.0), sampling(1));
     let mut errors = Vec::new();
@@ -125,7 +126,7 @@ fn coverage_along_an_edge_converges_to_the_closed_form() {
     assert!(errors[1].1 < 0.05 && errors[4].1 < 0.003, "{errors:?}");
 }
 
-/// A plane that passes below the origin, and the picture of it without any error.
+/// Returns an engine with a plane that passes below the origin, and its exact picture.
 fn edge() -> (Engine, Film) {
     let normal = DVec3::new(0.37, 1.0, 0.021);
     let (engine, _) = engine(Shape::Plane { normal }, DVec3::new(0.0, -1.0, 0.0), sampling(16));
@@ -167,11 +168,11 @@ fn an_adaptive_picture_is_as_near_the_closed_form_as_it_is_meant_to_be() {
         let before = std::mem::replace(&mut rays, engine.report().rays.camera);
         assert!(rays > before, "{max_error}");
     }
-    // All pixels alike would take a hundred times as many.
+    // Uniform sampling would take a hundred times as many rays.
     assert!(rays < 200 * u64::from(SIDE * SIDE), "{rays}");
 }
 
-/// Hears of everything, and counts a thousand instructions for every question.
+/// An observer that records all shares, and counts a thousand instructions per query.
 #[derive(Default)]
 struct Counting {
     shares: Vec<f64>,
@@ -275,7 +276,7 @@ fn noise_is_fixed_or_a_function_of_the_moment_and_the_seed() {
     assert_eq!(engine.render_at(Time::ZERO).unwrap(), start);
     set(&mut engine, Sampling { noise: Noise::PerFrame, seed: 1, ..sampling(4) });
     assert_ne!(engine.render_frame(12).unwrap(), later);
-    // A single sample is in the centre, and has no noise.
+    // A single sample is in the centre, without noise.
     set(&mut engine, Sampling { noise: Noise::PerFrame, ..sampling(1) });
     assert_eq!(engine.render_frame(12).unwrap(), engine.render_frame(0).unwrap());
 }
@@ -283,15 +284,15 @@ fn noise_is_fixed_or_a_function_of_the_moment_and_the_seed() {
 #[test]
 fn a_point_out_of_focus_is_a_disc_of_the_size_that_the_lens_equation_says() {
     const APERTURE: f64 = 2.0;
-    // Beyond the plane in focus, and before it.
+    // Beyond the plane in focus, and in front of it.
     for (focus, place) in [(4.0, DVec3::new(1.0, -0.5, 8.0)), (10.0, DVec3::new(0.3, 0.4, 4.0))] {
         let radius = 0.03 * place.z;
         let (mut engine, _) = engine(Shape::Sphere { radius }, place, sampling(1));
         set_lens(&mut engine, APERTURE, focus);
         let film = render(&mut engine, 1024);
 
-        // On the screen at distance 1: a point of the lens sees the sphere's middle there, moved by so much times its own
-        // distance from the lens's middle.
+        // On the screen at distance 1, a point of the lens sees the sphere's centre shifted by this factor times the point's distance from
+        // the centre of the lens.
         let confusion = 0.5 * APERTURE * (1.0 / focus - 1.0 / place.z).abs();
         let (x, y) = (place.x / place.z, place.y / place.z);
         let pixel = 1.0 / f64::from(SIDE);
@@ -317,12 +318,12 @@ fn a_point_out_of_focus_is_a_disc_of_the_size_that_the_lens_equation_says() {
             }
         }
         let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.05;
-        // The light of the sphere's image is spread over the disc, evenly.
+        // The light of the sphere's image is spread evenly over the disc.
         let image = std::f64::consts::PI * 0.03 * 0.03;
         assert!(near(light * pixel * pixel, image), "{} {image}", light * pixel * pixel);
         let (density, expected) = (inside / inside_count, 0.03 * 0.03 / (confusion * confusion));
         assert!(inside_count > 20.0 && near(density, expected), "{density} {expected}");
-        // The mean square of distances from the middle of a disc is half its radius squared.
+        // The mean square of distances from the centre of a disc is half its radius squared.
         let expected = 0.5 * (confusion * confusion + 0.03 * 0.03);
         assert!(near(moment / light, expected), "{} {expected}", moment / light);
         assert!(middle.iter().all(|part| (part / light).abs() < 0.03 * confusion), "{middle:?} {light}");
@@ -331,7 +332,7 @@ fn a_point_out_of_focus_is_a_disc_of_the_size_that_the_lens_equation_says() {
 
 #[test]
 fn what_is_in_focus_stays_sharp() {
-    // A thin plate in the plane in focus: all points of the lens see through a place on the screen the same place of it.
+    // A thin plate in the plane in focus: through a point of the screen, all points of the lens see the same point of the plate.
     let plate = Shape::Box { size: DVec3::new(1.3, 2.1, 1e-9) };
     let (mut engine, _) = engine(plate, DVec3::new(0.2, 0.1, 5.0), sampling(1));
     let sharp = render(&mut engine, 16);

@@ -1,4 +1,4 @@
-//! Chromium without a window, through chromedriver and the WebDriver protocol.
+//! Headless Chromium, controlled through chromedriver and the WebDriver protocol.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -9,14 +9,14 @@ use super::http::request;
 
 pub(crate) struct Browser {
     driver: Child,
-    /// It may go on talking.
+    /// Keeps the pipe open, because the driver may continue to print.
     _output: BufReader<ChildStdout>,
     port: u16,
     session: String,
 }
 
 impl Browser {
-    /// With a window of so many pixels, `1000,700`; `None` where there is no chromedriver.
+    /// Starts a browser with a window of this size in pixels, as in `1000,700`. Returns `None` without chromedriver.
     pub(crate) fn start(size: &str) -> Option<Self> {
         let command = Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).spawn();
         let mut driver = command.ok()?;
@@ -51,7 +51,7 @@ impl Browser {
         self.ask_session("url", &json!({ "url": url }));
     }
 
-    /// Opens another `tab` or `window` and goes there.
+    /// Opens another `tab` or `window`, and switches to it.
     pub(crate) fn open_another(&self, kind: &str) -> String {
         let opened = self.ask_session("window/new", &json!({ "type": kind }));
         let handle = opened["handle"].as_str().unwrap().to_owned();
@@ -64,12 +64,12 @@ impl Browser {
         self.emulate("Page.bringToFront", &json!({}));
     }
 
-    /// What an expression is in the page.
+    /// Returns the value of an expression in the page.
     pub(crate) fn evaluate(&self, expression: &str) -> Value {
         self.ask_session("execute/sync", &json!({ "script": format!("return {expression}"), "args": [] }))
     }
 
-    /// Lets the browser take itself for another, by a command of its own protocol.
+    /// Emulates another device or other preferences, by a command of the browser's own protocol.
     pub(crate) fn emulate(&self, command: &str, parameters: &Value) {
         self.ask_session("goog/cdp/execute", &json!({ "cmd": command, "params": parameters }));
     }
@@ -85,7 +85,7 @@ impl Browser {
         self.ask_session(&format!("element/{element}/click"), &json!({}));
     }
 
-    /// Presses a key; special ones have characters in WebDriver's private area.
+    /// Presses a key. Special keys are characters in WebDriver's private use area.
     pub(crate) fn press(&self, key: char) {
         let keys = json!([{ "type": "keyDown", "value": key }, { "type": "keyUp", "value": key }]);
         let actions = json!([{ "type": "key", "id": "keyboard", "actions": keys }]);

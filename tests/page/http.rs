@@ -1,4 +1,4 @@
-//! Requests, one connection each.
+//! HTTP requests, one connection each.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -10,7 +10,7 @@ pub(crate) struct Answer {
     pub(crate) body: String,
 }
 
-/// Sends a request to a port of this machine.
+/// Sends a request to a local port, and returns the response.
 pub(crate) fn request(port: u16, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Answer {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
@@ -26,7 +26,7 @@ pub(crate) fn request(port: u16, method: &str, path: &str, headers: &[(&str, &st
     }
     let status = head.split(' ').nth(1).unwrap().parse().unwrap();
     let head = head.to_lowercase();
-    // Who answered may keep the connection open for longer than that.
+    // The server may keep the connection open after the body.
     let length = head.lines().find_map(|line| line.strip_prefix("content-length:")?.trim().parse().ok());
     let mut body = vec![0; length.unwrap_or(0)];
     stream.read_exact(&mut body).unwrap();

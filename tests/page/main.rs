@@ -1,5 +1,5 @@
-//! The preview page in a real browser, and the server for whoever is not one. The former needs chromedriver and Chromium;
-//! where they are not there, the tests say so and pass.
+//! Tests of the preview page in a real browser, and of the server with other clients. The page tests need chromedriver and Chromium;
+//! without them, they print a message and pass.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
@@ -34,7 +34,7 @@ const SCENE: &str = r#"Scene(
     animate: [(target: "ball", channel: Translation, track: Keys([(0, (0, 0, 0)), (2, (0, 0.5, 0))]))],
 )"#;
 
-/// A scene in a folder of its own, on show.
+/// A scene in a temporary folder, with a session and a server that show it.
 struct Preview {
     folder: TempDir,
     session: Session,
@@ -84,7 +84,7 @@ fn session(folder: &TempDir) -> Session {
     )
 }
 
-/// The page in a browser; `None` without one.
+/// Opens the page in a browser. Returns `None` without one.
 fn open(preview: &Preview) -> Option<Browser> {
     let browser = Browser::start("1000,700");
     if let Some(browser) = &browser {
@@ -95,7 +95,7 @@ fn open(preview: &Preview) -> Option<Browser> {
     browser
 }
 
-/// Waits until the page says so.
+/// Waits until an expression in the page is true.
 fn until(browser: &Browser, expression: &str) {
     let start = Instant::now();
     while browser.evaluate(expression) != json!(true) {
@@ -110,7 +110,7 @@ fn the_page_shows_scrubs_plays_and_recovers() {
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full && at('now').naturalWidth === 160");
 
-    // Scrub.
+    // Scrubbing.
     browser.evaluate("(at('scrubber').value = 7, at('scrubber').dispatchEvent(new Event('input')), true)");
     until(
         &browser,
@@ -119,7 +119,7 @@ fn the_page_shows_scrubs_plays_and_recovers() {
     browser.press('\u{e014}');
     until(&browser, "shown.full && shown.frame === 8");
 
-    // Play, and stop.
+    // Playing, and stopping.
     browser.press(' ');
     until(&browser, "playing !== null && shown.frame > 10");
     browser.press(' ');
@@ -127,23 +127,23 @@ fn the_page_shows_scrubs_plays_and_recovers() {
     browser.press('\u{e011}');
     until(&browser, "shown.full && shown.frame === 0");
 
-    // A mistake, over the last good picture, and then none.
+    // A mistake over the last good picture, and its correction.
     preview.save(&SCENE.replace("\"clay\"),", "\"caly\"),"));
     until(&browser, "!at('wrong').hidden && at('wrong').innerText.includes('ball.ron:8')");
     until(&browser, "at('wrong').innerText.includes('^^^^^^') && at('now').naturalWidth === 160");
     preview.save(&SCENE.replace("radius: 1", "radius: 1.1"));
     until(&browser, "at('wrong').hidden && shown.full && shown.reloads === 2");
 
-    // Before and after.
+    // Comparison with the previous picture.
     browser.press('w');
     until(&browser, "at('film').classList.contains('wipe') && at('before').naturalWidth === 160");
     browser.press('w');
 
-    // A pixel.
+    // The panel of a pixel.
     browser.click("#film");
     until(&browser, "at('spot').innerText.includes('ball') && at('spot').innerText.includes('ball.ron:8')");
 
-    // What effects cost, and what samples are worth.
+    // The costs of effects, and the error by the number of samples.
     browser.press('m');
     until(&browser, "at('needed').innerText.includes(' %') && !state.rendering");
     until(&browser, "!at('curve').hidden && at('plot').querySelectorAll('circle').length > 4");
@@ -152,7 +152,7 @@ fn the_page_shows_scrubs_plays_and_recovers() {
         "/^As it is, with .* the frame is off by about .* of 255 steps/.test(at('worth').innerText)",
     );
 
-    // The server goes and comes back with another scene, and the playhead stays.
+    // The server stops and restarts with another scene, and the playhead stays.
     browser.evaluate(PIXEL);
     browser.press('\u{e014}');
     until(&browser, "shown.full && shown.frame === 1");
@@ -161,7 +161,7 @@ fn the_page_shows_scrubs_plays_and_recovers() {
     let before = browser.evaluate("[state.session, pixel()]");
     preview.save(&SCENE.replace("255, 120, 60", "0, 255, 0"));
     preview.restart();
-    // The new session's first pictures have numbers that the old one's had.
+    // The new session's first pictures have the numbers of the old session's.
     until(
         &browser,
         &format!("state.session !== {} && shown !== null && shown.full && shown.frame === 1", before[0]),
@@ -169,7 +169,7 @@ fn the_page_shows_scrubs_plays_and_recovers() {
     assert_ne!(browser.evaluate("pixel()"), before[1]);
 }
 
-/// For a pixel, as the one in the middle, of the picture on the screen, as the page shows it.
+/// Defines a function that reads a pixel, by default the middle one, of the picture on the page.
 const PIXEL: &str = "(window.pixel = (right = 0.5, down = 0.5) => { const canvas = document.createElement('canvas'), image = at('now'); \
     canvas.width = image.naturalWidth; canvas.height = image.naturalHeight; \
     const context = canvas.getContext('2d'); context.drawImage(image, 0, 0); \
@@ -190,7 +190,7 @@ fn a_frame_that_fails_can_be_left_again() {
     until(&browser, "at('wrong').hidden && state.frame === 11 && view.frame === 11");
     browser.evaluate("(seek(12), seek(13), seek(15), true)");
     until(&browser, "at('wrong').hidden && shown.full && shown.frame === 15");
-    // Playing stops where it fails, and goes on from there.
+    // Playing stops at the failing frame, and continues from there.
     browser.evaluate("(seek(10), true)");
     until(&browser, "shown.full && shown.frame === 10");
     browser.press(' ');
@@ -218,7 +218,7 @@ fn two_pages_do_not_keep_each_other_waiting() {
     until(&other, "shown.full && shown.frame === 2 && view.frame === 2");
 }
 
-/// A browser opens six connections to a server at most.
+/// Checks more pages than connections: a browser opens at most six connections to a server.
 #[test]
 fn more_pages_than_connections_all_hear_and_ask() {
     for kind in ["tab", "window"] {
@@ -280,7 +280,7 @@ fn another_scene_begins_with_its_own_frame() {
     until(&browser, "shown !== null && shown.full");
     browser.evaluate("(seek(7), probe([80, 45]), true)");
     until(&browser, "shown.full && shown.frame === 7 && view.spot !== null");
-    // The same scene again keeps its own.
+    // Restarting the same scene keeps the frame.
     preview.server = None;
     preview.restart();
     until(&browser, "shown !== null && shown.full && shown.frame === 7 && !away");
@@ -321,7 +321,7 @@ fn pictures_keep_their_shapes() {
                 return Math.abs(box.width / box.height / (image.naturalWidth / image.naturalHeight) - 1); })";
             let off: Vec<f64> = serde_json::from_value(browser.evaluate(shapes)).unwrap();
             assert!(off.iter().all(|off| *off < 0.02), "{width} x {height}: {off:?}");
-            // It lies within the picture.
+            // The previous picture lies within the film.
             let within = "(() => { const [film, before] = ['film', 'before'].map(id => at(id).getBoundingClientRect());
                 return before.left > film.left - 1 && before.right < film.right + 1 && before.top > film.top - 1
                     && before.bottom < film.bottom + 1; })()";
@@ -367,7 +367,7 @@ fn a_long_picture_shows_how_far_it_has_come() {
     assert!(values.is_sorted() && values.last() > values.first(), "{values:?}");
     assert!(seen.iter().any(|seen| seen[1].as_str().unwrap().ends_with(" %")), "{seen:?}");
     until(&browser, "at('progress').hidden && at('percent').textContent === ''");
-    // What comes after it makes way for an edit.
+    // An edit interrupts the work after the picture.
     preview.save(SCENE);
     until(&browser, "shown.full && shown.reloads === 3");
 }
@@ -392,7 +392,7 @@ fn on_a_phone_a_mistake_can_be_read_and_its_place_is_seen() {
             &browser,
             &format!("!at('wrong').hidden && wrongText !== {before} && wrongText === state.mistakes.text"),
         );
-        // All words are within the page; only lines of the file are scrolled, to where the caret is.
+        // All text is within the page. Only lines of the file scroll, to the caret.
         let outside =
             "[...at('wrong').querySelectorAll('h2, p')].some(part => { const range = document.createRange();
             range.selectNodeContents(part);
@@ -424,14 +424,14 @@ fn the_page_fits_phones_and_the_dark_and_keeps_its_view() {
     );
     assert_ne!(background(), light);
 
-    // Another frame and another size survive that the page is opened again.
+    // The frame and the size survive a reload of the page.
     browser.press('\u{e014}');
     browser.press('1');
     until(&browser, "shown.full && shown.frame === 1 && at('film').offsetWidth === 160");
     browser.evaluate("(location.reload(), true)");
     until(&browser, "shown !== null && shown.full && shown.frame === 1 && at('film').offsetWidth === 160");
 
-    // A phone: nothing sticks out, and fingers find what they want.
+    // On a phone nothing sticks out, and buttons are large enough for fingers.
     let phone = json!({ "width": 360, "height": 640, "deviceScaleFactor": 2, "mobile": true });
     browser.emulate("Emulation.setDeviceMetricsOverride", &phone);
     until(&browser, "innerWidth === 360 && document.documentElement.scrollWidth === 360");
@@ -474,7 +474,7 @@ fn only_this_machines_own_pages_are_served() {
     }
 }
 
-/// Of the head and of the body, in pieces and not at all.
+/// Checks incomplete requests, which end in the head, in the body, or before any byte.
 #[test]
 fn who_begins_to_ask_and_does_not_go_on_is_sent_away() {
     let preview = Preview::new();
@@ -488,13 +488,13 @@ fn who_begins_to_ask_and_does_not_go_on_is_sent_away() {
             stream.set_read_timeout(Some(AT_MOST)).unwrap();
             thread::spawn(move || {
                 let mut answer = Vec::new();
-                // It ends, with an answer or without.
+                // The connection ends, with or without a response.
                 let end = stream.read_to_end(&mut answer);
                 assert!(end.is_ok() || end.is_err_and(|error| error.kind() == ErrorKind::ConnectionReset));
             })
         })
         .collect();
-    // A page is not: it listens for as long as it likes.
+    // A page's event stream stays open without a time limit.
     let mut page = TcpStream::connect(("127.0.0.1", preview.port)).unwrap();
     write!(page, "GET /events HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
     for visitor in visitors {
@@ -524,7 +524,7 @@ fn the_page_needs_nothing_from_elsewhere() {
         for foreign in ["://", "//cdn", "@import"] {
             assert!(!text.contains(foreign), "{name}: {foreign}");
         }
-        // All of it is served, and is what it is called.
+        // Every file is served, with its content type.
         let path = if name == "page.html" { "/".to_owned() } else { format!("/{name}") };
         let answer = request(preview.port, "GET", &path, &[("Host", &host)], "");
         let kind = match name.rsplit_once('.').unwrap().1 {

@@ -1,9 +1,9 @@
-//! Time that does not depend on what else a machine does.
+//! Time measurements that do not depend on other load of the machine.
 
 use std::fs;
 use std::time::{Duration, Instant};
 
-/// A moment, by the time that this thread has spent on a processor where the system tells: a machine may be busy with other things.
+/// A point in time, by the processor time of this thread where the system reports it, because the machine may be busy.
 #[derive(Clone, Copy)]
 pub(crate) struct Spent {
     moment: Instant,

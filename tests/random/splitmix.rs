@@ -1,4 +1,4 @@
-//! A generator of numbers that look random, the same every time.
+//! A deterministic pseudo-random generator.
 
 /// A generator of 64-bit words (Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
 pub(crate) struct Random(pub(crate) u64);
@@ -12,12 +12,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Yes once in so many times.
+    /// Returns true once in `times` calls, on average.
     pub(crate) fn once_in(&mut self, times: u64) -> bool {
         self.bits().is_multiple_of(times)
     }
 
-    /// An index below `length`.
+    /// Returns an index below `length`.
     pub(crate) fn index(&mut self, length: usize) -> usize {
         usize::try_from(self.bits() % u64::try_from(length).unwrap()).unwrap()
     }

@@ -1,9 +1,8 @@
-//! No link in the documentation is dead.
+//! Tests that no link in the documentation is dead.
 //!
-//! Texts in Markdown link to files, which are there, and to headings in them. Those that are also the documentation of a module
-//! are read in two places: beside the sources, and among the pages that rustdoc makes, where there are no such files. They link
-//! by name, and the module gives the name a meaning of its own first. Links to modules and types are rustdoc's to check, which
-//! `.ci/run` has do so; links to files it takes as they are.
+//! Markdown files link to existing files and headings. Markdown files that are also the documentation of a module are read in two places:
+//! next to the sources, and in the pages of rustdoc, which do not contain the linked files. They link by name, and the module defines the
+//! name for its pages. Links to modules and types are checked by rustdoc, in `.ci/run`; rustdoc does not check links to files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,7 +16,7 @@ fn texts() -> Vec<PathBuf> {
     texts
 }
 
-/// A text without what stands in code.
+/// Returns a text without its code.
 fn prose(text: &str) -> String {
     let mut is_code = false;
     let mut prose = String::new();
@@ -32,19 +31,19 @@ fn prose(text: &str) -> String {
     prose.split('`').step_by(2).collect::<Vec<_>>().join("`")
 }
 
-/// The documentation in a source file.
+/// Returns the documentation in a source file.
 fn documentation(source: &str) -> String {
     let lines = source.lines().map(str::trim_start);
     let lines = lines.filter_map(|line| line.strip_prefix("//!").or(line.strip_prefix("///")));
     prose(&lines.map(|line| format!("{line}\n")).collect::<String>())
 }
 
-/// Where the links in a text lead that say so themselves, as `[text](target)`.
+/// Returns the targets of inline links, as in `[text](target)`.
 fn targets(prose: &str) -> Vec<&str> {
     prose.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next()).collect()
 }
 
-/// What the names mean that a text links by, as `[name]: target`.
+/// Returns the targets of link names, as in `[name]: target`.
 fn names(prose: &str) -> BTreeMap<&str, &str> {
     let lines = prose.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]: "));
     lines.map(|(name, target)| (name, target.trim())).collect()
@@ -58,14 +57,14 @@ fn is_file(target: &str) -> bool {
     !is_elsewhere(target) && target.contains(['/', '.', '#'])
 }
 
-/// What a heading is called in links to it.
+/// Returns the anchor of a heading.
 fn anchor(heading: &str) -> String {
     let heading = heading.trim_start_matches('#').trim().to_lowercase();
     let kept = heading.chars().filter(|character| character.is_alphanumeric() || " -_".contains(*character));
     kept.map(|character| if character == ' ' { '-' } else { character }).collect()
 }
 
-/// Whether a link in a file of the repository leads somewhere in it.
+/// Returns true if the target of a link in a file exists in the repository.
 fn leads_somewhere(from: &Path, target: &str) -> bool {
     let (path, heading) =
         target.split_once('#').map_or((target, None), |(path, heading)| (path, Some(heading)));
@@ -78,7 +77,7 @@ fn leads_somewhere(from: &Path, target: &str) -> bool {
     path.starts_with(fs::canonicalize(root()).unwrap()) && heading.is_none_or(has)
 }
 
-/// The links of a text that lead nowhere.
+/// Returns the dead links of a text.
 fn dead<'a>(from: &Path, prose: &'a str) -> Vec<&'a str> {
     let targets = targets(prose).into_iter().chain(names(prose).into_values());
     targets.filter(|target| !is_elsewhere(target) && !leads_somewhere(from, target)).collect()

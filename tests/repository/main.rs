@@ -1,4 +1,4 @@
-//! Sources and texts keep to what they say of themselves: layers, links and what the README shows.
+//! Tests of the repository: the layers of the sources, the links of the documentation, and the examples of the README.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
@@ -13,7 +13,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// All files in a folder and below whose names end so.
+/// Returns all files in a folder and below it with this extension.
 fn files_in(folder: &Path, end: &str) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {

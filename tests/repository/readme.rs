@@ -1,4 +1,4 @@
-//! What the README shows is so: its scene is one, and its commands and options are there.
+//! Tests of the README: its scene is valid, and its commands and options exist.
 
 use assert_cmd::Command;
 
@@ -15,7 +15,7 @@ fn rayreel(arguments: &[&str]) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// What stands between single backticks in a text.
+/// Returns the parts of a text between single backticks.
 fn code(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
@@ -62,7 +62,7 @@ fn every_command_line_is_understood() {
         let words: Vec<&str> = line.split(' ').skip(1).collect();
         let scene = words.iter().find(|word| word.ends_with(".ron")).unwrap();
         assert!(root().join(scene).is_file(), "there is no {scene}");
-        // The help is asked for after all else has been understood.
+        // `--help` comes last, so that all other arguments are parsed first.
         rayreel(&[&words[..], &["--help"]].concat());
     }
 }

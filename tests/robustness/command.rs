@@ -1,4 +1,4 @@
-//! The command on files of its own, with the memory and the time that it may take.
+//! The command as a process of its own, with limited memory and time.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -9,24 +9,24 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 
-/// Address space, in KiB.
+/// Limit of the address space, in KiB.
 const MEMORY: u64 = 1 << 20;
-/// Seconds of all threads together.
+/// Limit of the processor time of all threads together, in seconds.
 const TIME: u64 = 10;
-/// One that waits for something uses no time. On a machine that is busy with other things, all takes longer.
+/// Limit of the elapsed time. A waiting process uses no processor time, and a busy machine takes longer.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Bytes that people are to read.
+/// Limit of the output, in bytes, which people must be able to read.
 const MESSAGES: u64 = 1 << 16;
 
-/// What runs took, at most.
+/// The largest figures of several runs, with the number of runs and of accepted scenes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Taken {
     pub(crate) runs: u64,
     pub(crate) accepted: u64,
     pub(crate) time: Duration,
-    /// Of main memory, in KiB; as it was seen now and then.
+    /// Main memory in KiB, as sampled during the run.
     pub(crate) memory: u64,
-    /// Bytes of what was said.
+    /// Bytes of output.
     pub(crate) messages: u64,
 }
 
@@ -42,7 +42,7 @@ impl Taken {
     }
 }
 
-/// Runs `rayreel` in a folder. It may succeed or refuse, and nothing else.
+/// Runs `rayreel` in a folder. It must succeed or report an error, within the limits.
 pub(crate) fn rayreel(folder: &Path, arguments: &[&str]) -> Result<Taken, TestCaseError> {
     let said = folder.join("said");
     let output = File::create(&said).unwrap();
@@ -83,7 +83,7 @@ pub(crate) fn rayreel(folder: &Path, arguments: &[&str]) -> Result<Taken, TestCa
     })
 }
 
-/// The most memory that a process had so far, in KiB, where the system tells.
+/// Returns the peak memory of a process so far, in KiB, where the system reports it.
 fn peak(process: u32) -> Option<u64> {
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

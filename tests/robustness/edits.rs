@@ -1,4 +1,4 @@
-//! Changes to files: of bytes, of numbers, and of what belongs together in brackets.
+//! Edits of files: of bytes, of numbers, and of groups in brackets.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -8,26 +8,26 @@ use proptest::prelude::*;
 use super::files::Files;
 use super::values::number;
 
-/// A change to a text, at some place in it. Places are shares of its length.
+/// An edit of a text. Places are shares of its length.
 #[derive(Clone, Debug)]
 pub(crate) enum Edit {
-    /// Take some bytes away, and put a word there, perhaps often.
+    /// Removes some bytes, and inserts a word, possibly repeated.
     Splice { place: f64, removed: usize, word: String, times: usize },
-    /// Put any bytes in the place of as many.
+    /// Overwrites bytes with arbitrary ones.
     Bytes { place: f64, bytes: Vec<u8> },
-    /// The rest is missing.
+    /// Removes the rest of the text.
     End { place: f64 },
-    /// Put another number in the place of the next.
+    /// Replaces the next number.
     Number { place: f64, number: String },
-    /// Put a line of the text there once more.
+    /// Inserts a copy of a line.
     Line { place: f64, line: f64 },
-    /// Put the next word in another one's place, or those in brackets in the place of others.
+    /// Replaces another word with the next word, or another group in brackets with the next group.
     Move { place: f64, other: f64, is_group: bool },
-    /// Put the next word there so often, or those in brackets; 0 is not at all.
+    /// Repeats the next word, or the next group in brackets; 0 removes it.
     Repeat { place: f64, times: usize, is_group: bool },
 }
 
-/// Words of the format and of scripts, and what means something to their readers.
+/// Words of the format and of scripts, and texts that are special to their parsers.
 const SPECIAL: [&str; 55] = [
     "",
     "(",
@@ -86,7 +86,7 @@ const SPECIAL: [&str; 55] = [
     "\t",
 ];
 
-/// Numbers at what the format's limits are, and just beyond.
+/// Numbers at the limits of the format, and just beyond them.
 const LIMITS: [&str; 60] = [
     "0",
     "-0.0",
@@ -150,20 +150,20 @@ const LIMITS: [&str; 60] = [
     "1e",
 ];
 
-/// What can be nested or go on for long.
+/// Texts that can be nested or repeated many times.
 const LONG: [&str; 14] =
     ["(", "[", "{", "Some(", "(x: ", "\"", "/*", "-", "9", "x", " ", "\n", "#{a: ", "((1, 2, 3), "];
 
-/// What is repeated fills so many bytes at most.
+/// Maximum size of a repetition, in bytes.
 const LONGEST: usize = 1 << 20;
 
-/// A few changes: of numbers alone, so that many of the texts stay scenes, or of any kind.
+/// Generates a few edits, either of numbers alone, so that many texts stay valid scenes, or of any kind.
 pub(crate) fn edits(scenes: &[Files]) -> impl Strategy<Value = Vec<Edit>> + use<> {
     let any = edit(vocabulary(scenes));
     prop_oneof![prop::collection::vec(likely_number(), 1..4), prop::collection::vec(any, 1..6)]
 }
 
-/// All words of the texts.
+/// Returns all words of the texts.
 fn vocabulary(scenes: &[Files]) -> Vec<String> {
     let mut words = BTreeSet::new();
     for (_, bytes) in scenes.iter().flat_map(|files| &files.0) {
@@ -174,7 +174,7 @@ fn vocabulary(scenes: &[Files]) -> Vec<String> {
     words.into_iter().collect()
 }
 
-/// Numbers that are often good.
+/// Generates numbers that are often valid.
 fn likely_number() -> impl Strategy<Value = Edit> {
     let number = prop_oneof![
         3 => number().prop_map(|number| format!("{number:?}")),
@@ -212,7 +212,7 @@ fn byte_at(text: &[u8], place: f64) -> usize {
     (place * text.len() as f64) as usize
 }
 
-/// Words, numbers and texts as a whole; all else byte by byte, and spaces not at all.
+/// Returns the tokens of a text: words, numbers and strings as a whole, other bytes one by one, and no whitespace.
 pub(crate) fn tokens(text: &[u8]) -> Vec<Range<usize>> {
     let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || b"_.".contains(byte);
     let mut tokens = Vec::new();
@@ -232,7 +232,7 @@ pub(crate) fn tokens(text: &[u8]) -> Vec<Range<usize>> {
     tokens
 }
 
-/// The next word, or the next brackets with all that is in them.
+/// Returns the next word, or the next brackets with their content.
 fn next(text: &[u8], place: f64, is_group: bool) -> Option<Range<usize>> {
     let (start, tokens) = (byte_at(text, place), tokens(text));
     let first = tokens
@@ -304,7 +304,7 @@ impl Edit {
     }
 }
 
-/// Makes the samples and the depth small that a text asks for in numbers: what is asked for takes its time.
+/// Limits the samples and the depth in a text, because large numbers take long.
 pub(crate) fn with_little_effort(text: &mut Vec<u8>) {
     let list = tokens(text);
     for index in (2..list.len()).rev() {

@@ -1,4 +1,4 @@
-//! Scenes as files: a scene's own, those it includes, and its scripts.
+//! Scenes as files: the main file, its includes, and its scripts.
 
 use std::fmt;
 use std::fs;
@@ -9,10 +9,10 @@ use proptest::test_runner::TestCaseError;
 use rayreel::Scene;
 use rayreel::scene::TEMPLATE;
 
-/// What the scene's own file is called.
+/// Name of the main file.
 pub(crate) const SCENE: &str = "scene.ron";
 
-/// The files of a scene, by their paths from its folder; its own comes first.
+/// The files of a scene, by their paths from its folder. The main file comes first.
 #[derive(Clone)]
 pub(crate) struct Files(pub(crate) Vec<(PathBuf, Vec<u8>)>);
 
@@ -21,7 +21,7 @@ impl Files {
         Self(vec![(SCENE.into(), text.into())])
     }
 
-    /// A scene file and all files in its folder that `choose` wants.
+    /// Reads a scene file and all files in its folder that `choose` accepts.
     fn of(scene: &Path, choose: impl Fn(&Path) -> bool) -> Self {
         let folder = scene.parent().unwrap();
         let mut files = Self::of_text(fs::read(scene).unwrap());
@@ -31,7 +31,7 @@ impl Files {
         files
     }
 
-    /// Writes them into a folder, and gives the path of the scene's own.
+    /// Writes the files into a folder, and returns the path of the main file.
     pub(crate) fn write(&self, folder: &Path) -> PathBuf {
         for (path, bytes) in &self.0 {
             let path = folder.join(path);
@@ -41,7 +41,7 @@ impl Files {
         folder.join(SCENE)
     }
 
-    /// Runs a check in a folder that holds them. What fails is kept.
+    /// Runs a check in a folder that contains the files. Keeps them if it fails.
     pub(crate) fn check<T>(
         &self,
         check: impl FnOnce(&Path) -> Result<T, TestCaseError>,
@@ -78,12 +78,12 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The scenes in a folder, without other files.
+/// Returns the scenes in a folder, without other files.
 fn alone(folder: &str) -> impl Iterator<Item = Files> {
     scenes_in(&root().join(folder)).into_iter().map(|path| Files::of(&path, |_| false))
 }
 
-/// The template, the shipped scenes, and scenes that use every field.
+/// Returns the template, the shipped scenes, and scenes that use every field.
 pub(crate) fn good_scenes() -> Vec<Files> {
     let mut scenes = vec![Files::of_text(TEMPLATE)];
     for path in scenes_in(&root().join("scenes")) {
@@ -94,7 +94,7 @@ pub(crate) fn good_scenes() -> Vec<Files> {
     scenes
 }
 
-/// Scenes that are refused as they are.
+/// Returns scenes that are invalid without edits.
 pub(crate) fn refused_scenes() -> Vec<Files> {
     let mut scenes: Vec<Files> =
         ["tests/bad_scenes", "tests/bad_scripts"].into_iter().flat_map(alone).collect();
@@ -105,7 +105,7 @@ pub(crate) fn refused_scenes() -> Vec<Files> {
     scenes
 }
 
-/// As texts, as far as they are not too long to be read.
+/// Prints the files as text, up to 4000 bytes each.
 impl fmt::Debug for Files {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (path, bytes) in &self.0 {

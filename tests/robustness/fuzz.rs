@@ -1,16 +1,16 @@
-//! How many cases are tried, and which.
+//! The number and the seeds of test cases.
 
 use std::time::{Duration, Instant, SystemTime};
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestCaseResult, TestRunner};
 
-/// A number from the environment.
+/// Returns a number from the environment.
 pub(crate) fn asked(name: &str) -> Option<u64> {
     Some(std::env::var(name).ok()?.parse().unwrap_or_else(|_| panic!("{name} is not a number")))
 }
 
-/// Runs a check on many cases: the same few ones every time, unless more of them are asked for.
+/// Runs a check on many cases: by default the same few, or as many as the environment variables set.
 pub(crate) fn fuzz<S: Strategy>(
     what: &str,
     few: u32,

@@ -1,12 +1,12 @@
-//! No text and no numbers make it panic, hang, take all memory, or put anything on a film that is not a finite number; what is
-//! refused is refused with line and column.
+//! Tests that no text and no numbers cause a panic, a hang, exhausted memory, or pixels that are not finite, and that errors have a line
+//! and a column.
 //!
-//! Scenes are shipped and refused ones with edits, ones that are made up of parts that are often extreme or degenerate, and ones
-//! with very much of something. Whatever is read is rendered, in this process at two moments, and some of them by the command,
-//! with a limit to its memory and its time.
+//! Scenes are valid and invalid ones with edits, random ones with parts that are often extreme or degenerate, and ones with a very large
+//! number of something. Valid scenes are rendered, in this process at two times, and some of them by the command, with limited memory and
+//! time.
 //!
-//! `RAYREEL_CASES` asks for more than the usual few hundred cases. `RAYREEL_FUZZ_SECONDS` goes on with new seeds for as long,
-//! and prints them with `--nocapture`; `RAYREEL_FUZZ_SEED` repeats one.
+//! `RAYREEL_CASES` sets the number of cases, by default a few hundred. `RAYREEL_FUZZ_SECONDS` continues with new seeds for this time, and
+//! prints them with `--nocapture`; `RAYREEL_FUZZ_SEED` repeats one.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
@@ -39,7 +39,7 @@ use rayreel::components::FilmSettings;
 use rayreel::scene::LoadError;
 use rayreel::{Engine, EngineError, Film, Scene, Time};
 
-/// The scene, if it is one. A refusal must say where; there is no place in a file that holds nothing.
+/// Returns the scene if it is valid. An error must have a position, except for an empty file.
 fn good(read: Result<Scene, LoadError>) -> Result<Option<Scene>, TestCaseError> {
     let error = match read {
         Ok(scene) => return Ok(Some(scene)),
@@ -65,7 +65,7 @@ fn read(text: &str) -> Result<Option<Scene>, TestCaseError> {
     good(Scene::from_text("fuzz.ron", text.to_owned()))
 }
 
-/// An engine for a small film, and two moments of its timeline.
+/// Returns an engine for a small film, and two times of its timeline.
 fn small(scene: Scene, frame: u32) -> (Engine, [Time; 2]) {
     let mut engine = Engine::from_scene(scene);
     for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
@@ -85,7 +85,7 @@ fn check_film(film: &Film) -> TestCaseResult {
     Ok(())
 }
 
-/// The film, unless a script gives no value at this moment and says where.
+/// Returns the film, or `None` if a script fails at this time. The error must have a position.
 fn film(rendered: Result<Film, EngineError>) -> Result<Option<Film>, TestCaseError> {
     match rendered {
         Ok(film) => check_film(&film).map(|()| Some(film)),
@@ -98,7 +98,7 @@ fn film(rendered: Result<Film, EngineError>) -> Result<Option<Film>, TestCaseErr
     }
 }
 
-/// Renders what is a scene.
+/// Renders the scene if it is valid.
 fn check_files(folder: &Path, frame: u32) -> TestCaseResult {
     if let Some(scene) = good(Scene::load(&folder.join(SCENE)))? {
         let (mut engine, times) = small(scene, frame);
@@ -109,7 +109,7 @@ fn check_files(folder: &Path, frame: u32) -> TestCaseResult {
     Ok(())
 }
 
-/// Changes some of a scene's files.
+/// Edits some of a scene's files.
 fn edited(mut files: Files, edits: &[(Edit, prop::sample::Index)]) -> Files {
     for (edit, index) in edits {
         let count = files.0.len();
@@ -121,7 +121,7 @@ fn edited(mut files: Files, edits: &[(Edit, prop::sample::Index)]) -> Files {
     files
 }
 
-/// Scenes with edits; those of several files have them in any of these.
+/// Generates edited scenes. Edits affect any of the files of a scene.
 fn edited_scenes() -> impl Strategy<Value = Files> {
     let (good, refused) = (good_scenes(), refused_scenes());
     let edits = edits(&[&good[..], &refused].concat());
@@ -163,13 +163,13 @@ fn no_mass_makes_it_fail() {
     });
 }
 
-/// Most of them are scenes.
+/// Generates scenes that are mostly valid.
 #[cfg(unix)]
 fn good_parts() -> impl Strategy<Value = parts::Parts> {
     parts().prop_filter_map("refused without a place", |parts| parts.good().ok())
 }
 
-/// As they come from people and programs.
+/// Generates edited and random scenes.
 #[cfg(unix)]
 fn any_scene() -> impl Strategy<Value = Files> {
     prop_oneof![

@@ -1,4 +1,4 @@
-//! Very much of one thing: in long lists, in chains, in rings, and within each other.
+//! Scenes with a very large number of something: in long lists, in chains, in rings, and nested.
 
 use std::fmt::Write;
 
@@ -6,48 +6,48 @@ use proptest::prelude::*;
 
 use super::files::Files;
 
-/// What there is much of.
+/// The kind of item in a large number.
 #[derive(Clone, Copy, Debug)]
 enum Mass {
-    /// Entities, each the parent of the next; the last perhaps that of the first.
+    /// Entities, each the parent of the next; in a ring, the last is the parent of the first.
     Parents {
         is_ring: bool,
     },
-    /// Shapes in one place.
+    /// Shapes at one position.
     Coincident,
-    /// Things of one name.
+    /// Entities of one name.
     Namesakes,
-    /// Materials that are not there.
+    /// References to missing materials.
     Missing,
     Cameras,
     Shots,
     Keys,
     /// Tracks of the same value.
     Tracks,
-    /// Files that include the next, or the first in the end.
+    /// Files that include the next one; in a ring, the last includes the first.
     Includes {
         is_ring: bool,
     },
-    /// One file, many times.
+    /// One file, included many times.
     Copies,
-    /// Paths of what is no scene, as includes and as scripts.
+    /// Paths that are no scenes, as includes and as scripts.
     Paths,
     /// Scripts that read each other.
     Scripts {
         is_ring: bool,
     },
-    /// Scripts that spawn.
+    /// Scripts that spawn entities.
     Spawns,
-    /// Lists in lists in a script.
+    /// Nested lists in a script.
     Lists,
-    /// One long name, over and over.
+    /// A long name, used several times.
     LongName,
     Lamps,
 }
 
 const SPHERE: &str = "shape: Sphere(radius: 1), material: \"m\"";
 
-/// The scene itself, folders, nothing, an empty file, one that holds no text, and names that no file can have.
+/// The scene itself, folders, no name, an empty file, missing files, a device, and names that no file can have.
 const PATHS: [&str; 12] = [
     "scene.ron",
     "./scene.ron",
@@ -63,7 +63,7 @@ const PATHS: [&str; 12] = [
     "\\n",
 ];
 
-/// Scenes with up to so many of something.
+/// Generates scenes with up to `most` items.
 pub(crate) fn masses(most: usize) -> impl Strategy<Value = Files> {
     let ring = [false, true];
     let masses: Vec<Mass> = [
@@ -86,12 +86,12 @@ pub(crate) fn masses(most: usize) -> impl Strategy<Value = Files> {
     .chain(ring.map(|is_ring| Mass::Includes { is_ring }))
     .chain(ring.map(|is_ring| Mass::Scripts { is_ring }))
     .collect();
-    // Small numbers as often as large ones.
+    // Small numbers are as frequent as large ones.
     let count = (1..=most, 0..=most.ilog2()).prop_map(|(count, halved)| (count >> halved).max(1));
     (prop::sample::select(masses), count).prop_map(|(mass, count)| files(mass, count))
 }
 
-/// The items, each made of its index.
+/// Joins items, each made from its index.
 fn list(count: usize, item: impl Fn(usize) -> String) -> String {
     (0..count).fold(String::new(), |mut list, index| {
         let _ = writeln!(list, "{},", item(index));
@@ -99,7 +99,7 @@ fn list(count: usize, item: impl Fn(usize) -> String) -> String {
     })
 }
 
-/// A scene with a few fields more.
+/// Returns a scene with additional fields.
 fn scene(fields: &str) -> String {
     format!(
         "Scene(timeline: (fps: 5, duration: 2), ambient: (1, 1, 1), materials: {{ \"m\": (k_a: 1, k_d: 1) }},\n{fields})"
@@ -194,7 +194,7 @@ fn files(mass: Mass, count: usize) -> Files {
             return with_parts(text, vec![scene(&format!("entities: [(name: \"e\", {SPHERE})]"))]);
         }
         Mass::Includes { is_ring } => {
-            // Folders hold no more files than this quickly.
+            // Writing more files than this takes too long.
             let count = count.min(300);
             let include = |index: usize| {
                 format!("include: [(file: \"part{index}.ron\", name: \"p\")], entities: [({SPHERE})]")
@@ -208,7 +208,7 @@ fn files(mass: Mass, count: usize) -> Files {
     Files::of_text(text)
 }
 
-/// The parts are called part0.ron and so on.
+/// Returns a scene with parts, named part0.ron and so on.
 fn with_parts(text: String, parts: Vec<String>) -> Files {
     let mut files = Files::of_text(text);
     let parts = parts.into_iter().enumerate();

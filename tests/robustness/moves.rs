@@ -38,7 +38,7 @@ fn keys(value: impl Strategy<Value = String>) -> impl Strategy<Value = String> {
     })
 }
 
-/// The ways that a place can take.
+/// Generates tracks of positions.
 fn way() -> impl Strategy<Value = String> {
     let path = (prop::collection::vec(point(), 1..6), any::<bool>(), number(), size(), easing()).prop_map(
         |(points, closed, start, duration, ease)| {
@@ -54,7 +54,7 @@ fn way() -> impl Strategy<Value = String> {
     prop_oneof![2 => keys(point()), 1 => path, 1 => orbit]
 }
 
-/// Scripts whose value is a number.
+/// Generates scripts whose value is a number.
 fn number_script() -> impl Strategy<Value = String> {
     script(vec![
         "abs(sin(t)) + 0.1",
@@ -74,7 +74,7 @@ fn number_script() -> impl Strategy<Value = String> {
     ])
 }
 
-/// Scripts whose value is three numbers.
+/// Generates scripts whose value is three numbers.
 fn triple_script() -> impl Strategy<Value = String> {
     script(vec![
         "[t, sin(t), noise(t)]",
@@ -96,7 +96,7 @@ fn script(scripts: Vec<&'static str>) -> impl Strategy<Value = String> {
     script.prop_map(|script| format!("Script(r#\"{}\"#)", script.replace('\'', "\"")))
 }
 
-/// Scripts that spawn.
+/// Generates scripts that spawn entities.
 pub(crate) fn spawning() -> impl Strategy<Value = String> {
     script(vec![
         "for i in 0..30 { spawn(#{ shape: sphere(0.1 + 0.2 * random(i)), material: 'm0', translation: [i / 5 - 3, noise(i), 0] }) }",
@@ -122,7 +122,7 @@ fn triples(value: impl Strategy<Value = String> + 'static) -> BoxedStrategy<Stri
     tracks(value, triple_script())
 }
 
-/// What can move of an entity, of a material, of a camera and of the whole scene.
+/// Returns the channels of entities, of materials, of cameras and of the scene, with generators of their tracks.
 fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
     let any = || number().prop_map(|number| format!("{number:?}"));
     let angle = || prop_oneof![0.001..180.0f64, number()].prop_map(|angle| format!("{angle:?}"));
@@ -145,7 +145,7 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
     };
     let place = || prop_oneof![3 => way(), 1 => triple_script()].boxed();
     let mut entity = surface();
-    // Most move, turn or grow.
+    // Translations, rotations and scales are the most frequent.
     for _ in 0..4 {
         entity.extend([
             ("Translation", place()),
@@ -205,7 +205,7 @@ pub(crate) fn animation() -> impl Strategy<Value = String> {
                 _ => index.to_string(),
             };
             let played = match index {
-                // Scripts take none of this.
+                // Scripts accept no such option.
                 _ if channel.contains("track: Script") => "",
                 1 => ", repeat: Loop",
                 2 => ", repeat: PingPong, speed: -1e60",

@@ -1,4 +1,4 @@
-//! Scenes made up of parts that are often extreme or degenerate.
+//! Scenes of parts that are often extreme or degenerate.
 
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
@@ -9,7 +9,7 @@ use super::things::{entity, material};
 use super::values::intensity;
 use super::views::{background, camera, effort, fog, shots};
 
-/// Cameras besides the one in `camera`.
+/// Number of cameras in addition to the one in `camera`.
 const CAMERAS: usize = 2;
 
 /// The parts of a scene.
@@ -23,10 +23,10 @@ pub(crate) struct Parts {
     shots: String,
     ambient: String,
     background: String,
-    /// With its name, or nothing.
+    /// The field with its name, or an empty text.
     fog: String,
     materials: [String; 3],
-    /// What each is, and perhaps the index of its parent.
+    /// The fields of each entity, and possibly the index of its parent.
     entities: Vec<(String, Option<usize>)>,
     scripts: Vec<String>,
     animations: Vec<String>,
@@ -35,7 +35,7 @@ pub(crate) struct Parts {
 pub(crate) fn parts() -> impl Strategy<Value = Parts> {
     let transfer = prop::sample::select(vec!["Classic", "Srgb"]);
     let settings = (transfer, effort(), intensity(), background(), fog());
-    // Boxed: strategies made of strategies grow too large for a stack.
+    // Boxed, because nested strategies are too large for the stack.
     let cameras = prop::collection::vec(camera().boxed(), 0..=CAMERAS);
     let views = (camera().boxed(), prop_oneof![Just(Vec::new()), cameras], shots(CAMERAS));
     let materials = [material().boxed(), material().boxed(), material().boxed()];
@@ -69,12 +69,12 @@ impl Parts {
         let [m0, m1, m2] = &self.materials;
         let mut entities = String::new();
         for (index, (what, parent)) in self.entities.iter().enumerate() {
-            // An odd one out may make a ring.
+            // Parent 11 may come later and thus form a ring.
             let parent = parent.filter(|parent| *parent < index || *parent == 11);
             let parent = parent.map_or_else(String::new, |parent| format!("parent: \"e{parent}\", "));
             entities += &format!("(name: \"e{index}\", {parent}{what}),\n");
         }
-        // Those that cameras name are there.
+        // Entities that cameras refer to must exist.
         for index in self.entities.len()..3 {
             entities += &format!("(name: \"e{index}\"),\n");
         }
@@ -94,7 +94,7 @@ impl Parts {
         )
     }
 
-    /// Leaves parts out that are refused, so that one of them does not waste the others.
+    /// Removes invalid parts, so that one of them does not waste the others.
     pub(crate) fn good(self) -> Result<Self, TestCaseError> {
         let plain = "position: (0, 0, -9), target: (0, 0, 0)".to_owned();
         let mut good = Self {

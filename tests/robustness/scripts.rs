@@ -1,4 +1,4 @@
-//! Random scripts, many of them hostile: what they do ends soon, in little memory, and what goes wrong is told with its place.
+//! Tests of random scripts, many of them hostile: they end soon, in little memory, and their errors have positions.
 //!
 //! `RAYREEL_SCRIPTS=DIR` writes the scenes of these scripts into a folder, for trials of the command itself.
 
@@ -15,20 +15,20 @@ use super::read;
 use super::spent::Spent;
 use rayreel::{Engine, EngineError};
 
-/// What a script is given, far beyond what a working machine needs.
+/// Time limit of a script, far beyond what a working machine needs.
 const TIME: Duration = Duration::from_secs(10);
-/// Kibibytes of the whole process.
+/// Memory limit of the whole process, in KiB.
 const MEMORY: u64 = 1 << 20;
 
-/// Writes scripts at random.
+/// A generator of random scripts.
 struct Author {
     state: u64,
-    /// Does it spawn?
+    /// Set if the script spawns entities.
     spawns: bool,
 }
 
 impl Author {
-    /// SplitMix64 (Steele, Lea and Flood, 2014).
+    /// Returns a random number below `most`, by SplitMix64 (Steele, Lea and Flood, 2014).
     fn below(&mut self, most: u64) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.state;
@@ -66,7 +66,7 @@ impl Author {
         ])
     }
 
-    /// How often a loop turns: seldom so often that spawning in it takes long.
+    /// Returns the number of turns of a loop, rarely so large that spawning in it takes long.
     fn count(&mut self) -> &'static str {
         self.one_of(&["0", "3", "12", "30", "60", "250", "256", "257", "1000", "5000", "20000"])
     }
@@ -164,7 +164,7 @@ impl Author {
         }
     }
 
-    /// What is not true or false by its looks alone is refused before it runs.
+    /// Returns a condition that is visibly true or false. Any other is refused before the script runs.
     fn condition(&mut self) -> String {
         match self.below(5) {
             0 => "true".to_owned(),
@@ -208,7 +208,7 @@ impl Author {
             };
         }
         if self.below(3) > 0 {
-            // What goes wrong in it does not end the script.
+            // An error in it does not end the script.
             return format!("try {{ {} }} catch {{ }} ", self.simple_statement());
         }
         self.simple_statement()
@@ -229,7 +229,7 @@ impl Author {
         }
     }
 
-    /// What makes a value as large as may be, or larger.
+    /// Returns code that makes a value as large as allowed, or larger.
     fn growth(&mut self) -> String {
         let (name, other, count) = (self.name(), self.name(), self.count());
         match self.below(8) {
@@ -297,7 +297,7 @@ impl Author {
     }
 }
 
-/// A scene with a script that drives a value, or one that spawns.
+/// Returns a scene with a script that drives a value, or with a script that spawns entities.
 fn scene(seed: u64) -> String {
     let mut author = Author { state: seed, spawns: seed.is_multiple_of(2) };
     let channel = author.one_of(&["Radius", "Translation", "Rotation", "Scale", "Color", "Kd"]);
@@ -316,7 +316,7 @@ fn scene(seed: u64) -> String {
     )
 }
 
-/// The most memory that this process has held, in KiB, where the system says so.
+/// Returns the peak memory of this process, in KiB, where the system reports it.
 fn peak_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim_end_matches("kB").trim().parse().ok()

@@ -12,7 +12,7 @@ fn refractive() -> impl Strategy<Value = String> {
     })
 }
 
-/// Seldom, as a sphere cannot have it.
+/// Generates checkers, rarely, because a sphere cannot have one.
 fn checker() -> impl Strategy<Value = String> {
     let some =
         (color(), size()).prop_map(|(color, size)| format!(", checker: (color: {color}, size: {size})"));
@@ -57,7 +57,7 @@ fn area_light() -> impl Strategy<Value = String> {
     )
 }
 
-/// What is between an entity's brackets besides its name and parent.
+/// Generates the fields of an entity, except its name and its parent.
 pub(crate) fn entity() -> impl Strategy<Value = String> {
     let shape = prop_oneof![
         size().prop_map(|radius| format!("Sphere(radius: {radius})")),

@@ -1,8 +1,8 @@
-//! Values that are often extreme or degenerate, as scene files have them.
+//! Values in the notation of scene files, often extreme or degenerate.
 
 use proptest::prelude::*;
 
-/// Numbers from the far ends of what a scene file may hold, and beyond.
+/// Generates numbers, some of them at the limits of scene files and beyond.
 pub(crate) fn number() -> impl Strategy<Value = f64> {
     let extreme = prop::sample::select(vec![
         0.0,
@@ -35,7 +35,7 @@ pub(crate) fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Sizes: mostly good ones.
+/// Generates sizes that are mostly valid.
 pub(crate) fn size() -> impl Strategy<Value = String> {
     prop_oneof![4 => (0.01..4.0f64).boxed(), 1 => number().prop_map(f64::abs).boxed()]
         .prop_map(|size| format!("{size:?}"))
@@ -45,7 +45,7 @@ pub(crate) fn triple() -> impl Strategy<Value = String> {
     (number(), number(), number()).prop_map(|(x, y, z)| format!("({x:?}, {y:?}, {z:?})"))
 }
 
-/// A point in the middle of things, mostly.
+/// Generates points that are mostly near the origin.
 pub(crate) fn point() -> impl Strategy<Value = String> {
     let near = (-4i32..=4, -4i32..=4, -4i32..=4).prop_map(|(x, y, z)| format!("({x}, {y}, {z})"));
     prop_oneof![2 => near, 2 => triple()]
@@ -92,7 +92,7 @@ pub(crate) fn ior() -> impl Strategy<Value = String> {
         .prop_map(|ior| format!("{ior:?}"))
 }
 
-/// Three numbers, 0 or more, as intensities are.
+/// Generates three numbers of 0 or more, like intensities.
 pub(crate) fn absorption() -> impl Strategy<Value = String> {
     prop_oneof![Just("(0, 0, 0)".to_owned()), intensity()]
 }

@@ -1,4 +1,4 @@
-//! Cameras, shots, and what they look through, often extreme or degenerate.
+//! Cameras, shots, backgrounds, fog and sampling, often extreme or degenerate.
 
 use proptest::prelude::*;
 
@@ -11,14 +11,14 @@ pub(crate) fn background() -> impl Strategy<Value = String> {
     ]
 }
 
-/// With its name, or nothing.
+/// Generates the field of fog with its name, or an empty text.
 pub(crate) fn fog() -> impl Strategy<Value = String> {
     let some = (color(), prop_oneof![0.0..1.0f64, number().prop_map(f64::abs)])
         .prop_map(|(color, density)| format!("fog: (color: {color}, density: {density:?}), "));
     prop_oneof![2 => Just(String::new()), 1 => some]
 }
 
-/// What is between the brackets of quality and of sampling.
+/// Generates the fields of quality and of sampling.
 pub(crate) fn effort() -> impl Strategy<Value = (String, String)> {
     let depth = prop_oneof![20 => 1u32..8, 1 => Just(1000)];
     let cutoff = prop_oneof![Just(0.25), Just(0.0), Just(255.0), 0.0..255.0f64];
@@ -29,7 +29,7 @@ pub(crate) fn effort() -> impl Strategy<Value = (String, String)> {
     })
 }
 
-/// What is between a camera's brackets. It may ride on an entity, look at one and go along with one.
+/// Generates the fields of a camera, which may have a parent, look at an entity, or follow one.
 pub(crate) fn camera() -> impl Strategy<Value = String> {
     let view = prop_oneof![
         6 => point().prop_map(|target| format!("target: {target}")),
@@ -68,7 +68,7 @@ fn bonds() -> impl Strategy<Value = String> {
     ]
 }
 
-/// Which of so many cameras is active, c0 and so on, and from when on.
+/// Generates shots of the main camera and of `cameras` others, named c0 and so on.
 pub(crate) fn shots(cameras: usize) -> impl Strategy<Value = String> {
     let gap = prop_oneof![4 => 0.1..1.0f64, 1 => prop::sample::select(vec![5e-324, 1e-16, 1e60, -1.0, 0.0])];
     prop::collection::vec((gap, 0..=cameras), 0..5).prop_map(|shots| {

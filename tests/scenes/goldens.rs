@@ -1,11 +1,13 @@
-//! Every shipped scene against its golden pictures, to the last bit, for several numbers of threads, with all vector instructions
-//! of the processor, and by the reference path. So are the scenes under `tests/flush_faces/`: shapes that rest on each other, share
-//! faces or coincide, where rays start on several surfaces at once. Wrong answers there show as speckles, light leaks and dark seams.
+//! Tests of every shipped scene against its golden pictures, to the last bit, with several numbers of threads, at all SIMD levels of the
+//! processor, and by the reference path.
 //!
-//! On a mismatch the actual, the expected and a difference picture are written to `target/golden_mismatches/`.
-//! `RAYREEL_BLESS=1 cargo test --test scenes goldens` writes the goldens anew; look at them before you keep them. They are frame files,
-//! which say what they were rendered from: a change after which the same numbers make another picture must raise
-//! `trace::SEMANTICS`, or else blessing is refused.
+//! The scenes in `tests/flush_faces/` are compared with goldens and with the reference path, too: shapes that rest on each other, share
+//! faces or coincide, where rays start on several surfaces at once. Wrong results appear there as speckles, light leaks and dark seams.
+//!
+//! On a mismatch, the actual picture, the expected picture and their difference are written to `target/golden_mismatches/`.
+//! `RAYREEL_BLESS=1 cargo test --test scenes goldens` rewrites the goldens; look at them before keeping them. Goldens are frame files with
+//! a fingerprint of their source. A change that makes another picture from the same numbers must raise `trace::SEMANTICS`, or else blessing
+//! is refused.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,7 +28,7 @@ fn scenes() -> Vec<PathBuf> {
     scenes_in("scenes")
 }
 
-/// Small scenes of two frames each, at the sizes that are written in them.
+/// Returns small scenes of two frames each, at the sizes written in them.
 fn flush_faces() -> Vec<PathBuf> {
     scenes_in("tests/flush_faces")
 }
@@ -39,7 +41,7 @@ fn load(path: &Path, (width, height): (u32, u32)) -> Engine {
     engine
 }
 
-/// The first frame, one from the middle and the last.
+/// Returns the first frame, one from the middle, and the last.
 fn frames(engine: &Engine) -> [u32; 3] {
     let count = engine.timeline().frame_count();
     [0, count / 2, count - 1]
@@ -50,7 +52,7 @@ fn picture(engine: &Engine, film: &Film) -> RgbImage {
     image::load_from_memory(&bytes).unwrap().to_rgb8()
 }
 
-/// Compares, and describes and stores what differs.
+/// Compares two pictures, describes their differences, and stores the pictures.
 fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String> {
     if actual == expected {
         return None;
@@ -72,7 +74,7 @@ fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String>
         if found != wanted {
             count += 1;
             first = first.or(Some((i, j, *found, *wanted)));
-            // Small differences are as bad as large ones, and must be as easy to see.
+            // Small differences are as bad as large ones, and must be as visible.
             *marked =
                 Rgb([0, 1, 2].map(|channel| 64 + found[channel].abs_diff(wanted[channel]).saturating_mul(8)));
         }
@@ -87,8 +89,8 @@ fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String>
     ))
 }
 
-/// Renders a scene's frames, and describes what differs from its goldens; `RAYREEL_BLESS` replaces them, unless the same numbers make
-/// another picture now: frames that were written before would be taken for done.
+/// Renders a scene's frames, and describes differences from its goldens. `RAYREEL_BLESS` replaces the goldens, unless the same numbers now
+/// make another picture: existing frames would be taken for valid.
 fn mismatches(name: &str, mut engine: Engine, frames: &[u32]) -> Vec<String> {
     let bless = std::env::var_os("RAYREEL_BLESS").is_some();
     let mut wrong = Vec::new();

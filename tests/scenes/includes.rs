@@ -1,5 +1,5 @@
-//! Scenes of several files: what they are made of, in which order, and where it came from. A scene with includes is the
-//! scene that one would have written flat, to the last bit.
+//! Tests of scenes of several files: their contents, their order, and their sources. A scene with includes equals the same scene in one
+//! file, to the last bit.
 
 use std::fmt::Write;
 use std::fs;
@@ -19,7 +19,7 @@ use rayreel::{Engine, Entity, Scene, World};
 
 const CAMERA: &str = "camera: (position: (0, 1, -6), target: (0, 0, 0))";
 
-/// A folder with files of these names and texts.
+/// Returns a folder with files of these names and texts.
 fn folder(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -42,7 +42,7 @@ fn messages(error: &LoadError) -> Vec<&str> {
     error.mistakes().map(|mistake| mistake.diagnostic.message.as_str()).collect()
 }
 
-/// Everything that a file can say of an entity, in document order.
+/// Returns all properties of entities that a file can set, in document order.
 fn described(world: &World) -> Vec<String> {
     fn part<T: hecs::Component + std::fmt::Debug>(world: &World, entity: Entity) -> String {
         world.get::<&T>(entity).map_or_else(|_| String::new(), |part| format!(" {:?}", *part))
@@ -166,7 +166,7 @@ const STREET_FILES: [(&str, &str); 6] = [
     ("parts/pole.ron", POLE),
 ];
 
-/// One car of the street, as it would be written there.
+/// Returns one car of the street, as it would be written in one file.
 fn flat_car(name: &str, transform: &str, front: &str) -> (String, String, String) {
     let wheel = |end: &str, x: &str| {
         format!(
@@ -200,7 +200,7 @@ fn flat_car(name: &str, transform: &str, front: &str) -> (String, String, String
     (materials, entities, [turning("front", front), turning("back", slow)].concat())
 }
 
-/// What [`STREET`] is without includes. A file cannot write a `/` in a name: names have other signs here.
+/// Returns [`STREET`] without includes. Names in a file cannot contain `/`, so another sign replaces it.
 fn flat_street() -> String {
     let looped = "Keys([(0, Euler(0, 0, 0)), (1, Euler(0, 0, 90))]), repeat: Loop";
     let backwards = "Keys([(0, Euler(0, 0, 0)), (2, Euler(0, 0, -90))])";
@@ -246,7 +246,7 @@ fn flat_street() -> String {
     );
     let mut flat = String::new();
     for (index, part) in text.split('"').enumerate() {
-        // Every second part stands between quotes.
+        // Every second part is between quotes.
         flat += &if index % 2 == 1 { format!("\"{}\"", part.replace('/', "|")) } else { part.to_owned() };
     }
     flat
@@ -294,7 +294,7 @@ fn what_is_included_comes_first_in_document_order() {
     let folder = folder(&[("scene.ron", &scene), ("a.ron", &ball("a")), ("b.ron", &ball("b"))]);
     let scene = load(&folder);
     assert_eq!(names(&scene), ["x", "x/b", "y", "y/a", "own"]);
-    // All three balls are in the same place: the first is seen.
+    // All three balls are at the same position: the first is visible.
     let mut engine = Engine::from_scene(scene);
     engine.seek(rayreel::Time::ZERO).unwrap();
     let (origin, direction) = (glam::DVec3::new(0.0, 0.0, -5.0), glam::DVec3::Z);
@@ -378,7 +378,7 @@ fn entities_are_found_in_their_files() {
     let expected: Vec<String> = car(3).chain(car(4)).chain(rest.map(str::to_owned)).collect();
     assert_eq!(lines, expected);
     assert_eq!(sources.camera("camera").line, 11);
-    // The last ones first, and one that is not there.
+    // The last entity first, and one that does not exist.
     let some: Vec<usize> = sources.entities(&[29, 0, 99]).map(|place| place.line).collect();
     assert_eq!(some, [19, 3, 15]);
 }

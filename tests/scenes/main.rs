@@ -1,4 +1,4 @@
-//! Scenes as files: what they become in a world and in pictures, what they include, and what is said of those that are wrong.
+//! Tests of scenes as files: their worlds and pictures, their includes, and the messages for invalid ones.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
@@ -16,7 +16,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What a folder of the repository holds.
+/// Returns the paths in a folder of the repository, sorted.
 fn paths_in(folder: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(root().join(folder)).unwrap();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();

@@ -1,7 +1,7 @@
-//! Every scene under `tests/bad_scenes/`, and every scene of several files under `tests/bad_includes/`, against the exact
-//! message it must produce, which stands beside it.
+//! Tests of every scene in `tests/bad_scenes/`, and of every scene of several files in `tests/bad_includes/`, against the exact message in
+//! the file next to it.
 //!
-//! `RAYREEL_BLESS=1 cargo test --test scenes messages` writes the messages anew; look at what changed before you keep it.
+//! `RAYREEL_BLESS=1 cargo test --test scenes messages` rewrites the messages; review the changes before keeping them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,12 +10,12 @@ use rayreel::Scene;
 
 use crate::{paths_in, root, scenes_in};
 
-/// Each in a folder of its own, with the files it includes.
+/// Returns the scenes of several files, each in a folder with the files that it includes.
 fn bad_includes() -> Vec<PathBuf> {
     paths_in("tests/bad_includes").into_iter().map(|folder| folder.join("scene.ron")).collect()
 }
 
-/// The message for a path, with the path as a reader of the repository would write it.
+/// Returns the message for a path, with paths relative to the repository.
 fn message(path: &Path) -> String {
     let error = Scene::load(path).err().unwrap_or_else(|| panic!("{} is not bad", path.display()));
     error.to_string().replace(&format!("{}/", root().display()), "") + "\n"

@@ -1,8 +1,7 @@
-//! Whatever is changed in a scene: what is said of it is said in a reader's words, at the place of the change, with a remedy, and
-//! is short.
+//! Tests of the messages for any change of a scene: they are in a reader's words, at the place of the change, with a remedy, and short.
 //!
-//! Every word, number, text and sign of a scene that has every form of value is taken away, doubled, and put in the place of
-//! by what people write by mistake; every field is left out, written twice, and misspelled.
+//! Every word, number, string and sign of a scene with every form of value is removed, doubled, and replaced with typical mistakes. Every
+//! field is removed, duplicated and misspelled.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -11,7 +10,7 @@ use rayon::prelude::*;
 use rayreel::scene::SourcePosition;
 use rayreel::{Engine, Scene};
 
-/// Every form that a value can have.
+/// A scene with every form of value.
 const SCENE: &str = r##"Scene(
     timeline: (fps: (24, 1), duration: 4.5),
     film: (width: 64, height: 36, transfer: Srgb),
@@ -53,7 +52,7 @@ const SCENE: &str = r##"Scene(
 )
 "##;
 
-/// What people write in the place of another thing.
+/// Texts that people write by mistake.
 const MISTAKES: [&str; 52] = [
     "\"words\"",
     "word",
@@ -109,13 +108,13 @@ const MISTAKES: [&str; 52] = [
     "r#word",
 ];
 
-/// What slips in between.
+/// Texts that are inserted by mistake.
 const INTRUDERS: [&str; 20] = [
     "\u{a0}", "\u{200b}", "\u{feff}", "\u{3000}", "\u{7}", "，", "#", "/", ";", "=", "\\", "\"", "'", ":",
     ",", "/*", "*/", "# note\n", "x ", "1 ",
 ];
 
-/// Words of parsers and programmers, which say nothing to readers.
+/// Words of parsers and programmers, which mean nothing to readers.
 const FORBIDDEN: [&str; 41] = [
     "identifier",
     "std",
@@ -160,10 +159,10 @@ const FORBIDDEN: [&str; 41] = [
     "token",
 ];
 
-/// White space before a word, or the next word.
+/// Accepted distance of an error from a change, in bytes: white space before a word, or the next word.
 const NEAR: usize = 14;
 
-/// Words, numbers, texts and signs.
+/// Returns words, numbers, strings and signs.
 fn tokens(text: &str) -> Vec<Range<usize>> {
     let (mut tokens, mut at) = (Vec::new(), 0);
     while let Some(first) = text[at..].chars().next() {
@@ -183,7 +182,7 @@ fn tokens(text: &str) -> Vec<Range<usize>> {
     tokens
 }
 
-/// Words, numbers, texts and signs; of those that stand alike in fields of the same name, the first.
+/// Returns words, numbers, strings and signs. Of similar ones in the same context in fields of the same name, only the first is returned.
 fn distinct_tokens(text: &str) -> Vec<Range<usize>> {
     let tokens = tokens(text);
     let alike = |token: &Range<usize>| match &text[token.clone()] {
@@ -206,7 +205,7 @@ fn distinct_tokens(text: &str) -> Vec<Range<usize>> {
     distinct
 }
 
-/// A field with its value, from its name to the comma after it or the bracket that ends it.
+/// Returns the fields with their values, each from its name to the comma or bracket that ends it.
 fn fields(text: &str) -> Vec<Range<usize>> {
     let tokens = tokens(text);
     let named = tokens.windows(2).enumerate().filter(|(_, pair)| &text[pair[1].clone()] == ":");
@@ -225,11 +224,11 @@ fn fields(text: &str) -> Vec<Range<usize>> {
     named.map(|(index, pair)| pair[0].start..end(index)).collect()
 }
 
-/// A changed scene, and where it is changed.
+/// A changed scene, and the place of the change.
 struct Change {
     text: String,
     place: Range<usize>,
-    /// May something else become wrong by it, elsewhere?
+    /// Set if the change may cause errors elsewhere.
     reaches_far: bool,
 }
 
@@ -248,7 +247,7 @@ fn changes() -> Vec<Change> {
         changes.push(changed(token.clone(), "", is_bracket));
         changes.push(changed(token.end..token.end, &format!(" {word}"), is_bracket));
         for by in MISTAKES {
-            // Of another name, those who use it speak.
+            // If a name changes, the errors are where it is used.
             let renames = is_text && (by.contains("words") || by == "None");
             let is_cut = is_bracket && word != "(" || by.contains(':');
             changes.push(changed(token.clone(), by, renames || is_cut || is_bracket));
@@ -272,12 +271,12 @@ fn changes() -> Vec<Change> {
     changes
 }
 
-/// Is it a word of the text?
+/// Returns true if a text contains a word.
 fn has_word(text: &str, word: &str) -> bool {
     text.to_lowercase().split(|sign: char| !sign.is_alphanumeric()).any(|part| part == word)
 }
 
-/// What is wrong with what is said.
+/// Returns the faults of the messages for a change.
 fn faults(change: &Change) -> Vec<String> {
     let Err(error) = Scene::from_text("scene.ron", change.text.clone()) else { return Vec::new() };
     let mut faults = Vec::new();
@@ -307,7 +306,7 @@ fn faults(change: &Change) -> Vec<String> {
         if quoted.is_some_and(|quoted| change.text[marked.clone()] != *quoted) {
             faults.push("marks another thing than it names".to_owned());
         }
-        // A mistake of form is at the change itself, or at what it made wrong of its neighbours.
+        // A syntax error is at the change itself, or at a neighbour that the change made invalid.
         let is_near = marked.start <= change.place.end + NEAR && change.place.start <= marked.end + NEAR;
         if diagnostic.message.starts_with("expected ") && !(is_near || change.reaches_far) {
             faults.push("is not at the change".to_owned());
@@ -341,7 +340,7 @@ fn every_mistake_is_told_in_a_readers_words() {
     );
 }
 
-/// Names, numbers and words of any length, wherever they may stand: little of them is quoted, and it is quick.
+/// Checks that names, numbers and words of any length, in any place, are quoted only in part.
 #[test]
 fn nothing_that_is_long_makes_long_messages() {
     const LENGTH: usize = 10_000;
@@ -396,7 +395,7 @@ fn one_more_mistake_is_one() {
     assert!(with(52).ends_with("and 2 more mistakes"));
 }
 
-/// Where whole numbers are asked for, they may be written with a point or an exponent.
+/// Checks that whole numbers may be written with a point or an exponent.
 #[test]
 fn whole_numbers_are_whole_however_they_are_written() {
     let plain = "(timeline: (fps: 24, duration: 2), film: (width: 640, height: 360), sampling: (samples: 4, seed: 100),
@@ -424,7 +423,7 @@ fn whole_numbers_are_whole_however_they_are_written() {
     for part in ["2.5", "-1", "-1.0", "1e-3", "NaN", "\"4\""] {
         assert_eq!(refused(part), "expected a whole number", "{part}");
     }
-    // Beyond 2^53 not every whole number has a number of its own.
+    // Beyond 2^53, not every whole number has an exact `f64`.
     for large in ["18446744073709551616", "9007199254740993.0", "1e300", "inf"] {
         assert_eq!(refused(large), "this whole number is too large", "{large}");
     }

@@ -1,4 +1,4 @@
-//! Remedies: those that are followed to the letter lead to scenes that can be read. And places, of mistakes in lists of any length.
+//! Tests that remedies, followed to the letter, lead to valid scenes, and that the positions of mistakes in lists of any length are right.
 
 use rayreel::Scene;
 use rayreel::scene::LoadError;
@@ -10,7 +10,7 @@ fn error(text: &str) -> LoadError {
     read.err().unwrap_or_else(|| panic!("it can be read:\n{text}"))
 }
 
-/// The first mistake's message, its remedy, and the byte at which it is.
+/// Returns the message, the remedy and the byte position of the first mistake.
 fn first(text: &str) -> (String, String, usize) {
     let error = error(text);
     let diagnostic = error.mistakes().next().unwrap().diagnostic;
@@ -18,7 +18,7 @@ fn first(text: &str) -> (String, String, usize) {
     (diagnostic.message.clone(), diagnostic.help.clone().unwrap_or_default(), start)
 }
 
-/// Fields of a scene with every form of named values.
+/// Fields of a scene, with every form of their named values.
 const NAMED: [(&str, &[&str]); 7] = [
     (
         "entities: [(material: \"clay\", shape: FORM)], materials: { \"clay\": (k_d: 1) }",
@@ -55,7 +55,7 @@ const NAMED: [(&str, &[&str]); 7] = [
     ),
 ];
 
-/// A form without the names of its fields, but with those within a further bracket.
+/// Removes the field names of a form, except inside inner brackets.
 fn without_names(form: &str) -> String {
     let (mut depth, mut kept) = (0, String::new());
     for part in form.split_inclusive(['(', ')', '[', ']', ' ']) {
@@ -83,10 +83,10 @@ fn positional_values_are_reported_with_their_names() {
             assert_eq!(help, format!("write it as {form}"), "{form}: {message}");
         }
     }
-    // Of the one field, written with one bracket too few.
+    // The value of a single field, written with one bracket too few.
     let text = format!("({CAMERA}, entities: [(shape: Box(1, 2, 3))])");
     assert_eq!(first(&text).1, "write it as Box(size: (1, 2, 3))");
-    // Nothing that could not be read is proposed.
+    // No remedy contains a value that cannot be read.
     for shape in ["Sphere(\"large\")", "Sphere(1, 2)", "Box(1, 2)", "Sphere(radius: 1, 2)", "Sphere([1])"] {
         let help = first(&format!("({CAMERA}, entities: [(shape: {shape})])")).1;
         let forms = ["Sphere(radius: 1)", "Box(size: (1, 1, 1))"];
@@ -94,7 +94,7 @@ fn positional_values_are_reported_with_their_names() {
     }
 }
 
-/// A missing struct name is answered with it where the extension requires names, until the scene can be read.
+/// Checks that missing struct names are reported if the extension requires names, until the scene can be read.
 #[test]
 fn explicit_struct_names_reports_missing_names() {
     let mut text = format!(
@@ -154,7 +154,7 @@ fn equal_mistakes_are_grouped_and_counted() {
         let expected: Vec<usize> = text.match_indices("\"gold\"").map(|(at, _)| at).take(3).collect();
         assert_eq!(places, expected);
         assert_eq!(error.mistakes().count() + error.unlisted(), equal + 2);
-        // Others are not crowded out, and nothing is left uncounted at the end.
+        // The other mistakes are listed, too, and none is left uncounted at the end.
         let told = error.to_string();
         assert!(told.contains("\"nobody\"") && told.contains("radius must"), "{told}");
         let counted = format!("(and {} more like this)", equal.saturating_sub(3));
@@ -163,7 +163,7 @@ fn equal_mistakes_are_grouped_and_counted() {
     }
 }
 
-/// Places beyond what one byte or two can count.
+/// Checks positions at indices beyond one byte and beyond two bytes.
 #[test]
 fn places_in_lists_of_any_length_are_right() {
     const LISTS: [(&str, &str, &str, [&str; 2]); 4] = [

@@ -1,4 +1,4 @@
-//! What a scene file says is what the world's components hold, then and at every moment.
+//! Tests that the components of a world have the values of the scene file, at the start and at every time.
 
 use rayreel::color::{ErrorNorm, Transfer};
 use rayreel::components::{
@@ -7,23 +7,23 @@ use rayreel::components::{
 };
 use rayreel::{Engine, Rgb, Scene, World};
 
-/// File colours are light in 255ths.
+/// A film with which the colours of a file are light in 255ths.
 const CLASSIC: &str = "film: (transfer: Classic)";
 
-/// The scene with a camera and, in its brackets, whatever else.
+/// Returns a scene with a camera and these fields.
 fn scene(body: &str) -> Scene {
     let text = format!("Scene(camera: (position: (0, 0, -5), view: (0, 0, 1)), {body})");
     Scene::from_text("test.ron", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A component of the entity with a name.
+/// Returns a component of the entity with a name.
 fn of<T: hecs::Component + Clone>(world: &World, name: &str) -> Option<T> {
     let mut query = world.query::<(&Name, Option<&T>)>();
     let found = query.iter().find(|(known, _)| known.0 == name);
     found.unwrap_or_else(|| panic!("no {name}")).1.cloned()
 }
 
-/// The only component of its kind.
+/// Returns the only component of its type.
 fn setting<T: hecs::Component + Clone>(world: &World) -> Option<T> {
     let mut query = world.query::<&T>();
     let mut found = query.iter().cloned();

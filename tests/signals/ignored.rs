@@ -1,6 +1,6 @@
-//! Signals that were ignored when the tests were started, as shells do with what runs in the background.
+//! Signals that were ignored when the tests started, as shells do for background processes.
 
-/// Returns whether a signal was.
+/// Returns true if a signal was ignored.
 pub(crate) fn is_ignored_here(number: u32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask =
@@ -8,7 +8,7 @@ pub(crate) fn is_ignored_here(number: u32) -> bool {
     mask.is_some_and(|mask| mask >> (number - 1) & 1 == 1)
 }
 
-/// Returns the signal that ends what is started here, and the exit code that it brings: that of Ctrl-C, unless it is ignored.
+/// Returns the signal that ends processes started here, and its exit code: SIGINT, as for Ctrl-C, or SIGTERM if SIGINT is ignored.
 pub(crate) fn interruption() -> (&'static str, i32) {
     if is_ignored_here(2) { ("TERM", 143) } else { ("INT", 130) }
 }

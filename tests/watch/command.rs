@@ -1,4 +1,4 @@
-//! `rayreel watch` as a person in a terminal meets it.
+//! Tests of `rayreel watch`, as used in a terminal.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -20,7 +20,7 @@ fn watch(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Waits until it is so.
+/// Waits until a condition is true. Panics after `AT_MOST`.
 fn until(what: &str, is: impl Fn() -> bool) {
     let start = Instant::now();
     while !is() {
@@ -29,7 +29,7 @@ fn until(what: &str, is: impl Fn() -> bool) {
     }
 }
 
-/// The pixels that `render` writes for the scene as it is.
+/// Returns the pixels that `render` writes for the current scene.
 fn rendered(folder: &Path, overrides: &[&str]) -> Option<Vec<u8>> {
     let arguments = ["render", "ball.ron", "--frames", "3", "--format", "ppm", "--out", "out"];
     let mut command = Command::new(env!("CARGO_BIN_EXE_rayreel"));
@@ -38,12 +38,13 @@ fn rendered(folder: &Path, overrides: &[&str]) -> Option<Vec<u8>> {
     pixels(&folder.join("out/ball.0003.ppm"))
 }
 
-/// The pixels of a picture, once it is there: a frame file says what it was rendered from, too.
+/// Returns the pixels of a picture, or `None` if it does not exist yet. The bytes of files differ, because a frame file also records its
+/// source.
 fn pixels(picture: &Path) -> Option<Vec<u8>> {
     Some(image::open(picture).ok()?.to_rgb8().into_raw())
 }
 
-/// Ends it as Ctrl-C does.
+/// Ends the process as Ctrl-C does, and returns its output.
 #[cfg(unix)]
 fn interrupt(child: Child) -> Output {
     let (signal, code) = interruption();
@@ -89,14 +90,14 @@ fn the_terminal_tells_and_the_current_frame_is_written() {
     }
 }
 
-/// The address that is printed first.
+/// Returns the address from the first line of output.
 fn address(child: &mut Child) -> String {
     let mut line = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
     line.split_once(": http://").unwrap().1.trim_end_matches("/\n").to_owned()
 }
 
-/// Nothing that the file system tells changes when a file can be read again.
+/// Checks files that become readable again, a change that the file system does not report.
 #[cfg(target_os = "linux")]
 #[test]
 fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
@@ -152,7 +153,7 @@ fn any_free_port_is_taken_for_0_and_other_names_are_allowed() {
     interrupt(child);
 }
 
-/// What is said of arguments that cannot be, and that it ends with an error.
+/// Returns the message for invalid arguments, which must end the command with an error.
 fn refused(folder: &TempDir, arguments: &[&str]) -> String {
     let mut child = watch(folder.path(), arguments).spawn().unwrap();
     let mut told = String::new();

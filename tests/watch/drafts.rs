@@ -1,4 +1,4 @@
-//! Quick pictures, and pictures that are made piece by piece.
+//! Tests of drafts, and of pictures that are rendered in pieces.
 
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
@@ -32,7 +32,7 @@ fn a_draft_has_one_sample_and_leaves_the_frame_as_it_is() {
     assert_eq!(sampled.render_draft_unless(time, Draft::sized(1), &cancelled).unwrap(), None);
 }
 
-/// A light with a size, glass, a lens and an open shutter.
+/// Returns a scene with an area light, glass, a lens and an open shutter.
 fn rich(samples: u32, instants: u32) -> String {
     let more = r#"(name: "glass", shape: Sphere(radius: 0.6), material: "glass", transform: (translation: (0.6, 0.4, -2))),
         (light: Area(shape: Sphere(radius: 1), intensity: (1, 0.9, 0.8), samples: 8), transform: (translation: (-3, 5, -3))),"#;
@@ -60,13 +60,13 @@ fn less_is_left_out_of_a_draft_than_it_is_asked_for_and_the_scene_stays_whole() 
         assert!(rays.total() < last, "{draft:?}");
         assert!(draft.shadows || (rays.shadow, rays.refraction) == (0, 0), "{draft:?}");
         last = rays.total();
-        // Rays that are asked for by themselves see all of the scene.
+        // A normal render afterwards shows the whole scene.
         assert_eq!(engine.render_at(time).unwrap(), whole);
     }
     assert_eq!(last, 1);
 }
 
-/// Ends it at many places, at once or after the samples in hand, and goes on.
+/// Checks a picture that is interrupted at many places, at once or after the current samples, and continued.
 #[test]
 fn a_picture_made_in_pieces_has_the_bits_and_the_rays_of_one_made_at_once() {
     for (samples, instants) in [(1, 1), (3, 1), (4, 4), (5, 2)] {
@@ -80,7 +80,7 @@ fn a_picture_made_in_pieces_has_the_bits_and_the_rays_of_one_made_at_once() {
                 let (asked, cancelled) = (AtomicU32::new(0), AtomicBool::new(false));
                 let pause = || {
                     let now = asked.fetch_add(1, Ordering::Relaxed) >= rest;
-                    // Every other time all that is in hand is lost.
+                    // Every other interruption discards the current samples.
                     cancelled.store(now && pieces % 2 == 0, Ordering::Relaxed);
                     now
                 };
@@ -111,8 +111,8 @@ fn what_there_is_of_a_picture_lies_over_another_one() {
     let whole = engine.render_at(time).unwrap();
     let beneath = Film::from_pixels(2, 1, [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)].into_iter());
     let (never, mut seen) = (AtomicBool::new(false), Vec::new());
-    // Five samples of tiles at a time, of twice as many as there are tiles: whichever threads take them, of most tiles of the
-    // first portion there is nothing.
+    // Five tile samples at a time, of twice as many as there are tiles. Whichever threads take them, the first portion leaves most tiles
+    // empty.
     let portion = 5_u16;
     let left = AtomicI32::new(portion.into());
     let pause = || left.fetch_sub(1, Ordering::Relaxed) <= 0;
@@ -131,7 +131,7 @@ fn what_there_is_of_a_picture_lies_over_another_one() {
     };
     let counts: Vec<usize> = seen.iter().map(finished).collect();
     assert!(counts.len() > 2 && counts[0] < 64 * 36 && counts.last() > counts.first(), "{counts:?}");
-    // Where nothing has come yet the other one is seen, as large as this one.
+    // Where nothing has been rendered yet, the other picture is visible, scaled to this size.
     let others = (0..36)
         .flat_map(|j| (0..64).map(move |i| (i, j)))
         .filter(|(i, j)| seen[0].pixel(*i, *j) == beneath.pixel(i / 32, 0))

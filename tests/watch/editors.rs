@@ -1,4 +1,4 @@
-//! Real editors, and other programs that write files, each with its own way of saving.
+//! Tests with real editors, and with other programs that write files, each in its own way.
 
 use std::io::Write;
 use std::path::Path;
@@ -11,7 +11,7 @@ use rayreel::live::Event;
 use crate::LONG_ENOUGH;
 use crate::session::{Stage, scene};
 
-/// Is there such a program? If not, its test says so and does nothing.
+/// Returns true if a program is installed. Otherwise prints a message, and its test does nothing.
 fn there_is(program: &str) -> bool {
     let found = Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
     let there_is = found.is_ok_and(|status| status.success());
@@ -21,7 +21,7 @@ fn there_is(program: &str) -> bool {
     there_is
 }
 
-/// A program that runs in the scene's folder, without anything that its user has set up.
+/// Runs a program in the scene's folder, without the settings of its user.
 fn run(program: &str, arguments: &[&str], folder: &Path) {
     let status = Command::new(program)
         .args(arguments)
@@ -35,13 +35,13 @@ fn run(program: &str, arguments: &[&str], folder: &Path) {
     assert!(status.unwrap().success(), "{program} {arguments:?}");
 }
 
-/// Every save by `save`, which is told a radius and writes it, must be read exactly once.
+/// Checks that every save is read exactly once. `save` writes the given radius.
 fn every_save_is_read_once(what: &str, save: impl Fn(&str, &Path)) {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.shows_what_a_cold_start_shows();
     for (radius, reload) in ["0.9", "1.3", "0.7"].into_iter().zip(2..) {
         save(radius, stage.folder());
-        // While it writes, an editor on a busy machine may leave half a file for longer than a save takes.
+        // On a busy machine, an editor may leave a partial file for longer than a save takes.
         let shown = stage.shows_in_the_end_what_a_cold_start_shows();
         assert_eq!(shown.info.reloads, reload, "{what}");
         assert!(std::fs::read_to_string(stage.path("ball.ron")).unwrap().contains(radius), "{what}");
@@ -50,7 +50,7 @@ fn every_save_is_read_once(what: &str, save: impl Fn(&str, &Path)) {
     }
 }
 
-/// In ex mode, which saves as Vim does otherwise.
+/// Runs Vim in ex mode, which saves as Vim does otherwise.
 fn vim(setting: &str) {
     if there_is("vim") {
         every_save_is_read_once(&format!("vim with {setting}"), |radius, folder| {
@@ -109,7 +109,7 @@ fn emacs_with_backups_that_are_copies() {
     emacs("(setq backup-by-copying t)");
 }
 
-/// At a terminal, key by key: the line is cut and typed again.
+/// Checks nano at a terminal, key by key: the line is cut and typed again.
 #[test]
 fn nano() {
     if !there_is("nano") || !there_is("script") {
@@ -143,7 +143,7 @@ fn sed() {
     }
 }
 
-/// Both the scene and what it includes are other ones.
+/// Checks a checkout that changes both the scene and its included file.
 #[test]
 fn git_that_checks_out_another_branch() {
     if !there_is("git") {

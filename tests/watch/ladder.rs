@@ -1,4 +1,4 @@
-//! From the first coarse picture to the full one.
+//! Tests of the preview levels, from the first coarse picture to the full one.
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -8,12 +8,12 @@ use rayreel::live::{Event, Shown};
 use crate::AT_MOST;
 use crate::session::{Stage, scene};
 
-/// The first picture of a scene is there so soon after it was read.
+/// Time limit from the reading of a scene to its first picture.
 const FIRST: Duration = Duration::from_millis(150);
-/// A machine that is busy with other things needs more tries.
+/// Number of attempts, because the machine may be busy.
 const TRIES: usize = 12;
 
-/// Scenes of which even a single pixel, or a small picture, takes long in full.
+/// Returns scenes in which even a single pixel, or a small picture, takes long in full.
 fn heavy() -> Vec<(&'static str, String)> {
     let large = |text: String| text.replace("width: 64, height: 36", "width: 3840, height: 2160");
     let sampled = |text: String, samples: u32| {
@@ -58,7 +58,7 @@ fn heavy() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// The first picture of a session, and how long after the scene was read it came.
+/// Returns the first picture of a session, and the time since the scene was read.
 fn first_picture(stage: &Stage) -> (Shown, Duration) {
     loop {
         if let Event::Reloaded(_) = stage.next() {
@@ -80,7 +80,7 @@ fn the_first_picture_comes_soon_whatever_the_scene() {
         for _ in 0..TRIES {
             let stage = Stage::new(Some(&text));
             best = best.min(first_picture(&stage).1);
-            // Also when more is known.
+            // After an edit, more is known of the scene.
             stage.save(&text.replace("255, 120, 60", "255, 120, 61"));
             let after_an_edit = first_picture(&stage).1;
             if best.max(after_an_edit) <= FIRST {
@@ -112,10 +112,10 @@ fn work_is_left_at_once_for_what_is_asked() {
     }
 }
 
-/// The film of the slow scene: so large that even a fast machine needs steps between the first picture and its full width.
+/// The film of the slow scene, so large that even a fast machine needs several levels between the first picture and its full width.
 const SLOW: (u32, u32) = (2560, 1440);
 
-/// Takes some seconds.
+/// Returns a scene that takes some seconds.
 fn slow() -> String {
     let film = format!("width: {}, height: {}", SLOW.0, SLOW.1);
     scene(1.0, "").replace("width: 64, height: 36", &film).replacen(
@@ -150,7 +150,7 @@ fn pictures_get_finer_in_steps_up_to_the_full_one() {
         progress.is_sorted() && progress.iter().any(|share| *share > 0.0 && *share < 1.0),
         "{progress:?}"
     );
-    // Each is nearer to the last.
+    // Each picture is nearer to the last one.
     let last = &seen.last().unwrap().film;
     let error = |shown: &Shown| {
         let (film, total) = (&shown.film, SLOW.0 * SLOW.1);
@@ -186,7 +186,7 @@ fn a_question_does_not_lose_what_has_been_done() {
         }
     }
     assert!(progress.is_sorted(), "{progress:?}");
-    // The picture is as good as one that nobody disturbed.
+    // The picture equals an undisturbed one.
     stage.shows_what_a_cold_start_shows();
 }
 
@@ -204,7 +204,7 @@ fn an_edit_while_a_page_plays_gets_its_full_picture() {
         for event in stage.events_within(Duration::from_millis(100)) {
             match event {
                 Event::Shown(shown) if shown.info.full && shown.info.reloads == 2 => break 'playing shown,
-                // What is on show is what is asked for.
+                // Other pictures are coarse, or from before the edit.
                 Event::Shown(shown) => assert!(shown.info.coarse || shown.info.reloads == 1),
                 _ => {}
             }
@@ -212,10 +212,10 @@ fn an_edit_while_a_page_plays_gets_its_full_picture() {
     };
     let mut cold = rayreel::Engine::load(stage.path("ball.ron")).unwrap();
     assert!(cold.render_frame(full.info.frame).unwrap() == *full.film);
-    // It is for files: a page that plays does not go back to it.
+    // The full picture is for files: a page that plays does not return to it.
     assert!(stage.session().handle().picture(full.info.id).is_none());
 
-    // The page goes away: the frame that is on show becomes as good as it can be.
+    // After the page has left, the current frame is rendered in full.
     stage.play_on(7);
     let state = stage.comes_to("rest", |state| !state.rendering && state.frame == 7);
     assert!(state.picture.is_some_and(|picture| picture.full && picture.frame == 7), "{state:?}");

@@ -1,6 +1,6 @@
-//! Watching files, and the session that keeps a scene on show while they are edited.
+//! Tests of file watching, and of the session that shows a scene while its files are edited.
 //!
-//! Editors that are not installed are imitated only.
+//! Editors that are not installed are only imitated.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
@@ -17,7 +17,7 @@ mod saves;
 mod session;
 mod watcher;
 
-/// What must happen does so long before, even on a machine that is busy with other things.
+/// Time limit for expected events, generous enough for a busy machine.
 const AT_MOST: Duration = Duration::from_secs(60);
-/// What must not happen would have by then: several quiet periods, and a look at the files without any hint.
+/// Time after which an unexpected event would have occurred: several quiet periods, and a rescan of the files without a notification.
 const LONG_ENOUGH: Duration = Duration::from_millis(800);

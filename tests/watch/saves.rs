@@ -1,4 +1,4 @@
-//! Files that are saved more quickly than anybody looks, or slowly, or that cannot be read for a while.
+//! Tests of files that are saved in quick succession, saved slowly, or unreadable for a while.
 
 use std::fs;
 use std::io::Write;
@@ -9,11 +9,11 @@ use rayreel::live::Event;
 
 use crate::session::{Stage, scene};
 
-/// Some 60 saves in a second.
+/// Time between saves, for some 60 saves per second.
 const OFTEN: Duration = Duration::from_millis(16);
 const FOR: Duration = Duration::from_secs(3);
 
-/// Saves as often as a simulation writes its frames, and says what came of it.
+/// Saves as often as a simulation writes its frames. Returns the number of reloads that were shown, and of errors.
 fn saved_often(save: impl Fn(&Stage, &str)) -> (usize, usize) {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.shows_what_a_cold_start_shows();
@@ -31,7 +31,7 @@ fn saved_often(save: impl Fn(&Stage, &str)) -> (usize, usize) {
         .filter_map(|event| if let Event::Shown(shown) = event { Some(shown.info.reloads) } else { None })
         .collect();
     shown.dedup();
-    // The last one is what stays.
+    // The last picture shows the last save.
     let mut cold = rayreel::Engine::load(stage.path("ball.ron")).unwrap();
     let last = events.iter().rev().find_map(|event| match event {
         Event::Shown(shown) if shown.info.full => Some(shown),
@@ -53,7 +53,7 @@ fn renames_that_never_rest_are_shown_several_times_a_second() {
     assert!(shown > 9 && broken == 0, "{shown} shown, {broken} told broken");
 }
 
-/// Whatever the pieces and the pauses between them.
+/// Checks files that are written in pieces of several sizes, with several pauses.
 #[test]
 fn a_file_that_is_being_written_is_no_mistake() {
     let stage = Stage::new(Some(&scene(1.0, "")));
@@ -75,11 +75,11 @@ fn a_file_that_is_being_written_is_no_mistake() {
         if longest < Duration::from_millis(90) {
             stage.shows_what_a_cold_start_shows();
         } else {
-            // The machine was busy with something else, and the file at rest in between.
+            // The machine was busy, and the file did not change for too long.
             stage.shows_in_the_end_what_a_cold_start_shows();
         }
     }
-    // What stays broken is told, and only once.
+    // A lasting error is reported, and only once.
     fs::write(stage.path("ball.ron"), "Scene(").unwrap();
     let events = stage.events_within(Duration::from_secs(3));
     assert_eq!(events.iter().filter(|event| matches!(event, Event::Broken(_))).count(), 1, "{events:?}");

@@ -1,4 +1,4 @@
-//! The session that keeps a scene on show while its files are edited.
+//! Tests of the session that shows a scene while its files are edited.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use tempfile::TempDir;
 
 use crate::{AT_MOST, LONG_ENOUGH};
 
-/// A session in a folder of its own.
+/// A session with its own folder.
 pub(crate) struct Stage {
     folder: TempDir,
     session: Session,
@@ -44,7 +44,7 @@ impl Stage {
         Self::with(text, false)
     }
 
-    /// With a full picture after every edit, if `finish`.
+    /// Starts a session, which renders a full picture after every edit if `finish` is set.
     pub(crate) fn with(text: Option<&str>, finish: bool) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ball.ron");
@@ -70,7 +70,7 @@ impl Stage {
         self.folder.path().join(file)
     }
 
-    /// In one piece, however busy the machine is.
+    /// Replaces the scene file atomically, however busy the machine is.
     pub(crate) fn save(&self, text: &str) {
         self.save_as("ball.ron", text);
     }
@@ -92,19 +92,19 @@ impl Stage {
         &self.session
     }
 
-    /// All that happens in so much time.
+    /// Returns all events within a time.
     pub(crate) fn events_within(&self, time: Duration) -> Vec<Event> {
         let end = Instant::now() + time;
         std::iter::from_fn(|| self.events.recv_timeout(end.saturating_duration_since(Instant::now())).ok())
             .collect()
     }
 
-    /// The next full picture, which must have the bits of a cold start.
+    /// Returns the next full picture, which must have the bits of a cold start.
     pub(crate) fn shows_what_a_cold_start_shows(&self) -> Shown {
         self.shows(|error| panic!("{error}"))
     }
 
-    /// As [`shows_what_a_cold_start_shows`](Self::shows_what_a_cold_start_shows), whatever is wrong in the meantime.
+    /// Works as [`shows_what_a_cold_start_shows`](Self::shows_what_a_cold_start_shows), with any errors in the meantime.
     pub(crate) fn shows_in_the_end_what_a_cold_start_shows(&self) -> Shown {
         self.shows(|_| ())
     }
@@ -148,7 +148,7 @@ impl Stage {
         self.session.handle().send(Command::View(View::Seek { frame, playing: true }));
     }
 
-    /// Waits until the state is as it should be.
+    /// Waits until the state meets a condition. Panics after `AT_MOST`.
     pub(crate) fn comes_to(
         &self,
         what: &str,
@@ -198,7 +198,7 @@ fn a_broken_file_leaves_the_last_good_scene_and_a_good_one_recovers() {
         let state = stage.session.handle().state();
         assert_eq!(state.mistakes.as_ref().map(|mistakes| &mistakes.text), Some(&told));
         assert!(state.picture.unwrap().id >= good.info.id);
-        // The last good scene can still be looked at.
+        // The last good scene can still be viewed.
         stage.seek(7);
         assert!(matches!(stage.next(), Event::Shown(shown) if shown.info.frame == 7));
         assert_eq!(stage.sees((32, 18)).unwrap().surface.unwrap().entity, "ball");
@@ -266,7 +266,7 @@ fn the_playhead_survives_shorter_scenes() {
 
 #[test]
 fn a_newer_edit_ends_the_picture_in_hand() {
-    // Far too much for the test to wait for.
+    // Far too slow for the test to wait for.
     let slow = scene(1.0, "").replace("width: 64, height: 36", "width: 4096, height: 4096");
     let slow = slow.replacen("Scene(", "Scene(sampling: (samples: 4096),", 1);
     let stage = Stage::new(Some(&slow));
@@ -291,7 +291,7 @@ fn a_pixel_says_what_it_sees() {
     assert_eq!(stage.sees((64, 0)), None);
 }
 
-/// At an edge, where samples differ.
+/// Checks pixels across edges, where samples differ.
 #[test]
 fn a_pixel_has_the_colour_of_the_picture() {
     for (sampling, samples) in
@@ -321,7 +321,7 @@ fn costs_are_measured_for_what_is_needed_only() {
     for planned in state.plan {
         assert_eq!(planned.cost.is_some(), planned.needed, "{}", planned.effect);
     }
-    // Then what samples are worth, the scene's own first.
+    // Then the error by the number of samples is measured, for the scene's own number first.
     let samples: Vec<Option<u32>> = state.curve.iter().map(|place| place.samples).collect();
     assert_eq!(samples[..5], [Some(1), Some(2), Some(4), Some(8), Some(16)]);
     assert!(state.curve.iter().all(|place| place.milliseconds > 0.0));
@@ -340,6 +340,6 @@ fn nothing_remains_of_a_session_that_has_ended() {
     let Stage { session, events, folder } = stage;
     drop(session);
     fs::write(folder.path().join("ball.ron"), scene(2.0, "")).unwrap();
-    // All that is left are the events from before, and then the end.
+    // Only earlier events remain, and then the channel closes.
     while events.recv().is_ok() {}
 }

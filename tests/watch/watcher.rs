@@ -1,4 +1,4 @@
-//! Watching files.
+//! Tests of file watching.
 
 use std::fs;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::{AT_MOST, LONG_ENOUGH};
 
-/// A watcher of files in a folder of its own.
+/// A watcher of files in its own folder.
 struct Watched {
     folder: TempDir,
     changes: Receiver<()>,
@@ -37,7 +37,7 @@ impl Watched {
 
     fn follow(&self, files: &[&str]) {
         let paths: Vec<PathBuf> = files.iter().map(|file| self.path(file)).collect();
-        // As if they had been read before.
+        // The files count as read before.
         self.watcher.follow(&paths, SystemTime::now() + LONG_ENOUGH);
     }
 
@@ -45,7 +45,7 @@ impl Watched {
         fs::write(self.path(file), text).unwrap();
     }
 
-    /// A save is noticed once; one that a busy machine did in pieces may be noticed in pieces.
+    /// Checks that a save is noticed once. A save that a busy machine made in pieces may be noticed in pieces.
     fn notices(&self, what: &str, save: impl FnOnce()) {
         let start = Instant::now();
         save();
@@ -60,7 +60,7 @@ impl Watched {
     }
 }
 
-/// Every way in which editors put a text into a file.
+/// Checks every way in which editors save a file.
 fn save_in_every_way(watched: &Watched) {
     let file = "ball.ron";
     watched.notices("written in place", || watched.write(file, "in place"));
@@ -85,7 +85,7 @@ fn save_in_every_way(watched: &Watched) {
         watched.write(file, "two");
     });
 
-    // The same length and the same time.
+    // The length and the modification time stay the same.
     watched.notices("with the time of the old one", || {
         let time = fs::metadata(watched.path(file)).unwrap().modified().unwrap();
         watched.write(".ball.ron.new", "six");
@@ -160,12 +160,12 @@ fn what_is_written_while_it_is_read_is_noticed() {
         watched.write("part.ron", "first");
         follow("part.ron", since);
     });
-    // Who reads it before the watcher tells need not be told.
+    // A change that is read before the watcher reports it need not be reported.
     watched.write("ball.ron", "second");
     watched.watcher.look();
     follow("part.ron", SystemTime::now());
     watched.does_not_change("what was looked at");
-    // Other contents for a moment, which is when it was read.
+    // For a moment, when the file was read, it had other contents.
     watched.notices("what is as it was before", || {
         watched.write("ball.ron", "third");
         watched.write("ball.ron", "second");

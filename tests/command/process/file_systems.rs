@@ -1,4 +1,4 @@
-//! Full, read-only and forbidden file systems, in a name space of their own where the system lets anybody have one, and folders that go.
+//! Tests of full, read-only and forbidden file systems, in user namespaces where the system allows them, and of folders that disappear.
 
 use std::fs;
 use std::path::Path;
@@ -6,8 +6,8 @@ use std::process::Output;
 
 use crate::{FIRST_LIGHT, RAYREEL, command, files, output_of, pictures, text, until};
 
-/// A script's output where it may mount what it likes, or, without `mounts`, where it may do nothing to files that belong to others. In it
-/// `$0` is `rayreel` and `$1` a scene. `None` where the system has no such spaces.
+/// Runs a script in its own user namespace, and returns its output. With `mounts` it may mount file systems; without, it has no rights to
+/// the files of other users. `$0` is `rayreel` and `$1` a scene. Returns `None` if the system does not allow namespaces.
 fn in_own_space(folder: &Path, mounts: bool, script: &str) -> Option<Output> {
     let kind = if mounts { &["--user", "--map-root-user", "--mount"][..] } else { &["--user"] };
     let run = |script: &str| {
@@ -22,7 +22,7 @@ fn in_own_space(folder: &Path, mounts: bool, script: &str) -> Option<Output> {
     Some(run(script).unwrap())
 }
 
-/// Frames of some 30 kB each, for which there is room for a few.
+/// Checks frames of some 30 kB each on a disk with room for a few.
 #[test]
 fn a_full_disk_keeps_whole_frames_and_the_next_run_adds_the_rest() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Full disks, as far as a limit on the size of files is one, and names that are no text.
+//! Tests of full disks, simulated by a file size limit, and of file names that are not valid UTF-8.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::Output;
 
 use crate::{FIRST_LIGHT, RAYREEL, command, files, output_of, rayreel, text};
 
-/// `rayreel` where no file may have any bytes: an error, or death in the middle of writing.
+/// Runs `rayreel` with a file size limit of 0: writing returns an error, or kills the process if `dies`.
 fn limited(folder: &Path, dies: bool, arguments: &[&str]) -> Output {
     let script = if dies { "ulimit -c 0;" } else { "trap '' XFSZ;" };
     let script = format!("{script} ulimit -f 0; exec \"$0\" \"$@\"");
@@ -54,7 +54,7 @@ fn what_dies_while_it_writes_is_cleared_up_by_the_next() {
     }
 }
 
-/// Elsewhere names must be text.
+/// Checks names that are not valid UTF-8. Other systems require valid names.
 #[cfg(target_os = "linux")]
 #[test]
 fn names_that_are_no_text_are_different_names() {
@@ -81,6 +81,6 @@ fn names_that_are_no_text_are_different_names() {
         assert!(folder.join("out").join(&frame).is_file());
         assert!(folder.join("out/draft").join(&frame).is_file());
     }
-    // One of the names is text, and so is what its folder says of its frames.
+    // Only the name that is valid UTF-8 has a sequence file. The last entry is the draft folder.
     assert_eq!(fs::read_dir(folder.join("out")).unwrap().count(), 2 * names.len() + 2);
 }

@@ -1,4 +1,4 @@
-//! Files that are none: what would be read for ever, or never opened.
+//! Tests of input paths that are not regular files, and would be read forever or block when opened.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -9,21 +9,21 @@ use crate::{FIRST_LIGHT, RAYREEL, command, output_of, rayreel, signal, text, tol
 
 const CAMERA: &str = "camera: (position: (0, 0, -5), target: (0, 0, 0))";
 
-/// A folder with a pipe that nobody writes to.
+/// Returns a folder with a pipe without a writer.
 fn folder_with_a_pipe() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     assert!(Command::new("mkfifo").arg(folder.path().join("pipe")).status().unwrap().success());
     folder
 }
 
-/// Each is no file, or has no bytes.
+/// Returns paths that are not regular files, or have no bytes.
 fn endless() -> Vec<&'static str> {
     let mut endless = vec!["pipe", "/dev/zero", "/dev/tty", "/proc/kmsg"];
     endless.retain(|path| *path == "pipe" || Path::new(path).exists());
     endless
 }
 
-/// Every way in which a scene names a file.
+/// Returns a scene for every way to reference a file.
 fn scenes(file: &str) -> Vec<String> {
     vec![
         format!("({CAMERA}, include: [(file: \"{file}\")])"),
@@ -49,7 +49,7 @@ fn commands_end_whatever_is_named() {
         ];
         for arguments in commands {
             let output = rayreel(folder, arguments);
-            // A file without bytes has no rays.
+            // A file without bytes contains no rays.
             let empty = file == "/proc/kmsg" && arguments.contains(&"--rays");
             assert!(output.status.code() == Some(1) || empty, "{arguments:?}: {}", text(&output.stderr));
         }
@@ -85,7 +85,7 @@ fn standard_input_is_read_where_it_is_offered() {
     }
 }
 
-/// They would read it again, or later.
+/// Checks that commands that read a scene again, or later, refuse streams.
 #[test]
 fn streams_are_neither_watched_nor_farmed() {
     let folder = tempfile::tempdir().unwrap();
@@ -96,7 +96,7 @@ fn streams_are_neither_watched_nor_farmed() {
         ] {
             let mut child =
                 command(RAYREEL, folder.path()).args(arguments).stdin(Stdio::piped()).spawn().unwrap();
-            // As long as it is there, there may be more to read.
+            // While stdin is open, more input may follow.
             let stdin = child.stdin.take();
             let output = output_of(child);
             drop(stdin);
@@ -116,7 +116,7 @@ fn the_watcher_reads_no_more_than_the_loader() {
             scene.iter().for_each(|scene| fs::write(folder.join("scene.ron"), scene).unwrap());
             let mut child = command(RAYREEL, folder).args(["watch", watched]).spawn().unwrap();
             let mut told = BufReader::new(child.stderr.take().unwrap());
-            // By then it keeps to the files, and has looked at them.
+            // After this message, the watcher has examined the files and watches them.
             let mut lines = String::new();
             while !lines.contains("nothing to show yet") {
                 assert!(told.read_line(&mut lines).unwrap() > 0, "{lines}");
@@ -128,13 +128,13 @@ fn the_watcher_reads_no_more_than_the_loader() {
     }
 }
 
-/// What may lie where a file is read.
+/// A replacement for a file that is read.
 #[derive(Clone, Copy, Debug)]
 enum Odd {
     Pipe,
     Device,
     Directory,
-    /// A file without end, as far as memory goes.
+    /// A file of 1 TiB, more than fits in memory.
     Long,
     /// A header of a picture that is too large for memory.
     Header,
@@ -154,7 +154,7 @@ impl Odd {
     }
 }
 
-/// The same kind of frame with a header of 30000x30000 pixels, and few bytes behind it.
+/// Returns a frame of the same format with a header of 30000x30000 pixels and little data.
 fn with_huge_header(bytes: &[u8]) -> Vec<u8> {
     const SIDE: u32 = 30_000;
     match bytes {
@@ -178,7 +178,7 @@ fn with_huge_header(bytes: &[u8]) -> Vec<u8> {
     }
 }
 
-/// Runs `rayreel` with less memory than a huge frame takes.
+/// Runs `rayreel` with less memory than a huge frame needs.
 fn bounded(folder: &Path, arguments: &[&str]) -> std::process::Output {
     let limited = "ulimit -v 2000000; exec \"$0\" \"$@\"";
     output_of(command("sh", folder).args(["-c", limited, RAYREEL]).args(arguments).spawn().unwrap())

@@ -1,7 +1,7 @@
-//! Two processes in one folder, killed at any moment: where the system allows, each in a PID namespace of its own, where both are
+//! Tests of two processes in one folder, killed at random moments. Where the system allows it, each runs in its own PID namespace, as
 //! process 1.
 //!
-//! `RAYREEL_KILLS=200` asks for more than the usual few kills.
+//! `RAYREEL_KILLS=200` sets the number of kills; the default is 8.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,7 +17,7 @@ const ARGUMENTS: [&str; 5] = ["render", FIRST_LIGHT, "--size", "64x36", "--out"]
 
 type Frames = BTreeMap<String, Vec<u8>>;
 
-/// All files of a folder that are not hidden; only names of the others, which may go at any time.
+/// Returns the visible files of a folder, and the names of hidden files, which may disappear at any time.
 fn seen(folder: &Path) -> (Frames, Vec<String>) {
     let (mut frames, mut hidden) = (Frames::new(), Vec::new());
     for entry in fs::read_dir(folder).into_iter().flatten() {
@@ -32,7 +32,8 @@ fn seen(folder: &Path) -> (Frames, Vec<String>) {
     (frames, hidden)
 }
 
-/// What starts a program as process 1 of a namespace, and kills it when it is killed itself; nothing, where that is not allowed.
+/// Returns a command prefix that starts a program as process 1 of a PID namespace and kills it when killed itself. Empty if namespaces are
+/// not allowed.
 fn namespace() -> Vec<&'static str> {
     let own = ["unshare", "--pid", "--fork", "--kill-child", "--"];
     let as_user = ["unshare", "--user", "--map-root-user", "--pid", "--fork", "--kill-child", "--"];
@@ -51,7 +52,7 @@ fn start(prefix: &[&str], folder: &Path, more: &[&'static str]) -> Child {
     command(program, folder).args(arguments).spawn().unwrap()
 }
 
-/// Kills a process and waits until all that it started are gone: until nobody can write to its output any more.
+/// Kills a process, and waits until its output pipes are closed, and thus all its children are gone.
 fn kill(mut child: Child) {
     let outputs = [all_of(child.stdout.take()), all_of(child.stderr.take())];
     child.kill().unwrap();
@@ -70,7 +71,7 @@ fn killed_processes_tear_no_frame_and_leave_nothing_after_the_next_run() {
     assert!(rayreel(folder, ARGUMENTS.iter().chain(&["whole"])).status.success());
     let whole_run = begin.elapsed();
     let (whole, _) = seen(&folder.join("whole"));
-    // And what they are rendered from.
+    // One more file records their source.
     assert_eq!(whole.len(), 96 + 1);
     let prefix = namespace();
     if prefix.is_empty() {
@@ -87,10 +88,10 @@ fn killed_processes_tear_no_frame_and_leave_nothing_after_the_next_run() {
         hidden.len()
     };
     for _ in 0..kills / 2 {
-        // What is done is done again, so that there is always something to tear.
+        // Finished frames are rendered again, so that a kill can always corrupt one.
         let running = [(); 2].map(|()| start(&prefix, folder, &["--overwrite"]));
         for child in running {
-            // From the start until after the end.
+            // A random moment between the start and a time after the end.
             let share = (random.bits() >> 40) as f64 / (1 << 24) as f64;
             sleep(whole_run.min(AT_MOST).mul_f64(share));
             kill(child);

@@ -1,5 +1,4 @@
-//! `rayreel` as a process among others: it is killed and sent signals, shares folders, meets devices and full disks, and prints
-//! names that terminals would obey.
+//! Tests of `rayreel` as a process: kills and signals, shared folders, devices and full disks, and names with terminal control sequences.
 
 #[cfg(target_os = "linux")]
 mod file_systems;

@@ -1,4 +1,4 @@
-//! Movies that are interrupted, and ffmpegs that hang or die.
+//! Tests of interrupted movies, and of an ffmpeg that hangs or dies.
 
 use std::fs::{self, Permissions};
 use std::os::unix::fs::PermissionsExt;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use crate::ignored::interruption;
 use crate::{RAYREEL, command, files, output_of, rayreel, signal, text, until};
 
-/// Nothing but a background, so that frames are rendered more quickly than they are encoded.
+/// A scene with only a background, so that frames are rendered faster than they are encoded.
 const SCENE: &str = r##"Scene(
     timeline: (fps: 24, duration: 1.5),
     film: (width: 1600, height: 900),
@@ -19,14 +19,14 @@ const SCENE: &str = r##"Scene(
     entities: [],
 )"##;
 
-/// The longest time from a signal to the end, on a machine that is busy with other things.
+/// Maximum time from a signal to the exit, on a busy machine.
 const SOON: Duration = Duration::from_secs(5);
 
-/// Enough that loops take seconds to encode, and too much for a pipe.
+/// Enough frames that animations take seconds to encode and exceed the size of a pipe.
 const MANY: &str = "--frames=0-35";
 const FEW: &str = "--frames=0-1";
 
-/// A folder with the scene, its frames, a folder for the movie, and an ffmpeg that does this.
+/// Returns a folder with the scene, its frames, a folder for the movie, and a stand-in for ffmpeg that runs a script.
 fn folder_with(ffmpeg: &str, frames: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
@@ -43,7 +43,7 @@ fn folder_with(ffmpeg: &str, frames: &str) -> tempfile::TempDir {
     folder
 }
 
-/// The command that makes a movie, in a process group of its own.
+/// Starts making a movie in its own process group.
 fn start(folder: &Path, movie: &str, frames: &str) -> Child {
     let path = std::env::var("PATH").unwrap_or_default();
     let mut command = command(RAYREEL, folder);
@@ -52,14 +52,14 @@ fn start(folder: &Path, movie: &str, frames: &str) -> Child {
     command.process_group(0).spawn().unwrap()
 }
 
-/// Sends a signal to all processes of the group. Returns whether there are any.
+/// Sends a signal to all processes of a group. Returns `false` if there are none.
 fn signal_group(leader: u32, name: &str) -> bool {
     let mut kill = Command::new("kill");
     kill.args(["-s", name, "--", &format!("-{leader}")]).stderr(Stdio::null());
     kill.status().unwrap().success()
 }
 
-/// Interrupts movies, by signals to the process and to its group, once `is_under_way` in the folder.
+/// Interrupts a movie, by signals to the process and to its group, as soon as `is_under_way` returns true.
 fn assert_interruptible(folder: &Path, (movie, frames): (&str, &str), is_under_way: impl Fn() -> bool) {
     for ((name, code), to_group) in
         [(interruption(), false), (interruption(), true), (("TERM", 143), false), (("TERM", 143), true)]
@@ -115,7 +115,7 @@ fn ffmpegs_that_die_are_reported_and_leave_nothing() {
         ("kill -9 $$", "could not make the movie: it ended with signal: 9"),
         ("echo no such codec >&2; exit 1", "could not make the movie: no such codec"),
         ("exit 0", "ffmpeg takes no more frames"),
-        // Its child still could read, and never does.
+        // Its child has the pipe open, and never reads.
         ("sleep 600 <&0 2> /dev/null & exit 3", "could not make the movie: it ended with exit status: 3"),
     ] {
         let folder = folder_with(dies, FEW);
@@ -143,7 +143,7 @@ fn leftovers_of_killed_processes_are_removed_by_the_next_run() {
     assert_eq!(files(&folder.join("movie")), ["b.gif"]);
 }
 
-/// A reader that neither reads nor goes.
+/// Checks a reader that neither reads nor closes the pipe.
 #[test]
 fn interrupted_streams_end_at_once() {
     let folder = folder_with("exit 1", FEW);
@@ -153,7 +153,7 @@ fn interrupted_streams_end_at_once() {
         command.args(["render", "scene.ron", "--out=-"]).process_group(0);
         let mut child = command.spawn().unwrap();
         let unread = child.stdout.take();
-        // Until the pipe is full, and some time more.
+        // Long enough to fill the pipe.
         std::thread::sleep(Duration::from_millis(500));
         let begin = Instant::now();
         if to_group {

@@ -1,4 +1,4 @@
-//! Signals, and those that are ignored.
+//! Tests of signals, handled and ignored.
 
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::{FIRST_LIGHT, RAYREEL, command, files, output_of, pictures, signal, t
 
 const FRAMES: usize = 24;
 
-/// A rendering that is under way, in a process that ignores some signals from the start.
+/// Starts a rendering in a process that ignores some signals from the start, and waits for the first frame.
 fn start_rendering(folder: &Path, ignored: &str) -> Child {
     let script = if ignored.is_empty() { String::new() } else { format!("trap '' {ignored}; ") };
     let child = command("sh", folder)
@@ -67,7 +67,7 @@ fn nohup_lets_it_live() {
     assert_eq!(pictures(&out).len(), FRAMES);
 }
 
-/// A scene that is still being read when the signal comes, and would be for ever.
+/// Checks signals during the reading of a scene from a stream that never ends.
 #[test]
 fn reading_ends_at_once() {
     let folder = tempfile::tempdir().unwrap();
@@ -75,13 +75,13 @@ fn reading_ends_at_once() {
         let mut reads = command(RAYREEL, folder.path());
         reads.args(arguments).arg("/dev/stdin").stdin(Stdio::piped());
         let mut child = reads.spawn().unwrap();
-        // As long as it is there, there may be more to read.
+        // While stdin is open, more input may follow.
         let stdin = child.stdin.take();
         sleep(Duration::from_millis(300));
         signal(&child, "TERM");
         let output = output_of(child);
         drop(stdin);
-        // On a machine that is busy it may not have come as far as listening.
+        // On a busy machine, the signal may arrive before the handler is installed.
         let ended = output.status.code() == Some(143) || output.status.signal() == Some(15);
         assert!(ended, "{arguments:?}: {:?} {}", output.status, text(&output.stderr));
     }

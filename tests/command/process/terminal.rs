@@ -1,6 +1,6 @@
-//! Whatever names, paths and texts hold, nothing is printed that a terminal would obey.
+//! Tests that no output contains terminal control sequences, whatever names, paths and texts contain.
 //!
-//! `RAYREEL_CASES=100` asks for more than the usual few.
+//! `RAYREEL_CASES=100` sets the number of cases; the default is 5.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,8 @@ use rayreel::Scene;
 use crate::splitmix::Random;
 use crate::{rayreel, text};
 
-/// Colours, a title, the same as one character each, what deletes, goes back or turns the direction, and a line of one's own.
+/// Colour and title sequences, introduced by two characters and by one, deletion, cursor movement, text direction, line separators, a
+/// forged line, and harmless text.
 const PARTS: [&str; 14] = [
     "\u{1b}[31m",
     "\u{1b}]0;title\u{7}",
@@ -35,7 +36,7 @@ impl Random {
         (0..count).map(|_| PARTS[self.index(PARTS.len())]).collect()
     }
 
-    /// As a text in a scene or a script: as it is, or escaped there.
+    /// Returns a text for a scene or a script, unchanged or escaped.
     fn quoted(&mut self, text: &str) -> String {
         if self.once_in(2) { text.to_owned() } else { text.chars().flat_map(char::escape_unicode).collect() }
     }
@@ -54,7 +55,7 @@ fn assert_harmless(printed: &str, what: &str) {
     assert!(!printed.lines().any(|line| line.starts_with("SPOOF")), "{what}: {printed:?}");
 }
 
-/// Colours of one's own.
+/// Removes colour sequences.
 fn without_colors(text: &str) -> String {
     let mut parts = text.split("\u{1b}[");
     let first = parts.next().unwrap_or_default().to_owned();
@@ -63,7 +64,7 @@ fn without_colors(text: &str) -> String {
 
 const CAMERA: &str = "camera: (position: (0, 0, -5), target: (0, 0, 0))";
 
-/// A scene without mistakes, and some with.
+/// Returns a valid scene and invalid ones.
 fn scenes(random: &mut Random) -> (String, Vec<String>) {
     let evil = random.evil();
     let name = random.quoted(&evil);
@@ -105,7 +106,7 @@ fn scenes(random: &mut Random) -> (String, Vec<String>) {
     (good, bad)
 }
 
-/// All commands, on a good scene: what goes well, and what is wrong with arguments and with rays.
+/// Returns all commands on a valid scene, some with invalid arguments or rays.
 fn commands(scene: &str, other: &str) -> Vec<Vec<String>> {
     let on = |arguments: &[&str]| {
         let (command, more) = arguments.split_first().unwrap();
@@ -148,7 +149,7 @@ fn commands(scene: &str, other: &str) -> Vec<Vec<String>> {
 
 fn check(output: &Output, is_csv: bool, what: &str) {
     assert_harmless(&text(&output.stderr), what);
-    // In quotes, a table's cell may have lines.
+    // A quoted table cell may contain line breaks.
     let table = text(&output.stdout).replace("\nSPOOF", "\n");
     assert_harmless(if is_csv { &table } else { std::str::from_utf8(&output.stdout).unwrap() }, what);
     assert!(!text(&output.stderr).contains("panicked"), "{what}: {}", text(&output.stderr));
@@ -191,7 +192,7 @@ fn nothing_is_printed_that_a_terminal_would_obey() {
     assert!(told > 20 * cases, "{told} of {cases} cases told anything");
 }
 
-/// How many of the commands told anything.
+/// Checks an invalid scene, and returns the number of commands with messages.
 fn check_bad(folder: &Path, scene: &str, text: &str) -> usize {
     if let Err(error) = Scene::load(&folder.join(scene)) {
         let (plain, colored) = (error.render(false), error.render(true));
@@ -207,7 +208,7 @@ fn check_bad(folder: &Path, scene: &str, text: &str) -> usize {
     commands.iter().filter(|arguments| run(arguments)).count()
 }
 
-/// One has a mistake, the other is only warned of.
+/// A scene with a mistake, and a scene with a warning.
 const TOLD: [(&str, &str); 2] = [
     ("wrong.ron", "(camera: (position: (0, 0, -5), target: (0, 0, 0)), ambent: 1)"),
     (
@@ -217,7 +218,7 @@ const TOLD: [(&str, &str); 2] = [
     ),
 ];
 
-/// Its own lines stay lines, and on a terminal its own colours stay colours.
+/// Checks that the program's own line breaks, and on a terminal its own colours, are not escaped.
 #[test]
 fn what_is_said_by_itself_is_not_escaped() {
     let folder = tempfile::tempdir().unwrap();
@@ -229,7 +230,7 @@ fn what_is_said_by_itself_is_not_escaped() {
             assert!(!told.contains("\\n") && !told.contains("\\u{"), "{command} {name}: {told}");
             let lines = told.lines().filter(|line| line.contains(name) || line.contains("help: "));
             assert!(lines.count() >= 2 || command == "explain", "{command} {name}: {told}");
-            // A terminal, where there is a program that makes one.
+            // A pseudo-terminal, where `script` is installed.
             let line = format!("{} {command} {name}", crate::RAYREEL);
             let mut terminal = crate::command("script", folder);
             terminal.args(["--quiet", "--return", "--command", &line, "/dev/null"]).env("TERM", "xterm");

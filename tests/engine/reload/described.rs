@@ -1,4 +1,4 @@
-//! Worlds in words, so that two can be compared without regard to entity ids.
+//! Descriptions of worlds as text, which are compared without regard to entity ids.
 
 use std::collections::HashMap;
 use std::fmt::Debug;
@@ -10,8 +10,8 @@ use rayreel::components::{
 };
 use rayreel::{Entity, Film, World};
 
-/// Every component of every entity in document order; what has no place there follows by name. Numbers are written so that no
-/// two different ones look alike. World transforms are right only once the world has been brought to a moment.
+/// Returns every component of every entity in document order; entities without an order follow by name. Different numbers have different
+/// texts. World transforms are valid only after the world has been advanced to a time.
 pub(crate) fn described(world: &World, with_world_transforms: bool) -> Vec<String> {
     let mut query = world.query::<(Entity, Option<&Order>, Option<&Name>)>();
     let mut entities: Vec<(u64, String, Entity)> = query
@@ -79,7 +79,7 @@ impl Words<'_> {
     }
 }
 
-/// The bits of a film.
+/// Returns the bits of a film's pixels.
 pub(crate) fn bits(film: &Film) -> Vec<[u32; 3]> {
     film.pixels().iter().map(|pixel| pixel.to_array().map(f32::to_bits)).collect()
 }

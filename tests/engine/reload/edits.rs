@@ -1,4 +1,4 @@
-//! Random edits, and engines that start cold after each.
+//! Tests of random edits, against engines that start from each edited scene.
 
 use std::fs;
 
@@ -22,7 +22,7 @@ fn any_edits_lead_to_where_a_cold_start_does() {
     for seed in 0..cases {
         sequence(seed, |_| (), &mut tally);
     }
-    // Most edits must be worth something.
+    // Enough edits must be valid, invalid, and without effect on the BVH.
     let edits = usize::try_from(cases).unwrap() * EDITS;
     assert!(tally.reloads > edits * 6 / 10 && tally.broken > edits / 20, "{tally:?}");
     assert!(tally.kept_bvhs > edits / 5, "{tally:?}");
@@ -38,13 +38,13 @@ fn systems_of_ones_own_start_over() {
 #[derive(Debug, Default)]
 struct Tally {
     reloads: usize,
-    /// Edits after which there was no scene.
+    /// Number of edits that made the scene invalid.
     broken: usize,
-    /// Frames after an edit that needed no new tree.
+    /// Number of frames after an edit that needed no BVH build.
     kept_bvhs: usize,
 }
 
-/// A random scene, edited again and again, in an engine that goes on and in engines that start cold.
+/// Edits a random scene repeatedly, in an engine that reloads it and in engines that start from each version.
 fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
     let random = &mut Random(seed);
     let folder = tempfile::tempdir().unwrap();
@@ -85,7 +85,7 @@ fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
     }
 }
 
-/// The scene of a model, read by whoever read the ones before it. What is wrong with it is what a stranger finds.
+/// Loads the scene of a model with a reader that has read earlier versions. Its errors must equal the errors of a fresh reader.
 fn load(model: &Model, folder: &TempDir, reader: &mut Reader) -> Option<Scene> {
     let (text, files) = model.files();
     for (name, text) in files.into_iter().chain([("scene.ron", text)]) {
@@ -102,7 +102,7 @@ fn load(model: &Model, folder: &TempDir, reader: &mut Reader) -> Option<Scene> {
     }
 }
 
-/// Compares worlds and pictures at some moments.
+/// Compares worlds and pictures at some times.
 fn compare(
     engine: &mut Engine,
     cold: &mut Engine,
@@ -137,7 +137,7 @@ fn assert_same(world: &[String], expected: &[String], about: &impl Fn() -> Strin
     assert_eq!(world.len(), expected.len(), "{}", about());
 }
 
-/// Writes to the world what no scene file knows of.
+/// Changes the world in ways that no scene file describes.
 fn scribble(engine: &mut Engine, random: &mut Random) {
     let world = engine.world_mut();
     let mut entities: Vec<_> = world.iter().map(|entity| entity.entity()).collect();
@@ -160,7 +160,7 @@ fn ball(x: f64) -> (Shape, Material, Transform) {
     (Shape::Sphere { radius: 0.5 }, material, Transform::from_translation(DVec3::new(x, 0.5, 0.0)))
 }
 
-/// One steps and spawns; one is a function of time.
+/// Adds a stepped system that spawns entities, and a system that is a function of time.
 fn add_systems(engine: &mut Engine) {
     engine.register::<&'static str>();
     engine.add_stepped_system(Step::per_second(2), |context: &mut Context<'_>| {

@@ -1,4 +1,4 @@
-//! What an edit does not touch is kept: entities, and the tree over the shapes.
+//! Tests that a reload keeps entities and the BVH if an edit does not affect them.
 
 use std::collections::BTreeMap;
 
@@ -14,14 +14,14 @@ fn scene(body: &str) -> Scene {
     Scene::from_text("kept.ron", format!("Scene({HEAD} {body})")).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// An engine that has made a frame.
+/// Returns an engine that has rendered a frame.
 fn engine(body: &str) -> Engine {
     let mut engine = Engine::from_scene(scene(body));
     engine.render_frame(0).unwrap();
     engine
 }
 
-/// How many times the BVH is built to draw an edited scene, whose picture is that of a cold start.
+/// Reloads an edited scene, and returns the number of BVH builds for its frame, which must equal the frame of a fresh engine.
 fn builds_after(engine: &mut Engine, body: &str) -> u32 {
     engine.reload(scene(body));
     let film = engine.render_frame(0).unwrap();
@@ -30,7 +30,7 @@ fn builds_after(engine: &mut Engine, body: &str) -> u32 {
     builds
 }
 
-/// The entities in document order, without cameras and settings.
+/// Returns the entities in document order, without cameras and settings.
 fn entities(engine: &Engine) -> Vec<Entity> {
     let mut query = engine.world().query::<(&Order, Entity)>();
     let entities: BTreeMap<u64, Entity> = query.iter().map(|(order, entity)| (order.0, entity)).collect();
@@ -42,7 +42,7 @@ fn named(engine: &Engine, name: &str) -> Entity {
     query.iter().find(|(_, known)| known.0 == name).unwrap().0
 }
 
-/// Three balls, the first without a name.
+/// Returns the body of a scene with two balls and a box, the first without a name.
 fn balls(materials: &str, [a, b, c]: [&str; 3], rest: &str) -> String {
     format!(
         "materials: {{ {materials} }}, entities: [
@@ -96,7 +96,7 @@ fn what_moves_comes_or_goes_takes_one_tree_and_leaves_the_others_who_they_are() 
     let [a, b, c] = PLACES;
     assert_eq!(builds_after(&mut engine, &balls(CLAY, [a, "(0, 1, 0)", c], "")), 1);
     assert_eq!(entities(&engine), before);
-    // Without a name, and elsewhere: there is no other that it could be.
+    // A moved entity without a name is recognized, because there is no other candidate.
     assert_eq!(builds_after(&mut engine, &balls(CLAY, ["(-3, 0, 0)", b, c], "")), 1);
     assert_eq!(entities(&engine), before);
     let another =
@@ -120,7 +120,7 @@ fn entities_without_names_are_known_by_what_they_are() {
     builds_after(&mut engine, &row(&[0, 7, 1, 3, 4]));
     let after = entities(&engine);
     assert_eq!([after[0], after[2], after[3], after[4]], [before[0], before[1], before[3], before[4]]);
-    // What is left of both is taken to be the same.
+    // The remaining entities of both versions are taken to be the same.
     assert_eq!(after[1], before[2]);
 }
 
@@ -147,7 +147,7 @@ fn a_track_that_is_taken_away_gives_back_what_the_scene_says() {
         |engine: &Engine, name| engine.world().get::<&Transform>(named(engine, name)).unwrap().translation;
     engine.seek(Time::from_ratio(2, 1).unwrap()).unwrap();
     assert_eq!((place(&engine, "b").y, place(&engine, "c").x), (2.0, 2.0));
-    // The script's value at 2 seconds is what the scene says: the picture must follow all the same.
+    // At 2 seconds, the script's value equals the scene's value. The picture must change all the same.
     engine.reload(scene(&moving));
     assert_eq!((place(&engine, "b").y, place(&engine, "c").x), (0.0, 2.0));
     assert_eq!(builds_after(&mut engine, &animated("")), 1);
@@ -165,7 +165,7 @@ fn the_first_camera_is_the_first_in_the_file_whatever_was_there_before() {
     let [near, far] = [("near", 3), ("far", 9)]
         .map(|(name, z)| format!("\"{name}\": (position: (1, 1, -{z}), target: (0, 0, 0))"));
     let load = |text: &str| Scene::from_text("cameras.ron", text.to_owned()).unwrap();
-    // The entity that goes leaves its id to the camera that comes.
+    // The new camera gets the id of the removed entity.
     let mut engine = Engine::from_scene(load(&filmed("(name: \"gone\")", &near)));
     engine.render_frame(0).unwrap();
     engine.reload(load(&filmed("", &near)));

@@ -1,7 +1,6 @@
-//! A scene that is reloaded is the scene that one would have started with, to the last bit, and what an edit does not touch is
-//! kept.
+//! Tests that a reloaded scene equals a newly loaded one to the last bit, and that parts unaffected by an edit are kept.
 //!
-//! `RAYREEL_CASES` asks for more than the usual sequences of random edits.
+//! `RAYREEL_CASES` sets the number of sequences of random edits.
 
 mod described;
 mod edits;

@@ -1,4 +1,4 @@
-//! Random scenes, edit by edit, as texts.
+//! Random scenes as texts, and random edits of them.
 
 use super::random::Random;
 
@@ -7,14 +7,14 @@ use super::random::Random;
 pub(crate) struct Model {
     scene: Document,
     part: Document,
-    /// How many things a script spawns.
+    /// Number of entities that the script spawns.
     row: usize,
     names: usize,
 }
 
 #[derive(Clone, Default)]
 struct Document {
-    /// Fields, and what they are.
+    /// Fields and their values.
     settings: Vec<(&'static str, String)>,
     cameras: Vec<(String, String)>,
     shots: Vec<String>,
@@ -28,7 +28,7 @@ struct Document {
 #[derive(Clone, Default)]
 struct Thing {
     name: Option<String>,
-    /// Texts of fields: transform, parent, shape with material, and light.
+    /// Texts of the fields transform, parent, shape with material, and light.
     fields: [String; 4],
 }
 
@@ -52,7 +52,7 @@ impl Model {
         model
     }
 
-    /// The text of the scene's own file, and those of what it includes: `part.ron`, `row.rhai`.
+    /// Returns the text of the main file, and the names and texts of the included files, `part.ron` and `row.rhai`.
     pub(crate) fn files(&self) -> (String, [(&'static str, String); 2]) {
         let row = format!(
             "for i in 0..{} {{ spawn(#{{ shape: sphere(0.5), material: `m0`, translation: [i, 2 * i, 1] }}); }}",
@@ -61,7 +61,7 @@ impl Model {
         (self.scene.text(), [("part.ron", self.part.text()), ("row.rhai", row)])
     }
 
-    /// Changes something. What comes of it may be no scene any more.
+    /// Makes a random edit. The result may be an invalid scene.
     pub(crate) fn edit(&mut self, random: &mut Random) {
         let in_part = random.once_in(4);
         match random.index(16) {
@@ -102,7 +102,7 @@ impl Model {
         format!("n{}_", self.names)
     }
 
-    /// Renames a thing, and mostly what refers to it; or two things take each other's names.
+    /// Renames an entity, mostly along with the references to it, removes its name, or exchanges the names of two entities.
     fn rename(&mut self, random: &mut Random, in_part: bool) {
         let fresh = self.fresh_name();
         let document = if in_part { &mut self.part } else { &mut self.scene };
@@ -151,7 +151,7 @@ impl Document {
         self.things.iter().filter_map(|thing| thing.name.clone()).collect()
     }
 
-    /// All texts that may hold names.
+    /// Returns all texts that may contain names.
     fn texts(&mut self) -> impl Iterator<Item = &mut String> {
         let fields = self.things.iter_mut().flat_map(|thing| &mut thing.fields);
         let cameras = self.cameras.iter_mut().map(|(_, camera)| camera);
@@ -165,7 +165,7 @@ impl Document {
         }
     }
 
-    /// Deletes a thing, and mostly what refers to it.
+    /// Deletes an entity, along with most references to it.
     fn delete(&mut self, random: &mut Random) {
         if self.things.is_empty() {
             return;
@@ -236,7 +236,7 @@ fn change_cameras(scene: &mut Document, random: &mut Random) {
         let at = random.index(scene.cameras.len() + 1);
         scene.cameras.insert(at, (name.to_owned(), camera(&scene.names(), random)));
     }
-    // One camera may do without the other.
+    // The default camera is optional if there are others.
     if random.once_in(4) && !scene.cameras.is_empty() {
         scene.settings[4].1.clear();
     }

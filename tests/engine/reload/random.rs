@@ -1,4 +1,4 @@
-//! Numbers that look random, the same every time.
+//! Deterministic pseudo-random values for scenes.
 
 pub(crate) use crate::splitmix::Random;
 
@@ -7,18 +7,18 @@ impl Random {
         choices[self.index(choices.len())]
     }
 
-    /// In -4..=4 by eighths, so that exact coincidences happen; zeros of both signs among them.
+    /// Returns a number in -4..=4 in steps of 1/8, so that exact coincidences and zeros of both signs occur.
     pub(crate) fn number(&mut self) -> f64 {
         let sign = if self.once_in(2) { 1.0 } else { -1.0 };
         sign * f64::from(u32::try_from(self.index(33)).unwrap()) / 8.0
     }
 
-    /// In 0..=1 by sixteenths.
+    /// Returns a number in 0..=1 in steps of 1/16.
     pub(crate) fn share(&mut self) -> f64 {
         f64::from(u32::try_from(self.index(17)).unwrap()) / 16.0
     }
 
-    /// As a scene has three numbers.
+    /// Returns three numbers in the notation of scenes.
     pub(crate) fn triple(&mut self) -> String {
         format!("({:?}, {:?}, {:?})", self.number(), self.number(), self.number())
     }

@@ -1,13 +1,13 @@
-//! Lights with a size.
+//! Tests of area lights.
 
 use std::f64::consts::PI;
 
 use super::{assert_near, exponent, film, root_mean_square};
 
-/// Pixels of a row along x, on a floor at y = 0 that is seen from right above, and where they are.
+/// Number of pixels in a row along x, on a floor at y = 0 that is seen from straight above.
 const COLUMNS: u32 = 256;
 
-/// `half` is what is seen of the floor to either side. Every pixel answers for its centre.
+/// Returns the x coordinates and values of the pixels at their centres. The row extends by `half` to either side.
 fn row(half: f64, floor: &str, entities: &str) -> Vec<(f64, f64)> {
     let film = film(&format!(
         r#"film: (width: {COLUMNS}, height: 1, transfer: Classic), quality: (depth: 1),
@@ -20,7 +20,7 @@ fn row(half: f64, floor: &str, entities: &str) -> Vec<(f64, f64)> {
     (0..COLUMNS).map(|i| (place(i), f64::from(film.pixel(i, 0).x))).collect()
 }
 
-/// The share of a disc beyond a chord at a distance from its middle, in radii; all of it at -1, nothing at 1.
+/// Returns the share of a disc beyond a chord at a distance from its centre, in radii; 1 at a distance of -1, 0 at 1.
 fn beyond_chord(distance: f64) -> f64 {
     if distance.abs() >= 1.0 {
         return if distance < 0.0 { 1.0 } else { 0.0 };
@@ -28,16 +28,16 @@ fn beyond_chord(distance: f64) -> f64 {
     (libm::acos(distance) - distance * (1.0 - distance * distance).sqrt()) / PI
 }
 
-/// A ball at (0, 10, 0) of radius 2 is seen from (x, 0, 0) as the disc that faces there, and a wall that ends at x = 0, two above
-/// the floor, hides what is to the left of its edge: the disc is cut at its distance times the tangent of the angle between
-/// edge and middle. With k_s 1 and shininess 0, a surface shows how much of the light is seen, and nothing else.
+/// Checks a penumbra. From (x, 0, 0), a ball at (0, 10, 0) of radius 2 is a disc that faces the point. A wall that ends at x = 0, two above
+/// the floor, occludes the left of its edge: the disc is cut at its distance times the tangent of the angle between edge and centre. With
+/// k_s 1 and shininess 0, a surface shows exactly the visible share of the light.
 #[test]
 fn the_penumbra_of_a_ball_has_the_width_and_the_profile_of_a_covered_disc() {
     const HEIGHT: f64 = 10.0;
     const RADIUS: f64 = 2.0;
     const EDGE: f64 = 2.0;
     let expected = |x: f64| {
-        // Towards the middle (-x, 10) and the edge (-x, 2): the tangent is cross over dot.
+        // The directions are (-x, 10) to the centre and (-x, 2) to the edge. The tangent is cross over dot.
         let tangent = x * (HEIGHT - EDGE) / (x * x + HEIGHT * EDGE);
         beyond_chord(-libm::hypot(x, HEIGHT) * tangent / RADIUS)
     };
@@ -61,7 +61,7 @@ fn the_penumbra_of_a_ball_has_the_width_and_the_profile_of_a_covered_disc() {
                 within.push(found - expected);
             }
         }
-        // Tangents to the disc from the edge: 2 r / (8/2) in all, if the disc did not turn.
+        // Without the rotation of the disc, the tangents from the edge to it would be 2 r / (8/2) apart on the floor.
         assert!((120..240).contains(&within.len()), "{}", within.len());
         errors.push((samples, root_mean_square(&within)));
     }
@@ -71,7 +71,7 @@ fn the_penumbra_of_a_ball_has_the_width_and_the_profile_of_a_covered_disc() {
     assert!(errors[1].1 < 0.06 && errors[4].1 < 0.003, "{errors:?}");
 }
 
-/// Where exactly the light begins to be seen, and where all of it is: the tangents from the edge to the disc.
+/// Checks the exact ends of the penumbra, which are given by the tangents from the edge to the disc.
 #[test]
 fn a_penumbra_ends_where_the_tangents_to_the_light_do() {
     let shares = |x: f64| {
@@ -86,7 +86,7 @@ fn a_penumbra_ends_where_the_tangents_to_the_light_do() {
         );
         film(&lit).pixel(0, 0).x
     };
-    // |x| (x^2 + 100)^(1/2) 8 / (x^2 + 20) = 2, by bisection.
+    // The condition |x| (x^2 + 100)^(1/2) 8 / (x^2 + 20) = 2, solved by bisection.
     let (mut low, mut high) = (0.0_f64, 2.0_f64);
     for _ in 0..60 {
         let x = 0.5 * (low + high);
@@ -99,8 +99,8 @@ fn a_penumbra_ends_where_the_tangents_to_the_light_do() {
     assert!(shares(-inner) > 0.0 && shares(-inner) < 0.01);
 }
 
-/// From everywhere a ball is a disc of its radius, as wide as it is high. A wall half-way to it, across the view, covers what is beyond
-/// a chord: upwards, or to one side.
+/// Checks that a ball is a disc of its radius from every direction, as wide as it is high. A wall half-way to it, across the view, covers
+/// the part beyond a chord, above or to one side.
 #[test]
 fn a_ball_looks_the_same_from_everywhere() {
     let (distance, radius) = (10.0, 1.5);
@@ -108,7 +108,7 @@ fn a_ball_looks_the_same_from_everywhere() {
         let (sine, cosine) = libm::sincos(f64::to_radians(degrees));
         for (chord, sideways) in [-0.8, -0.3, 0.0, 0.5, 0.9].into_iter().flat_map(|c| [(c, false), (c, true)])
         {
-            // The wall is 40 high and wide. In its own axes x leads to the light, y up and z aside.
+            // The wall is 40 high and wide. In its own axes, x points to the light, y up, and z to the side.
             let edge = 0.5 * radius * chord + 20.0;
             let (up, aside) = if sideways { (0.0, edge) } else { (edge, 0.0) };
             let (x, y) = (0.5 * distance * cosine - up * sine, 0.5 * distance * sine + up * cosine);
@@ -129,15 +129,15 @@ fn a_ball_looks_the_same_from_everywhere() {
     }
 }
 
-/// The integral of 1/sqrt(x^2 + y^2 + h^2) over 0..a and 0..b, odd in a and b: the potential of an evenly charged rectangle
-/// above its corner.
+/// Returns the integral of 1/sqrt(x^2 + y^2 + h^2) over 0..a and 0..b, odd in a and b: the potential of an evenly charged rectangle above
+/// its corner.
 fn potential(a: f64, b: f64, h: f64) -> f64 {
     let diagonal = (a * a + b * b + h * h).sqrt();
     let part = |a: f64, b: f64| b * libm::asinh(a / libm::hypot(b, h));
     part(a, b) + part(b, a) - h * libm::atan2(a * b, h * diagonal)
 }
 
-/// A point at (x, 0, 0) is lit by the mean of N.L = h / distance over the rectangle.
+/// Checks that the light at a point (x, 0, 0) is the mean of N.L = h / distance over the rectangle.
 #[test]
 fn a_rectangle_lights_by_the_mean_of_the_cosine() {
     let (width, depth, height) = (3.0, 2.0, 1.5);
@@ -148,7 +148,7 @@ fn a_rectangle_lights_by_the_mean_of_the_cosine() {
             + corner(-right, -forward);
         height * integral / (width * depth)
     };
-    // By the middles of many small rectangles.
+    // The midpoint rule, over many small rectangles, confirms the closed form.
     for x in [0.0, 0.4, 2.5] {
         const PARTS: u32 = 400;
         let place = |index: u32, size: f64| ((f64::from(index) + 0.5) / f64::from(PARTS) - 0.5) * size;
@@ -162,7 +162,7 @@ fn a_rectangle_lights_by_the_mean_of_the_cosine() {
     }
     let mut errors = Vec::new();
     for samples in [4, 16, 64, 256] {
-        // A rectangle in the xy-plane of its entity, turned to lie above the floor.
+        // A rectangle in the xy-plane of its entity, rotated to lie above the floor.
         let row = row(
             2.0,
             "k_d: 1",
@@ -180,7 +180,7 @@ fn a_rectangle_lights_by_the_mean_of_the_cosine() {
     assert!(errors[3].1 < 2e-4, "{errors:?}");
 }
 
-/// The size does not change the intensity: far away, any light is a point.
+/// Checks that the size of a light does not change its intensity: a distant area light is a point light.
 #[test]
 fn far_away_a_light_with_a_size_is_a_point() {
     let shown = |light: &str| {
@@ -198,7 +198,7 @@ fn far_away_a_light_with_a_size_is_a_point() {
 
 #[test]
 fn a_light_in_a_ceiling_is_not_hidden_by_it() {
-    // Flush, as in a box that a panel lights; turned too, so that no coordinate is simple.
+    // The light is flush with the ceiling, also when rotated, so that no coordinate is a round number.
     for turn in [0.0, -7.0] {
         let room = |ceiling: &str| {
             film(&format!(

@@ -1,4 +1,4 @@
-//! What media absorb, and which of several counts.
+//! Tests of absorption in media, and of nested and overlapping media.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use rayreel::trace::reference::{RayKind, TracedRay};
 
 use super::{assert_near, seen, tilted, tree, unit};
 
-/// Plates across z from one place to another, each of a material; white light behind them.
+/// Returns plates across z, each between two values of z and of one material, in front of a white background.
 fn plates(plates: &[(f64, f64, &str)]) -> String {
     let (mut materials, mut entities) = (String::new(), String::new());
     for (index, (from, to, refractive)) in plates.iter().enumerate() {
@@ -25,12 +25,12 @@ fn transmitted(angle: f64, body: &str) -> [f64; 3] {
     seen(DVec3::new(0.0, 0.0, -3.0), tilted(angle), body).to_array().map(f64::from)
 }
 
-/// The cosine in a medium, of light that comes from outside at an angle.
+/// Returns the cosine of the angle in a medium, for light that arrives from outside at `angle`.
 fn cosine(angle: f64, ior: f64) -> f64 {
     libm::cos(libm::asin(libm::sin(angle) / ior))
 }
 
-/// Beer and Lambert's law: exp(-a l), over a way of l = d / cos t; and k_t for either face.
+/// Checks the Beer-Lambert law, exp(-a l) over a path of l = d / cos t, and k_t at each face.
 #[test]
 fn a_plate_absorbs_along_the_refracted_way() {
     let absorption = [0.25, 1.0, 3.0];
@@ -45,7 +45,7 @@ fn a_plate_absorbs_along_the_refracted_way() {
     }
 }
 
-/// The medium that was entered last counts, and one that is left gives way to the one around it: glass in water.
+/// Checks glass in water: the medium entered last counts, and after it is left, the medium around it.
 #[test]
 fn of_nested_media_the_inner_one_counts() {
     let water = (0.0, 2.0, "(k_t: 0.9, ior: 1.33, absorption: (0.5, 0.1, 0))");
@@ -63,7 +63,7 @@ fn of_nested_media_the_inner_one_counts() {
     }
 }
 
-/// Two that overlap: in what they share, the one that is entered last counts, also after the other one is left.
+/// Checks overlapping media: in the overlap, the medium entered last counts, also after the other one is left.
 #[test]
 fn of_overlapping_media_the_last_entered_counts() {
     let first = (0.0, 1.0, "(k_t: 1, ior: 1.33, absorption: (0.5, 0, 0.1))");
@@ -79,7 +79,7 @@ fn of_overlapping_media_the_last_entered_counts() {
     }
 }
 
-/// From inside: the camera is in the half-space, and in the plate in it.
+/// Checks a camera inside media: in a half-space, and in the plate in it.
 #[test]
 fn a_camera_knows_what_it_is_inside_of() {
     for normal in ["(0, 0, 1)", "(0, 0, 2)"] {
@@ -90,7 +90,7 @@ fn a_camera_knows_what_it_is_inside_of() {
                 (shape: Box(size: (4, 4, 2)), material: "water")]"#
         );
         let angle = 0.2;
-        // From the middle of the water 1 to its face, then 1 of glass; sines go with 1/n.
+        // The path leads through 1 of water, from its middle to its face, and then 1 of glass. Sines are proportional to 1/n.
         let in_glass = libm::asin(libm::sin(angle) * 1.33 / 1.5);
         let (water, glass) = (1.0 / libm::cos(angle), 1.0 / libm::cos(in_glass));
         let found = seen(DVec3::ZERO, tilted(angle), &body).to_array().map(f64::from);
@@ -105,7 +105,7 @@ fn refracted(tree: &[TracedRay]) -> Vec<&TracedRay> {
     tree[1..].iter().collect()
 }
 
-/// A bubble of empty space in glass, with parallel faces: in it light goes on as it did before the glass.
+/// Checks a bubble of empty space in glass, with parallel faces: in it, light has its direction from before the glass.
 #[test]
 fn a_bubble_undoes_the_glass_around_it() {
     let glass = (0.0, 2.0, "(k_t: 1, ior: 1.5, absorption: (1, 2, 3))");
@@ -126,7 +126,7 @@ fn a_bubble_undoes_the_glass_around_it() {
     }
 }
 
-/// Two plates of the same index that touch: one surface between them, which takes k_t once and bends nothing, and no gap.
+/// Checks touching plates of the same index: between them is one surface without a gap, which applies k_t once and refracts nothing.
 #[test]
 fn plates_that_touch_have_one_surface_between_them() {
     let first = (0.0, 1.0, "(k_t: 0.5, ior: 1.5, absorption: (1, 0, 0), fresnel: true)");
@@ -146,7 +146,7 @@ fn plates_that_touch_have_one_surface_between_them() {
             assert_eq!(way[2].inside.len(), 1);
             assert_ne!(way[1].inside, way[2].inside);
             assert_eq!(way[2].ray.origin().z, 1.0);
-            // Nothing is mirrored where nothing is bent.
+            // A surface that does not refract does not reflect.
             let across = tree.iter().position(|other| std::ptr::eq(other, way[1])).unwrap();
             let sent_on = tree.iter().filter(|other| other.parent == Some(across)).count();
             assert_eq!(sent_on, 1);

@@ -1,5 +1,5 @@
-//! Light against closed forms, through whole pictures and the trees of rays that make them. Where something is sampled, also how
-//! fast it gets there.
+//! Tests of light against closed forms, with whole pictures and with ray trees. Sampled effects are also tested for their rate of
+//! convergence.
 
 mod area_lights;
 mod media;
@@ -21,19 +21,19 @@ fn film(body: &str) -> Film {
     engine(body).render_frame(0).unwrap()
 }
 
-/// What a single ray sees: from here, this way.
+/// Returns the light along a single ray.
 fn seen(from: DVec3, towards: DVec3, body: &str) -> Rgb {
     film(&format!("{}, {body}", single_ray(from, towards))).pixel(0, 0)
 }
 
-/// The tree of a single ray: from here, this way.
+/// Returns the ray tree of a single ray.
 fn tree(from: DVec3, towards: DVec3, body: &str) -> Vec<TracedRay> {
     let mut engine = engine(&format!("{}, {body}", single_ray(from, towards)));
     engine.render_frame(0).unwrap();
     engine.probe(0, 0).unwrap().tree.rays
 }
 
-/// A film of one pixel, and a camera whose one ray this is.
+/// Returns a film of one pixel and a camera with this single ray.
 fn single_ray(from: DVec3, towards: DVec3) -> String {
     let up = if towards.x == 0.0 && towards.z == 0.0 { "(0, 0, 1)" } else { "(0, 1, 0)" };
     let (from, towards) = (triple(from), triple(towards));
@@ -46,13 +46,13 @@ fn triple(vector: DVec3) -> String {
     format!("({:?}, {:?}, {:?})", vector.x, vector.y, vector.z)
 }
 
-/// A direction in the xz-plane, so far from z towards x, in radians.
+/// Returns a direction in the xz-plane at an angle from z towards x, in radians.
 fn tilted(angle: f64) -> DVec3 {
     let (sine, cosine) = libm::sincos(angle);
     DVec3::new(sine, 0.0, cosine)
 }
 
-/// The first ray of a kind in a tree.
+/// Returns the first ray of a kind in a tree.
 fn first(tree: &[TracedRay], kind: RayKind) -> Option<&TracedRay> {
     tree.iter().find(|traced| traced.kind == kind)
 }
@@ -66,7 +66,7 @@ fn assert_near(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "{found:?} is not {expected:?} within {tolerance:e}");
 }
 
-/// The exponent e of an error that falls as n^e, by least squares.
+/// Returns the exponent e of an error that falls as n^e, by least squares.
 fn exponent(errors: &[(u32, f64)]) -> f64 {
     let points: Vec<(f64, f64)> =
         errors.iter().map(|(count, error)| (libm::log(f64::from(*count)), libm::log(*error))).collect();
@@ -76,7 +76,6 @@ fn exponent(errors: &[(u32, f64)]) -> f64 {
     rise / points.iter().map(|(x, _)| (x - middle) * (x - middle)).sum::<f64>()
 }
 
-/// The root of the mean of squares.
 fn root_mean_square(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }

@@ -1,13 +1,13 @@
-//! Motion blur: what moves at a constant speed is a trapezoid.
+//! Tests of motion blur: a box at constant speed becomes a trapezoid.
 
 use super::{engine, exponent, root_mean_square};
 
 const COLUMNS: u32 = 256;
-/// Of the box, in units of the way that it goes while the shutter is open.
+/// Width of the box, in units of its path while the shutter is open.
 const WIDTH: f64 = 0.5;
 
-/// A white box of width 1/2 that passes the middle at speed 1, from right before it at a distance of 1, while the shutter is open
-/// for a second: where the pixels of a row are, and what they show.
+/// Renders a white box of width 1/2 that passes the middle at a speed of 1 per second, straight ahead of the camera at a distance of 1,
+/// while the shutter is open for `shutter` seconds. Returns the positions and values of a row of pixels.
 fn row(shutter: f64, sampling: &str) -> Vec<(f64, f64)> {
     let mut engine = engine(&format!(
         r#"timeline: (fps: 1, duration: 3), film: (width: {COLUMNS}, height: 1, transfer: Classic), ambient: (1, 1, 1),
@@ -21,14 +21,14 @@ fn row(shutter: f64, sampling: &str) -> Vec<(f64, f64)> {
     (0..COLUMNS).map(|i| (place(i), f64::from(film.pixel(i, 0).x))).collect()
 }
 
-/// The share of the times from -open/2 to open/2 at which the box is at x.
+/// Returns the share of the times from -open/2 to open/2 at which the box is at x.
 fn trapezoid(x: f64, open: f64) -> f64 {
     let (first, last) = ((x - 0.5 * WIDTH).max(-0.5 * open), (x + 0.5 * WIDTH).min(0.5 * open));
     (last - first).max(0.0) / open
 }
 
-/// Instants lie in the middles of equal parts of the shutter's time; a pixel that no edge crosses at any of them shows how often the
-/// box is there.
+/// Checks that instants lie in the middles of equal parts of the shutter's time, and that a pixel that no edge crosses at any instant shows
+/// the share of samples at which the box is there.
 #[test]
 fn a_moving_box_is_drawn_at_so_many_instants() {
     let pitch = 2.0 / f64::from(COLUMNS - 1);
@@ -62,7 +62,7 @@ fn a_moving_box_is_drawn_at_so_many_instants() {
     }
 }
 
-/// Where there are fewer samples than instants, there are as many instants as samples.
+/// Checks that there are at most as many instants as samples.
 #[test]
 fn there_are_never_more_instants_than_samples() {
     for samples in [2, 5, 8] {
@@ -75,8 +75,7 @@ fn there_are_never_more_instants_than_samples() {
     );
 }
 
-/// Steps of a height of 1/K about a slope are off by up to half of that: on average, in the root of the mean square,
-/// by 1/(K sqrt 12).
+/// Checks that steps of a height of 1/K about a slope are off by up to half their height, and by 1/(K sqrt 12) RMS.
 #[test]
 fn steps_converge_to_the_trapezoid() {
     for open in [1.0, 0.5] {

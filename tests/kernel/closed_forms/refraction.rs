@@ -1,4 +1,4 @@
-//! Snell's law, Fresnel's equations, total internal reflection, and what a ball of glass gathers.
+//! Tests of Snell's law, Fresnel's equations, total internal reflection, and the focus of a glass ball.
 
 use glam::DVec3;
 
@@ -6,10 +6,10 @@ use rayreel::trace::reference::{RayKind, TracedRay};
 
 use super::{assert_near, film, first, seen, tilted, tree, triple, unit};
 
-/// Degrees from the normal.
+/// Angles from the normal, in degrees.
 const ANGLES: [f64; 12] = [0.0, 0.1, 5.0, 15.0, 30.0, 41.0, 45.0, 60.0, 75.0, 85.0, 89.0, 89.9];
 
-/// What a ray does at the face of a half-space of glass at z = 0, which it comes to from the origin's side at this angle.
+/// Returns the tree of a ray from z = -1 that meets the face of a half-space of glass at z = 0 at this angle, from outside or from inside.
 fn at_the_face(angle: f64, material: &str, inside: bool) -> Vec<TracedRay> {
     let normal = if inside { "(0, 0, 1)" } else { "(0, 0, -1)" };
     tree(
@@ -22,7 +22,7 @@ fn at_the_face(angle: f64, material: &str, inside: bool) -> Vec<TracedRay> {
     )
 }
 
-/// Snell: n1 sin(i) = n2 sin(t), in the plane of incidence.
+/// Checks Snell's law, n1 sin(i) = n2 sin(t), in the plane of incidence.
 #[test]
 fn refracted_rays_obey_snell() {
     for ior in [1.0003, 1.33, 1.5, 2.42, 0.75] {
@@ -37,14 +37,14 @@ fn refracted_rays_obey_snell() {
             let direction = unit(refracted);
             assert_near(direction.x, sine, 1e-15);
             assert_eq!(direction.y, 0.0);
-            // Where the sine is near 1, its last place is worth more of the angle.
+            // Where the sine is near 1, the angle amplifies its rounding error.
             let bent = libm::asin(sine);
             assert_near(libm::atan2(direction.x, direction.z), bent, 1e-15 / libm::cos(bent));
         }
     }
 }
 
-/// The same in all directions of space: with unit vectors, n1 d1 x N = n2 d2 x N.
+/// Checks Snell's law in all directions of space: with unit vectors, n1 d1 x N = n2 d2 x N.
 #[test]
 fn refracted_rays_stay_in_the_plane_of_incidence() {
     let ior = 1.5;
@@ -67,8 +67,8 @@ fn refracted_rays_stay_in_the_plane_of_incidence() {
     }
 }
 
-/// Fresnel's equations by the angles alone (Born and Wolf, "Principles of Optics", section 1.5.2, equation 21):
-/// (sin^2(i - t)/sin^2(i + t) + tan^2(i - t)/tan^2(i + t)) / 2.
+/// Returns the reflectance by Fresnel's equations, from the angles alone (Born and Wolf, "Principles of Optics", section 1.5.2, equation
+/// 21): (sin^2(i - t)/sin^2(i + t) + tan^2(i - t)/tan^2(i + t)) / 2.
 fn reflectance(angle: f64, ior: f64) -> f64 {
     if angle == 0.0 {
         let share = (ior - 1.0) / (ior + 1.0);
@@ -83,7 +83,7 @@ fn reflectance(angle: f64, ior: f64) -> f64 {
 
 #[test]
 fn light_is_shared_as_fresnel_says() {
-    // For an index of 1.5, in per cent.
+    // Known values for an index of 1.5, in per cent.
     for (degrees, percent) in [(0.0, 4.0), (30.0, 4.15), (45.0, 5.02), (60.0, 8.92), (80.0, 38.8)] {
         assert_near(100.0 * reflectance(f64::to_radians(degrees), 1.5), percent, 0.05);
     }
@@ -97,13 +97,13 @@ fn light_is_shared_as_fresnel_says() {
                     "reflective: (k_r: {k_r:?}), refractive: (k_t: {k_t:?}, ior: {ior:?}, fresnel: {fresnel})"
                 )
             };
-            // From outside, and the other way on the same path.
+            // From outside, and on the same path in the other direction.
             let bent = libm::asin(libm::sin(angle) / ior);
             for (angle, inside) in [(angle, false), (bent, true)] {
                 for (fresnel, share) in [(true, share), (false, 0.0)] {
                     let tree = at_the_face(angle, &material(fresnel), inside);
                     let of = |kind| f64::from(first(&tree, kind).unwrap().throughput.x);
-                    // Inside, an angle's last place is worth as much more of the share as it is worth outside of the angle.
+                    // From inside, the share amplifies the rounding error of the angle by 1 / cos(angle).
                     let tolerance = if inside { 1e-7 + 1e-15 / libm::cos(angle) } else { 1e-7 };
                     assert_near(of(RayKind::Reflection), k_r + k_t * share, tolerance);
                     assert_near(of(RayKind::Refraction), k_t * (1.0 - share), tolerance);
@@ -113,8 +113,8 @@ fn light_is_shared_as_fresnel_says() {
     }
 }
 
-/// At Brewster's angle, tan i = n, the reflected and the refracted ray are at right angles, and light that swings in the plane of
-/// incidence is not reflected: what is left is ((n^2 - 1)/(n^2 + 1))^2 / 2.
+/// Checks Brewster's angle, tan i = n: the reflected and the refracted ray are at right angles, and light polarized in the plane of
+/// incidence is not reflected. The reflectance is ((n^2 - 1)/(n^2 + 1))^2 / 2.
 #[test]
 fn brewsters_angle() {
     for ior in [1.33, 1.5, 2.42] {
@@ -128,8 +128,8 @@ fn brewsters_angle() {
     }
 }
 
-/// A lake under a sky that goes from black, straight down, to white, straight up: (1 + y)/2. At an angle i from the vertical
-/// the picture is F (1 + cos i)/2 + (1 - F) (1 - cos t)/2.
+/// Checks a lake under a sky that goes from black, straight down, to white, straight up: (1 + y)/2. At an angle i from the vertical, the
+/// picture shows F (1 + cos i)/2 + (1 - F) (1 - cos t)/2.
 #[test]
 fn a_lake_shows_the_sky_and_the_deep() {
     let ior = 1.33;
@@ -150,8 +150,8 @@ fn a_lake_shows_the_sky_and_the_deep() {
     }
 }
 
-/// The critical angle is asin(1/n). A billionth of a radian below it, 1 - n^2 sin^2 is 1 - (cos d - cot c sin d)^2 and light comes
-/// through; a billionth above, all of it goes back.
+/// Checks the critical angle, asin(1/n). A billionth of a radian below it, 1 - n^2 sin^2 is 1 - (cos d - cot c sin d)^2 and light is
+/// transmitted; a billionth above it, all light is reflected.
 #[test]
 fn total_reflection_begins_at_the_critical_angle() {
     const STEP: f64 = 1e-9;
@@ -176,8 +176,8 @@ fn total_reflection_begins_at_the_critical_angle() {
     }
 }
 
-/// The same in a box, where what is reflected at one face comes to the next at 90 degrees less: beyond the critical angle of
-/// both, and so round and round without end.
+/// Checks total reflection in a box. Light reflected at one face arrives at the next at 90 degrees minus its angle, beyond the critical
+/// angle of both, so it is reflected without end.
 #[test]
 fn light_is_caught_in_a_box_of_glass() {
     let caught = |degrees: f64| {
@@ -189,7 +189,7 @@ fn light_is_caught_in_a_box_of_glass() {
             entities: [(shape: Box(size: (2, 2, 2)), material: "glass")]"#,
         )
     };
-    // asin(1/1.5) is 41.81 degrees: from there to 48.19.
+    // asin(1/1.5) is 41.81 degrees. Light is trapped from there to 48.19 degrees.
     for degrees in [42.0, 44.0, 48.0] {
         let tree = caught(degrees);
         assert_eq!(tree.len(), 21);
@@ -200,7 +200,8 @@ fn light_is_caught_in_a_box_of_glass() {
     }
 }
 
-/// Where a ray parallel to the axis of a ball of glass, so far from it, crosses the axis, in radii from the ball's middle.
+/// Returns the point at which a ray parallel to the axis of a glass ball, at this distance from it, crosses the axis, in radii from the
+/// centre.
 fn focus(height: f64) -> f64 {
     let tree = tree(
         DVec3::new(height, 0.0, -3.0),
@@ -214,9 +215,9 @@ fn focus(height: f64) -> f64 {
     from.z - from.x / direction.x * direction.z
 }
 
-/// A ray at height h comes in at i = asin h, goes on at t = asin(h/n), and leaves as it came in, turned by 2 (i - t) and again h
-/// from the middle: it crosses the axis at h / sin(2 (i - t)). For small h that is n / (2 (n - 1)), 1.5 here, and the error
-/// goes with the square of h.
+/// Checks the focus. A ray at height h enters at i = asin h, continues at t = asin(h/n), and leaves as it entered, turned by 2 (i - t) and
+/// again h from the centre: it crosses the axis at h / sin(2 (i - t)). For small h that is n / (2 (n - 1)), 1.5 here, with an error
+/// proportional to h^2.
 #[test]
 fn a_ball_of_glass_focuses() {
     for height in [1e-3, 0.1, 0.3, 0.6, 0.9] {
@@ -230,7 +231,7 @@ fn a_ball_of_glass_focuses() {
     assert!((super::exponent(&errors) + 2.0).abs() < 0.01, "{errors:?}");
 }
 
-/// An empty ball in glass of the same index as what is around is not there: the picture is the same, bit for bit.
+/// Checks that shapes with the index of the surrounding medium are invisible: the picture is the same, bit for bit.
 #[test]
 fn glass_without_a_boundary_is_not_there() {
     let scene = |entities: &str| {
@@ -248,7 +249,7 @@ fn glass_without_a_boundary_is_not_there() {
     assert_eq!(scene(&[empty, empty].join(", ")), nothing);
     let rotated = "transform: (rotation: Euler(10, 20, 30))";
     assert_eq!(scene(&format!(r#"(shape: Box(size: (1, 1, 1)), material: "empty", {rotated})"#)), nothing);
-    // Emptied by a bubble of the same size, which counts as it is the first.
+    // A bubble of the same size replaces the glass if it comes first.
     let glass = r#"(shape: Sphere(radius: 1), material: "glass")"#;
     assert_eq!(scene(&[empty, glass].join(", ")), nothing);
     assert_ne!(scene(&[glass, empty].join(", ")), nothing);

@@ -1,12 +1,12 @@
-//! Shadows of what is clear: k_t at every crossing, exp(-a l) inside, along a straight way.
+//! Tests of shadows of transparent shapes: k_t at every crossing, exp(-a l) inside, along a straight path.
 
 use glam::DVec3;
 
 use super::{assert_near, seen, triple};
 
-/// What a white floor at y = 0 shows at `lit` of a light at `light`, with k_d 1, through these entities.
+/// Returns the colour at `lit` of a white floor at y = 0 with k_d 1, lit by a light at `light` through these entities.
 fn floor(lit: DVec3, light: DVec3, materials: &str, entities: &str) -> [f64; 3] {
-    // From aside and low, so that nothing but the floor is in the way.
+    // The camera is close to the floor, so that nothing else is in front of it.
     let from = lit + DVec3::new(0.0, 1e-3, -1e-2);
     seen(
         from,
@@ -22,7 +22,7 @@ fn floor(lit: DVec3, light: DVec3, materials: &str, entities: &str) -> [f64; 3] 
     .map(f64::from)
 }
 
-/// The length of a straight way in a ball.
+/// Returns the length of a straight path within a ball.
 fn chord(from: DVec3, to: DVec3, center: DVec3, radius: f64) -> f64 {
     let along = (to - from).normalize();
     let distance = (center - from).cross(along).length();
@@ -67,7 +67,7 @@ fn a_slab_dims_by_its_thickness_over_the_cosine() {
     }
 }
 
-/// Every surface that is crossed takes its own k_t; inside, the solid that was entered last absorbs.
+/// Checks that every crossed surface applies its own k_t, and that inside, the solid entered last absorbs.
 #[test]
 fn nested_balls_dim_each_by_its_own() {
     let (light, center) = (DVec3::new(0.5, 6.0, 1.0), DVec3::new(0.2, 2.0, 0.3));
@@ -94,7 +94,7 @@ fn nested_balls_dim_each_by_its_own() {
     }
 }
 
-/// The way ends at the light: one crossing, and half of the way through the ball.
+/// Checks a light in the centre of a glass ball: its path has one crossing, and the length of the radius in glass.
 #[test]
 fn a_light_inside_glass_shines_out() {
     let light = DVec3::new(0.0, 3.0, 0.0);
@@ -126,7 +126,7 @@ fn what_is_opaque_hides_the_light_behind_or_before_glass() {
     assert_near(through([at(2.0, "glass"), at(3.0, "glass")]), 0.64 * 0.64, 1e-7);
 }
 
-/// A light behind the surface that it lights adds k_d |N.L|, and the surface itself counts as crossed, once.
+/// Checks that a light behind a surface adds k_d |N.L|, and that the surface itself counts as crossed, once.
 #[test]
 fn a_clear_surface_is_lit_from_behind() {
     let lit = |material: &str, shape: &str, light: DVec3| {
@@ -145,7 +145,7 @@ fn a_clear_surface_is_lit_from_behind() {
     };
     let glass = "refractive: (k_t: 0.8, ior: 1.5, absorption: (0.5, 1, 0))";
     for (x, depth) in [(0.0, 1.5), (2.0, 0.5), (-3.0, 4.0)] {
-        // Within the half-space: one crossing, and all of the way inside.
+        // The light is in the half-space: one crossing, and all of its path inside.
         let to_light = DVec3::new(x, 0.0, depth);
         let light = to_light + DVec3::Z;
         let (length, cosine) = (to_light.length(), depth / to_light.length());
@@ -156,13 +156,13 @@ fn a_clear_surface_is_lit_from_behind() {
         let glossy = format!("{glass}, specular: (k_s: 1, shininess: 0)");
         assert_eq!(lit(&glossy, "Plane(normal: (0, 0, -1))", light), found, "there is no highlight");
         assert_eq!(lit("", "Plane(normal: (0, 0, -1))", light), [0.0; 3], "opaque");
-        // From inside, with the light outside: all of the camera's path of 6, and none of the light's.
+        // The camera is inside, the light outside: all of the camera's path of 6 absorbs, and none of the light's path.
         let found = lit(glass, "Plane(normal: (0, 0, 1))", light);
         for (found, absorption) in found.into_iter().zip(ABSORPTION) {
             assert_near(found, 0.5 * cosine * 0.8 * libm::exp(-absorption * 6.0), 1e-6);
         }
     }
-    // A box, of which the light is beyond: its near face, its far face, and what is between.
+    // The light is beyond a box: its path crosses the near face and the far face, and absorbs in between.
     let light = DVec3::new(1.0, 0.0, 9.0);
     let cosine = (light - DVec3::ZERO).normalize().z;
     let found = lit(glass, "Box(size: (90, 90, 2))", light);
@@ -173,7 +173,7 @@ fn a_clear_surface_is_lit_from_behind() {
 
 #[test]
 fn a_lamp_shines_through_its_own_shape_undimmed() {
-    // Whether the lamp's own glass absorbs or not, and from wherever its light comes.
+    // The lamp's own shape must not absorb, whether the lit point is inside it (radius 2) or outside (radius 0.1).
     for (lamp, seen_from) in
         [("radius: 2", DVec3::new(0.0, 0.5, 0.0)), ("radius: 0.1", DVec3::new(0.0, 0.5, 0.0))]
     {

@@ -1,4 +1,4 @@
-//! Fog, squares and skies.
+//! Tests of fog, checkers and gradient backgrounds.
 
 use glam::{DQuat, DVec3};
 
@@ -6,10 +6,10 @@ use super::{assert_near, film, seen, tilted, triple};
 
 const FOG: [f64; 3] = [0.2, 0.4, 0.8];
 
-/// Fog of those channels, as a file's colour, and a density of 0.3.
+/// Fog of these channels, as a colour in a file, and a density of 0.3.
 const FOG_TEXT: &str = "fog: (color: (51, 102, 204), density: 0.3)";
 
-/// exp(-density l) of the light, and fog for the rest.
+/// Returns exp(-density l) of the light, and fog for the rest.
 fn through_fog(light: [f64; 3], length: f64) -> [f64; 3] {
     let share = libm::exp(-0.3 * length);
     [0, 1, 2].map(|channel| share * light[channel] + (1.0 - share) * FOG[channel])
@@ -41,7 +41,7 @@ fn fog_dims_camera_rays_and_not_lights() {
     assert_color(seen(DVec3::ZERO, DVec3::Z, clear), [1.0, 0.0, 0.0]);
 }
 
-/// There and back again: fog before the mirror on all that comes from there, and fog before what it shows on that alone.
+/// Checks fog in mirrors: fog in front of the mirror affects all light from it, fog on the reflected path only the reflected light.
 #[test]
 fn fog_lies_in_mirrors() {
     let shown = |behind: &str| {
@@ -61,7 +61,7 @@ fn fog_lies_in_mirrors() {
     assert_color(shown(""), mirrored(FOG));
 }
 
-/// Before the glass, in it and behind it; in it, light is absorbed as well.
+/// Checks fog in front of glass, in it and behind it. Inside, glass absorbs as well.
 #[test]
 fn fog_lies_behind_clear_surfaces() {
     let absorption = [0.0, 0.5, 1.0];
@@ -94,8 +94,7 @@ fn fog_lies_behind_clear_surfaces() {
     }
 }
 
-/// Straight down 0 and straight up 1: (1 + y)/2, on camera rays and in mirrors.
-/// Before a plate, in it and behind it; in it, fog and what is behind are dimmed alike by what the plate absorbs.
+/// Checks fog in front of a plate, in it and behind it. Inside, absorption dims fog and the light from behind alike.
 #[test]
 fn fog_fills_clear_solids() {
     let (density, thickness, absorption) = (0.3, 1.5, [0.0, 0.4, 2.0]);
@@ -119,6 +118,7 @@ fn fog_fills_clear_solids() {
     assert_color(found, expected);
 }
 
+/// Checks gradients from 0, straight down, to 1, straight up, (1 + y)/2 in between, for camera rays and in mirrors.
 #[test]
 fn skies_go_with_the_height_of_the_direction() {
     let sky = "background: (bottom: (255, 0, 51), top: (0, 255, 51)), quality: (cutoff: 0)";
@@ -127,7 +127,7 @@ fn skies_go_with_the_height_of_the_direction() {
     {
         let share = 0.5 * (1.0 + direction.normalize().y);
         assert_color(seen(DVec3::ZERO, direction, sky), [1.0 - share, share, 0.2]);
-        // In a puddle below, y is upside down.
+        // A puddle below mirrors y.
         if direction.y < 0.0 {
             let puddle = format!(
                 r#"{sky}, materials: {{ "m": (reflective: (k_r: 0.5)) }},
@@ -139,7 +139,7 @@ fn skies_go_with_the_height_of_the_direction() {
     }
 }
 
-/// A point's own coordinates, for an entity's transform.
+/// Transforms a point to the local space of an entity.
 fn own(point: DVec3, translation: DVec3, rotation: DQuat, scale: DVec3) -> DVec3 {
     rotation.inverse() * (point - translation) / scale
 }
@@ -148,13 +148,13 @@ fn is_second(x: f64, y: f64, size: f64) -> bool {
     ((x / size).floor() + (y / size).floor()).rem_euclid(2.0) == 1.0
 }
 
-/// Is it in the middle of a square, rather than at its rim?
+/// Returns true in the middle of a square, and false near its edges.
 fn is_clear_of_edges(x: f64, y: f64, size: f64) -> bool {
     [x, y].into_iter().all(|place| (0.01..0.99).contains(&(place / size).rem_euclid(1.0)))
 }
 
-/// White squares and black ones, seen from right above (0.1, 0, 0.2), ten units wide: what is shown at points of the plane
-/// y = `height`.
+/// Renders white and black squares from straight above (0.1, 0, 0.2), ten units wide. Returns points of the plane y = `height`, with true
+/// for black.
 fn squares_from_above(height: f64, shape: &str, size: f64, transform: &str) -> Vec<(DVec3, bool)> {
     const SIDE: u32 = 40;
     let film = film(&format!(
@@ -171,7 +171,7 @@ fn squares_from_above(height: f64, shape: &str, size: f64, transform: &str) -> V
         .collect()
 }
 
-/// Counted from the entity's origin, in its own units: floor(x / size) + floor(z / size) is even or odd.
+/// Checks that squares are counted from the entity's origin, in its own units: floor(x / size) + floor(z / size) is even or odd.
 #[test]
 fn squares_on_a_plane_are_counted_from_its_origin() {
     let turned = DQuat::from_rotation_y(30_f64.to_radians());
@@ -205,12 +205,13 @@ fn squares_on_a_plane_are_counted_from_its_origin() {
     }
 }
 
-/// On each face, from its lower corner: here the top of a box, and its sides when it is turned.
+/// Checks that squares are counted from the lower corner of each face. The picture shows the top of a box, which is one of its sides if the
+/// box is rotated.
 #[test]
 fn squares_on_a_box_are_counted_from_the_lower_corners_of_its_faces() {
     let half = DVec3::new(2.1, 1.5, 1.8);
     let size = 0.7;
-    // Turned so that the box's own x, y or z is up, which face then is on top, and how high.
+    // Rotations that point the box's own x, y or z up, and the height and the axes of the face on top.
     for (euler, rotation, height, across) in [
         ("0, 0, 0", DQuat::IDENTITY, half.y, [0, 2]),
         ("0, 30, 0", DQuat::from_rotation_y(30_f64.to_radians()), half.y, [0, 2]),
@@ -237,7 +238,7 @@ fn squares_on_a_box_are_counted_from_the_lower_corners_of_its_faces() {
     }
 }
 
-/// A normal that moves a little moves the squares a little, right through where it is as near to one axis as to another.
+/// Checks that a small change of the normal moves the squares a little, also where it is as near to one axis as to another.
 #[test]
 fn squares_follow_a_plane_whose_normal_moves() {
     const SIDE: u32 = 64;

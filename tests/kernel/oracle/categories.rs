@@ -1,4 +1,4 @@
-//! Named ways to make rays that are hard for numbers, each against one shape or few.
+//! Named categories of numerically hard rays, each against one or a few shapes.
 
 use glam::{DAffine3, DVec3};
 
@@ -34,19 +34,19 @@ fn unit_box(r: &mut Random) -> Shape {
 
 const CUBE: Shape = Shape::Aligned { min: DVec3::NEG_ONE, max: DVec3::ONE };
 
-/// A direction that is not zero.
+/// Returns a direction that is not zero.
 fn towards(way: DVec3) -> DVec3 {
     if way == DVec3::ZERO { DVec3::Z } else { way }
 }
 
-/// A ray from some way off towards somewhere near `center`, no farther from it than about `size`.
+/// Returns a ray from some distance towards a point within about `size` of `center`.
 fn aimed(r: &mut Random, shape: Shape, center: DVec3, size: f64) -> Case {
     let origin = center + r.direction() * (4.0 * size);
     let target = center + r.point() * size;
     case(shape, origin, towards(target - origin))
 }
 
-/// Whole numbers a, b, c, d with a^2 + b^2 + c^2 = d^2, in any order and with any signs.
+/// Returns integers a, b, c, d with a^2 + b^2 + c^2 = d^2, in any order and with any signs.
 fn quadruple(r: &mut Random) -> (DVec3, f64) {
     const QUADRUPLES: [(DVec3, f64); 6] = [
         (DVec3::new(1.0, 2.0, 2.0), 3.0),
@@ -61,7 +61,7 @@ fn quadruple(r: &mut Random) -> (DVec3, f64) {
     (point * DVec3::new(r.sign(), r.sign(), r.sign()), d)
 }
 
-/// Some direction of whole numbers that is exactly square to this one.
+/// Returns a direction of integers that is exactly perpendicular to `normal`.
 fn square_to(r: &mut Random, normal: DVec3) -> DVec3 {
     let other = r.whole_direction(5);
     let along = normal.cross(other);
@@ -93,14 +93,14 @@ pub(crate) const CATEGORIES: [Category; 41] = [
         let height = 1.0 + r.number() * r.scale(-80..=-20);
         let origin = DVec3::new(-4.0, height, r.number() * 1e-9);
         let direction = DVec3::new(1.0, r.number() * r.scale(-60..=-30), 0.0);
-        // About the zero point, so that the height counts, or somewhere else.
+        // The centre is the zero point, where the digits of the height count, or somewhere else.
         let center = if r.once_in(2) { DVec3::ZERO } else { r.point() };
         case(ball(center, 1.0), origin, direction)
     }),
     ("sphere, tangent exactly", |r| {
         let scale = r.scale(-40..=40);
         if r.once_in(3) {
-            // All digits: along an axis, at the height of the radius.
+            // All digits count: along an axis, at the height of the radius.
             let radius = 1.5 + r.number();
             let origin = DVec3::new(-4.0 + r.number(), radius, 0.0) * scale;
             return case(ball(DVec3::ZERO, radius * scale), origin, DVec3::X * r.scale(-110..=110));
@@ -330,7 +330,7 @@ pub(crate) const CATEGORIES: [Category; 41] = [
             _ => Shape::Turned { forward, half: DVec3::ONE },
         };
         let far = r.scale(40..=480);
-        // Along an axis the ray may be right on target from wherever; otherwise it never is.
+        // A ray along an axis may hit from any distance; any other ray misses.
         let axis = r.pick(&DVec3::AXES) * r.sign();
         let direction = if r.once_in(2) { axis } else { r.direction() };
         let aside = (r.point() * r.pick(&[1.0, 3.0, 50.0])) * (DVec3::ONE - axis.abs());
@@ -356,29 +356,29 @@ pub(crate) const CATEGORIES: [Category; 41] = [
     }),
 ];
 
-/// A box, asked from where zeros and subnormals decide, or next to nothing itself.
+/// Returns a box with a ray whose zeros and subnormals decide the result, or a tiny box.
 fn subnormal_box(r: &mut Random) -> Case {
     let subnormal = |r: &mut Random| r.number() * r.scale(-1070..=-1030);
     match r.index(4) {
-        // Origin components of next to nothing, at a face through zero.
+        // Subnormal components of the origin, at a face through zero.
         0 => {
             let shape = Shape::Aligned { min: DVec3::new(0.0, 0.0, -1.0), max: DVec3::ONE };
             let origin = DVec3::new(-1.0, subnormal(r), r.number());
             let direction = DVec3::new(1.0, r.pick(&[0.0, -0.0, f64::EPSILON]), r.pick(&[0.0, -0.0]));
             case(shape, origin, direction)
         }
-        // Direction components of next to nothing, along a face.
+        // Subnormal components of the direction, along a face.
         1 => {
             let origin = DVec3::new(-3.0, r.pick(&[1.0, -1.0, 0.5]), r.pick(&[1.0, -1.0, 0.25]));
             case(CUBE, origin, DVec3::new(r.pick(&[1.0, 3.0]), subnormal(r), subnormal(r)))
         }
-        // Both.
+        // Subnormal components of both.
         2 => {
             let shape = Shape::Aligned { min: DVec3::new(0.0, 0.0, 0.0), max: DVec3::ONE };
             let origin = DVec3::new(-1.0, subnormal(r), subnormal(r));
             case(shape, origin, DVec3::new(1.0, subnormal(r), r.number()))
         }
-        // The whole scene is as small as it can be before the errors of products underflow.
+        // The whole scene is as small as possible before the errors of products underflow.
         _ => {
             let scale = r.scale(-960..=-900);
             let half = r.extents() * scale;
@@ -388,8 +388,8 @@ fn subnormal_box(r: &mut Random) -> Case {
     }
 }
 
-/// Planes that are met at quotients of successive Fibonacci numbers, which are so close to each other that their order takes twice
-/// the digits of both, and copies of them: the order is total nevertheless.
+/// Returns planes at quotients of successive Fibonacci numbers, so close to each other that ordering them takes twice the digits of both,
+/// and copies of them. The order is total nevertheless.
 fn nearly_tied_planes(r: &mut Random) -> Case {
     let plane = |index: usize, length: f64| {
         let (mut height, mut speed) = (1.0, 1.0);
@@ -403,7 +403,7 @@ fn nearly_tied_planes(r: &mut Random) -> Case {
     Case { shapes, origin: DVec3::ZERO, direction: DVec3::new(1.0, 1.0, 0.0) }
 }
 
-/// Two boxes with a face in common, and a ray aimed at a point of that face's edge or through it.
+/// Returns two boxes with a common face, and a ray aimed at a point of that face or of its edge.
 fn boxes_sharing_a_face(r: &mut Random) -> Case {
     let axis = r.index(3);
     let few = r.once_in(2);
@@ -423,7 +423,7 @@ fn boxes_sharing_a_face(r: &mut Random) -> Case {
     let mut direction = if few { r.whole_direction(8) } else { r.direction() };
     let mut origin = target - direction * 4.0;
     if r.once_in(4) {
-        // Within the face's own plane.
+        // Within the plane of the face.
         direction[axis] = r.pick(&[0.0, -0.0]);
         direction = towards_in_plane(direction, axis);
         origin = target - direction * 4.0;
@@ -433,7 +433,7 @@ fn boxes_sharing_a_face(r: &mut Random) -> Case {
     Case { shapes, origin, direction }
 }
 
-/// The direction, or if it is zero one square to the axis.
+/// Returns the direction, or one perpendicular to the axis if it is zero.
 fn towards_in_plane(direction: DVec3, axis: usize) -> DVec3 {
     if direction == DVec3::ZERO { DVec3::AXES[(axis + 1) % 3] } else { direction }
 }

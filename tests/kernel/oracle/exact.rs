@@ -1,9 +1,8 @@
-//! The oracle: what a line meets, by arithmetic whose sums and products are exact and whose quotients and roots have 400
-//! bits.
+//! The oracle: intersections by arithmetic with exact sums and products, and with quotients and roots of 400 bits.
 //!
-//! A map is not inverted but multiplied through by its determinant, so that every verdict is the sign of a polynomial in
-//! the numbers that the shape and the ray were given by. Turned boxes are the slabs that the kernel has made of them: how well these
-//! agree with the map is a question of its own, [`Shape::slab_errors`].
+//! A transform is not inverted but multiplied through by its determinant, so that every verdict is the sign of a polynomial in the numbers
+//! that define the shape and the ray. Rotated boxes use the slabs of the kernel. The agreement of these slabs with the transform is checked
+//! separately, by [`Shape::slab_errors`].
 
 use std::cmp::Ordering;
 
@@ -16,7 +15,7 @@ use rayreel::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 pub(crate) type Exact = FBig;
 pub(crate) type Exact3 = [Exact; 3];
 
-/// An `f64` to be reckoned with exactly.
+/// Converts an `f64` for exact arithmetic.
 pub(crate) fn exact(value: f64) -> Exact {
     Exact::try_from(value).unwrap().with_precision(0).value()
 }
@@ -25,13 +24,13 @@ pub(crate) fn rounded(value: &Exact) -> f64 {
     value.to_f64().value()
 }
 
-/// The quotient, with 400 bits.
+/// Returns the quotient with 400 bits.
 pub(crate) fn quotient(dividend: &Exact, divisor: &Exact) -> Exact {
     let long = |value: &Exact| value.clone().with_precision(400).value();
     long(dividend) / long(divisor)
 }
 
-/// The square root, with 400 bits.
+/// Returns the square root with 400 bits.
 pub(crate) fn root(value: &Exact) -> Exact {
     value.clone().with_precision(400).value().sqrt()
 }
@@ -59,7 +58,7 @@ fn cross(a: &Exact3, b: &Exact3) -> Exact3 {
     })
 }
 
-/// The point at `t`.
+/// Returns the point at `t`.
 pub(crate) fn along(origin: &Exact3, direction: &Exact3, t: &Exact) -> Exact3 {
     std::array::from_fn(|axis| &origin[axis] + &direction[axis] * t)
 }
@@ -68,7 +67,7 @@ pub(crate) fn length(vector: &Exact3) -> Exact {
     root(&dot(vector, vector))
 }
 
-/// A shape, by the numbers that say what it is.
+/// A shape by its defining numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Shape {
     Ball { center: DVec3, radius: f64 },
@@ -78,31 +77,31 @@ pub(crate) enum Shape {
     Turned { forward: DAffine3, half: DVec3 },
 }
 
-/// Where a ray's line meets a shape.
+/// The intersections of a ray's line with a shape.
 #[derive(Debug)]
 pub(crate) struct Answer {
-    /// Where the line enters and where it leaves.
+    /// The `t` at which the line enters and leaves.
     pub(crate) line: Option<(Exact, Exact)>,
-    /// Does it enter and leave at one and the same place?
+    /// Set if the line enters and leaves at the same point.
     pub(crate) touches: bool,
 }
 
 impl Answer {
     const MISS: Self = Self { line: None, touches: false };
 
-    /// The first that is not behind the origin.
+    /// Returns the first intersection that is not behind the origin.
     pub(crate) fn first(&self) -> Option<&Exact> {
         let (near, far) = self.line.as_ref()?;
         [near, far].into_iter().find(|t| **t >= Exact::ZERO)
     }
 
-    /// Does the ray start outside?
+    /// Returns true if the ray starts outside.
     pub(crate) fn is_from_outside(&self) -> bool {
         self.line.as_ref().is_some_and(|(near, _)| *near >= Exact::ZERO)
     }
 }
 
-/// The way back into a shape's own space, times the determinant of the way there, which is made positive.
+/// The transform back to the local space of a shape, times the determinant of the forward transform, which is made positive.
 pub(crate) struct Back {
     pub(crate) rows: [Exact3; 3],
     pub(crate) determinant: Exact,
@@ -144,7 +143,7 @@ impl Shape {
         }
     }
 
-    /// By how much, in units in the last place of what they are sums of, the slabs of a turned box are off from what its map says.
+    /// Returns the errors of a rotated box's slabs against its transform, in units in the last place of their terms.
     pub(crate) fn slab_errors(&self) -> Vec<f64> {
         let Self::Turned { forward, half } = self else { return Vec::new() };
         let Back { rows, determinant, translation } = Back::new(forward);
@@ -168,12 +167,12 @@ impl Shape {
         errors
     }
 
-    /// What exact arithmetic says of a ray.
+    /// Returns the exact intersections of a ray.
     pub(crate) fn met_by(&self, origin: DVec3, direction: DVec3) -> Answer {
         self.met_from(&vector(origin), &vector(direction))
     }
 
-    /// The same from a point that need not be one of `f64`s.
+    /// Returns the exact intersections of a ray from a point that need not consist of `f64`s.
     pub(crate) fn met_from(&self, origin: &Exact3, direction: &Exact3) -> Answer {
         match self {
             Self::Ball { center, radius } => {
@@ -200,13 +199,13 @@ impl Shape {
     }
 }
 
-/// |part / whole| in units in the last place of 1.
+/// Returns |part / whole| in units in the last place of 1.
 fn share(part: &Exact, whole: &Exact) -> f64 {
     let short = |value: &Exact| value.clone().with_precision(64).value();
     if *part == Exact::ZERO { 0.0 } else { rounded(&(short(part) / short(whole))).abs() / f64::EPSILON }
 }
 
-/// A sphere around the zero point.
+/// Intersects a sphere around the zero point.
 fn ball(origin: &Exact3, direction: &Exact3, radius: &Exact) -> Answer {
     let (a, b) = (dot(direction, direction), -dot(origin, direction));
     let c = dot(origin, origin) - radius * radius;
@@ -234,7 +233,7 @@ fn plane(point: &Exact3, normal: &Exact3, origin: &Exact3, direction: &Exact3) -
     Answer { line: Some((t.clone(), t)), touches: false }
 }
 
-/// A plane of a slab, ahead by `height` of an origin that comes closer with `speed`.
+/// A plane of a slab, at a distance of `height` from an origin that approaches it with `speed`.
 #[derive(Clone, Copy)]
 struct Meeting<'a> {
     height: &'a Exact,
@@ -249,7 +248,7 @@ impl Meeting<'_> {
     }
 }
 
-/// Three slabs.
+/// Intersects three slabs.
 fn slabs(low: &Exact3, high: &Exact3, speeds: &Exact3) -> Answer {
     let (mut nears, mut fars) = (Vec::new(), Vec::new());
     for axis in 0..3 {

@@ -33,7 +33,7 @@ pub(crate) const JOURNEYS: [Journey; 17] = [
     ("coincident copies", coincident_copies),
 ];
 
-/// A shape of about this size: 0 a sphere, 1 a plane, 2 a box, 3 an ellipsoid, 4 a turned box.
+/// Returns a shape of about this size: 0 a sphere, 1 a plane, 2 a box, 3 an ellipsoid, 4 a rotated box.
 fn some_shape(r: &mut Random, kind: usize, center: DVec3, scale: f64) -> Shape {
     let factors = r.extents();
     match kind {
@@ -45,7 +45,7 @@ fn some_shape(r: &mut Random, kind: usize, center: DVec3, scale: f64) -> Shape {
     }
 }
 
-/// After a shape that bulges was met from outside, no ray outwards meets it again.
+/// Checks that after a hit from outside on a convex shape, no outward ray hits it again.
 fn no_acne(r: &mut Random, tally: &mut Tally, kind: usize) {
     let scale = r.scale(-60..=60);
     let far = if r.once_in(2) { 1.0 } else { r.scale(0..=30) };
@@ -59,7 +59,7 @@ fn no_acne(r: &mut Random, tally: &mut Tally, kind: usize) {
     let incoming = found.arrived.direction();
     let mut directions = vec![incoming - normal * (2.0 * incoming.dot(normal)), normal];
     directions.extend((0..3).map(|_| r.direction_towards(normal)));
-    // Along the surface, and hardly off it.
+    // One direction is nearly along the surface.
     let along = normal.cross(r.direction());
     directions.push(along + normal * r.scale(-60..=-10));
     for direction in directions {
@@ -72,12 +72,12 @@ fn no_acne(r: &mut Random, tally: &mut Tally, kind: usize) {
     }
 }
 
-/// A gap between two surfaces at about 1.
+/// Returns the width of a gap between two surfaces at coordinates of about 1.
 fn some_gap(r: &mut Random) -> f64 {
     r.pick(&[1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-7, 1e-9]) * r.between(0.5, 1.0)
 }
 
-/// A ray that leaves the first surface must meet the second, where it is.
+/// Checks that a ray that leaves the first surface hits the second one, at the right point.
 fn crosses(tally: &mut Tally, world: &World, from: &Found, direction: DVec3, slot: usize) {
     let next = world.leave(from, direction);
     let right = next.as_ref().is_some_and(|next| next.slot() == slot && world.is_met_right(from, next));
@@ -86,13 +86,13 @@ fn crosses(tally: &mut Tally, world: &World, from: &Found, direction: DVec3, slo
     });
 }
 
-/// A shape hangs over a plane, or under it, by a narrow gap: rays from the plane to the shape and back.
+/// Checks rays across a narrow gap between a plane and a shape, from the plane to the shape and back.
 fn gap_over_plane(r: &mut Random, tally: &mut Tally, kind: usize) {
     let gap = some_gap(r);
     let center = r.point();
     let shape = some_shape(r, kind, center, 1.0);
     let normal = if kind == 2 { r.pick(&DVec3::AXES) * r.sign() } else { r.direction().normalize() };
-    // How far down the shape reaches, and where it does.
+    // The lowest point of the shape along the normal, and its depth below the centre.
     let (lowest, reach) = match &shape {
         Shape::Ball { radius, .. } => (center - normal * *radius, *radius),
         Shape::Aligned { min, max } => {
@@ -114,7 +114,7 @@ fn gap_over_plane(r: &mut Random, tally: &mut Tally, kind: usize) {
     let world = World::new(if r.once_in(2) { vec![plane, shape] } else { vec![shape, plane] });
     let plane_slot = usize::from(!matches!(world.shapes[0], Shape::Plane { .. }));
     let below = lowest - normal * (gap + 2.0);
-    // From the plane up into the shape: aimed at a point inside, a little above its lowest one.
+    // A ray from the plane up into the shape, aimed at a point inside, a little above the lowest one.
     let inside = lowest + (center - lowest) * r.between(0.05, 0.9);
     let aside = normal.cross(r.direction()) * (gap * r.number());
     if let Some(found) = world.cast(below + aside, normal) {
@@ -122,7 +122,7 @@ fn gap_over_plane(r: &mut Random, tally: &mut Tally, kind: usize) {
         tally.ask(found.slot() == plane_slot && world.is_rounded(&found), || format!("{found:?}"));
         crosses(tally, &world, &found, direction, 1 - plane_slot);
     }
-    // From the shape down to the plane, having seen it from inside.
+    // A ray from the shape down to the plane, after a hit on the shape from inside.
     let down = lowest - inside + aside;
     if let Some(found) = world.cast(inside, down) {
         tally.ask(found.slot() != plane_slot && world.is_rounded(&found), || format!("{found:?}"));
@@ -133,7 +133,7 @@ fn gap_over_plane(r: &mut Random, tally: &mut Tally, kind: usize) {
     }
 }
 
-/// One shape within another, a narrow gap apart: rays from the outer one inwards and from the inner one outwards.
+/// Checks rays across a narrow gap between nested shapes, from the outer one inwards and from the inner one outwards.
 fn gap_between_nested(r: &mut Random, tally: &mut Tally) {
     let gap = some_gap(r);
     let center = r.point();
@@ -168,7 +168,7 @@ fn gap_between_nested(r: &mut Random, tally: &mut Tally) {
     }
 }
 
-/// A sphere rests on a plane. Does a point of the plane, near the contact, see a light in some direction?
+/// Checks the occlusion of a light by a sphere on a plane, from a point of the plane near the contact.
 fn contact_shadow(r: &mut Random, tally: &mut Tally) {
     let level = r.once_in(2);
     let normal = if level { DVec3::Y } else { r.direction().normalize() };
@@ -186,13 +186,13 @@ fn contact_shadow(r: &mut Random, tally: &mut Tally) {
     let sideways = sideways.normalize();
     let way = libm::exp10(-6.0 * r.between(0.0, 1.0)) * radius;
     let point = contact + sideways * way;
-    // From below, or from above and so low that the ball is not in the way.
+    // The ray comes from below, or from above at so low an angle that the ball is not in its path.
     let from = if r.once_in(2) { -normal } else { (sideways + normal * (way / radius)).normalize() };
     let Some(floor) = world.cast(point + from * 3.0, -from) else { return };
     if floor.slot() != plane_slot {
         return;
     }
-    // The ball stands steep over its contact: only low light from behind can reach the point.
+    // The ball rises steeply over its contact: only low light from behind can reach the point.
     let elevation =
         if r.once_in(2) { way / radius * r.between(0.0, 4.0) } else { FRAC_PI_2 * r.between(0.0, 1.0) };
     let ((up, level), (across, ahead)) = (libm::sincos(elevation), libm::sincos(PI * r.between(-1.0, 1.0)));
@@ -207,7 +207,7 @@ fn contact_shadow(r: &mut Random, tally: &mut Tally) {
     });
 }
 
-/// Shells within shells: a ray through the middle, always going on as it came, meets each twice, in order.
+/// Checks that a straight ray through the middle of nested shells hits each of them twice, in order.
 fn nested_shells(r: &mut Random, tally: &mut Tally) {
     let count = 2 + r.index(5);
     let kind = r.pick(&[0, 2, 3, 4]);
@@ -217,7 +217,7 @@ fn nested_shells(r: &mut Random, tally: &mut Tally) {
     let forward = if round_or_along_axes { DAffine3::IDENTITY } else { r.turned(factors, DVec3::ZERO) };
     let gap = r.pick(&[0.5, 0.1, 1e-3, 1e-5, 1e-8]);
     let mut sizes: Vec<(usize, f64)> = (0..count).map(|index| (0, 1.0 + gap * index as f64)).collect();
-    // In any order of slots.
+    // The slots are in any order.
     let mut order: Vec<usize> = (0..count).collect();
     for index in 0..count {
         order.swap(index, r.index(count));
@@ -250,7 +250,7 @@ fn nested_shells(r: &mut Random, tally: &mut Tally) {
     });
 }
 
-/// Into a shape in any direction, out on its far side, and away.
+/// Checks a ray into a shape in any direction, its exit on the far side, and its path away.
 fn transmission(r: &mut Random, tally: &mut Tally, kind: usize) {
     let scale = r.scale(-40..=40);
     let far = if r.once_in(2) { 1.0 } else { r.scale(0..=10) };
@@ -278,8 +278,8 @@ fn transmission(r: &mut Random, tally: &mut Tally, kind: usize) {
     }
 }
 
-/// Two solids with a face in common, or one that stands on a plane. Outwards of both a ray meets neither; into one of them
-/// it comes out on its far side.
+/// Checks two solids with a common face, or a solid on a plane. A ray away from both hits neither; a ray into one of them leaves it on its
+/// far side.
 fn flush_faces(r: &mut Random, tally: &mut Tally) {
     let axis = r.index(3);
     let up = DVec3::AXES[axis];
@@ -296,14 +296,14 @@ fn flush_faces(r: &mut Random, tally: &mut Tally) {
             Shape::Aligned { min: low, max: high }
         }
         _ => {
-            // The same face by a map of quarter turns: its numbers are exact.
+            // The same face by a transform of quarter turns, whose numbers are exact.
             let mut center = (r.point() * 2.0).round() * 0.125;
             center[axis] = level - 1.0;
             let matrix3 = DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X);
             Shape::Turned { forward: DAffine3 { matrix3, translation: center }, half: DVec3::ONE }
         }
     };
-    // Only where the face is exactly common to both.
+    // The face must be exactly common to both.
     if standing == 2 && (level - 1.0) + 1.0 != level {
         return;
     }
@@ -311,7 +311,7 @@ fn flush_faces(r: &mut Random, tally: &mut Tally) {
     let upper_slot =
         usize::from(!matches!(world.shapes[0], Shape::Aligned { min, .. } if min[axis] == level));
     let is_plane = standing == 0;
-    // A point within the face of both.
+    // A point in the common face.
     let mut point = r.point() * 0.4;
     point[axis] = level;
     let from_above = r.once_in(2);
@@ -338,7 +338,7 @@ fn flush_faces(r: &mut Random, tally: &mut Tally) {
         tally.ask(comes_out.is_some(), || {
             format!("{:?} {found:?} goes in along {direction:?}: {next:?}", world.shapes)
         });
-        // Beyond, there is nothing more ahead, unless the point was rounded into the common face: that is touching.
+        // A ray that continues hits nothing more, unless the point was rounded into the common face and thus touches it.
         if let Some(out) = comes_out.filter(|out| out.surface.point[axis] != level) {
             let again = world.go_on(&out);
             tally.ask(again.is_none(), || format!("{:?} {out:?} goes on: {again:?}", world.shapes));
@@ -347,7 +347,7 @@ fn flush_faces(r: &mut Random, tally: &mut Tally) {
     seam_from_outside(r, tally, &world, axis, level);
 }
 
-/// On the outer edge of a common face, a ray away from both boxes meets neither.
+/// Checks that a ray from the outer edge of a common face, away from both boxes, hits neither.
 fn seam_from_outside(r: &mut Random, tally: &mut Tally, world: &World, axis: usize, level: f64) {
     let [Shape::Aligned { min, max }, Shape::Aligned { .. }] = world.shapes[..] else { return };
     let side = (axis + 1) % 3;
@@ -367,10 +367,10 @@ fn seam_from_outside(r: &mut Random, tally: &mut Tally, world: &World, axis: usi
     }
 }
 
-/// The same shape several times over: outwards a ray meets none of them, inwards it comes out of the first.
+/// Checks copies of one shape: outwards a ray hits none of them, inwards it leaves the first.
 fn coincident_copies(r: &mut Random, tally: &mut Tally) {
     let kind = r.pick(&[0, 2, 3, 4]);
-    // Also more than the kernel keeps count of.
+    // Some counts exceed the number that the kernel tracks.
     let count = 2 + r.index(11);
     let center = r.point();
     let shape = some_shape(r, kind, center, 1.0);

@@ -1,9 +1,8 @@
-//! The kernel against exact arithmetic, on random rays in the categories where numbers are hard.
+//! Tests of the kernel against exact arithmetic, with random rays in numerically hard categories.
 //!
-//! Rays that start anywhere are held against the exact verdict and distance: the verdict must be right without exception, and the
-//! distance within 2 units in the last place. Rays that leave a surface must not meet it again by rounding, nor slip through what
-//! is near it, and come out of what they went into where exact arithmetic says. `RAYREEL_CASES` asks for more than the usual thousand cases a
-//! category.
+//! Rays that start anywhere are compared with the exact result: hit or miss must always be right, and the distance within 2 units in the
+//! last place. Rays that leave a surface must not hit it again because of rounding, must not pass through nearby surfaces, and must leave a
+//! shape at the exact point. `RAYREEL_CASES` sets the number of cases per category; the default is 1000.
 
 mod categories;
 mod exact;
@@ -73,7 +72,7 @@ fn slabs_of_turned_boxes_are_their_maps_rounded_once() {
     }
 }
 
-/// Two decimals, or the power of ten.
+/// Formats a number with two decimals, or as a power of ten.
 fn short(number: f64) -> String {
     if number < 1000.0 { format!("{number:.2}") } else { format!("{number:.0e}") }
 }

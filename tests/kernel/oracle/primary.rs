@@ -1,4 +1,4 @@
-//! Rays that start anywhere: what they meet, and how far away.
+//! Rays that start anywhere: their hits and distances.
 
 use glam::DVec3;
 
@@ -15,16 +15,16 @@ pub(crate) fn scene(shapes: &[Shape]) -> PreparedScene {
     PreparedScene::new(geometry, vec![SurfaceMaterial::default(); shapes.len()])
 }
 
-/// The distance from the next larger number of the same sign.
+/// Returns the distance to the next larger number of the same sign.
 pub(crate) fn unit_in_last_place(value: f64) -> f64 {
     value.abs().next_up() - value.abs()
 }
 
-/// Ours, and the textbook's to compare with.
+/// The robust precision, and the naive ones for comparison.
 pub(crate) const PRECISIONS: [Precision; 3] =
     [Precision::Guaranteed, Precision::TextbookF64, Precision::TextbookF32];
 
-/// What a category's rays have come to.
+/// Results of the rays of a category.
 #[derive(Default)]
 pub(crate) struct Tally {
     pub(crate) errors: Vec<f64>,
@@ -33,7 +33,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Of the distances' errors; 0 where nothing was hit.
+    /// Returns the median and the maximum of the distances' errors, or 0 without hits.
     pub(crate) fn median_and_worst(&mut self) -> (f64, f64) {
         self.errors.sort_by(f64::total_cmp);
         let middle = self.errors.get(self.errors.len() / 2);
@@ -41,12 +41,12 @@ impl Tally {
     }
 }
 
-/// What exact arithmetic says of a case: the nearest `t`, the index of the shape that is seen, and whether it is met from outside,
-/// where there is such a side.
+/// The exact result of a case: the nearest `t`, the index of the visible shape, and true for a hit from outside, if the shape has an
+/// outside.
 type Expected = Option<(Exact, usize, Option<bool>)>;
 
 fn expected(case: &Case) -> Expected {
-    // Roots have 400 bits: what agrees in this many is the same.
+    // Roots have 400 bits. Values that agree in about 380 bits are equal.
     let same = exact(libm::ldexp(1.0, -380));
     let mut nearest: Expected = None;
     for (index, shape) in case.shapes.iter().enumerate() {
@@ -62,7 +62,7 @@ fn expected(case: &Case) -> Expected {
     nearest
 }
 
-/// Asks the kernel the same with every precision, and compares.
+/// Casts the ray at every precision, and compares the hits.
 pub(crate) fn check(name: &str, case: &Case, tallies: &mut [Tally; 3]) {
     let expected = expected(case);
     let mut scene = scene(&case.shapes);
@@ -107,7 +107,7 @@ fn compare(name: &str, case: &Case, expected: &Expected, scene: &PreparedScene, 
     }
 }
 
-/// By how many units in the last place the kernel's distance is off.
+/// Returns the error of the kernel's distance, in units in the last place.
 pub(crate) fn distance_error(ray: &CastRay, surface: &SurfacePoint, expected: &Exact) -> f64 {
     let found = surface.distance(ray);
     if !found.is_finite() {
@@ -117,7 +117,7 @@ pub(crate) fn distance_error(ray: &CastRay, surface: &SurfacePoint, expected: &E
     rounded(&quotient(&magnitude(&(exact(found) - expected)), &exact(unit)))
 }
 
-/// Is a point an exact one, rounded once, as far as a distance says that is right to 2 units in the last place?
+/// Returns true if a point is the exact one, rounded once, up to a distance error of 2 units in the last place.
 pub(crate) fn is_rounded(found: DVec3, expected: &[Exact; 3], origin: DVec3) -> bool {
     (0..3).all(|axis| {
         let part = rounded(&expected[axis]);

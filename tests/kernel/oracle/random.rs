@@ -1,4 +1,4 @@
-//! Numbers that look random, the same every time, and what tests make of them.
+//! Deterministic pseudo-random numbers, and values made of them.
 
 use std::ops::RangeInclusive;
 
@@ -11,18 +11,18 @@ impl Random {
         choices[self.index(choices.len())]
     }
 
-    /// In -1..1; now and then with few digits, so that exact coincidences happen.
+    /// Returns a number in -1..1, sometimes with few digits, so that exact coincidences occur.
     pub(crate) fn number(&mut self) -> f64 {
         let full = (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
         if self.once_in(4) { (full * 8.0).round() / 8.0 } else { full }
     }
 
-    /// From `low` to `high`.
+    /// Returns a number from `low` to `high`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (0.5 + 0.5 * self.number())
     }
 
-    /// A whole number from `-most` to `most`.
+    /// Returns an integer from `-most` to `most`.
     pub(crate) fn whole(&mut self, most: i32) -> f64 {
         let span = u64::from(most.unsigned_abs()) * 2 + 1;
         f64::from(i32::try_from(self.bits() % span).unwrap() - most)
@@ -36,7 +36,7 @@ impl Random {
         DVec3::new(self.number(), self.number(), self.number())
     }
 
-    /// Three whole numbers, not all of them zero.
+    /// Returns three integers, not all of them zero.
     pub(crate) fn whole_direction(&mut self, most: i32) -> DVec3 {
         let direction = DVec3::new(self.whole(most), self.whole(most), self.whole(most));
         if direction == DVec3::ZERO { DVec3::X } else { direction }
@@ -47,7 +47,7 @@ impl Random {
         if direction == DVec3::ZERO { DVec3::X } else { direction }
     }
 
-    /// A direction on the side of the plane that `normal` points to; now and then all but along the plane.
+    /// Returns a direction on the side of the plane that `normal` points to, sometimes nearly along the plane.
     pub(crate) fn direction_towards(&mut self, normal: DVec3) -> DVec3 {
         let direction = self.direction();
         let direction = match self.index(4) {
@@ -58,7 +58,7 @@ impl Random {
         if direction.dot(normal) < 0.0 { -direction } else { direction }
     }
 
-    /// A power of two.
+    /// Returns a power of two.
     pub(crate) fn scale(&mut self, exponents: RangeInclusive<i32>) -> f64 {
         let span = u64::from(exponents.end().abs_diff(*exponents.start())) + 1;
         let step = i32::try_from(self.bits() % span).unwrap();
@@ -71,17 +71,17 @@ impl Random {
         if rotation.length_squared() < 1e-3 { DQuat::IDENTITY } else { rotation.normalize() }
     }
 
-    /// Edge lengths of about one.
+    /// Returns edge lengths of about one.
     pub(crate) fn extents(&mut self) -> DVec3 {
         DVec3::new(1.1 + self.number(), 1.1 + self.number(), 1.1 + self.number())
     }
 
-    /// Turned and scaled by these factors along its own axes, to this place.
+    /// Returns a transform that scales by these factors along the shape's own axes, rotates, and translates.
     pub(crate) fn turned(&mut self, factors: DVec3, translation: DVec3) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(factors, self.rotation(), translation)
     }
 
-    /// Any linear map that squashes nothing flat, to this place.
+    /// Returns a linear transform whose determinant is not near zero, with this translation.
     pub(crate) fn sheared(&mut self, translation: DVec3) -> DAffine3 {
         let columns = |random: &mut Self| {
             DMat3::from_cols(
@@ -97,7 +97,7 @@ impl Random {
         DAffine3 { matrix3, translation }
     }
 
-    /// Quarter turns and mirrorings, scaled by powers of two: a matrix whose inverse is exact.
+    /// Returns a transform of quarter turns and reflections, scaled by powers of two: a matrix whose inverse is exact.
     pub(crate) fn quarter_turned(&mut self, translation: DVec3) -> DAffine3 {
         let first = self.index(3);
         let second = (first + 1 + self.index(2)) % 3;

@@ -1,6 +1,6 @@
-//! Rays that leave a surface which another ray has found.
+//! Rays that leave a surface found by another ray.
 //!
-//! They start at a point that is rounded, and must neither meet what they leave by that rounding nor pass by what is close.
+//! They start at a rounded point. Because of the rounding, they must neither hit the surface that they leave, nor miss nearby surfaces.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use rayreel::trace::{CastHit, CastRay, PreparedScene, SurfacePoint};
 use super::exact::{Exact, Exact3, Shape, along, length, magnitude, rounded, vector};
 use super::primary::{distance_error, is_rounded, scene, unit_in_last_place};
 
-/// What a category's rays have come to.
+/// Results of the rays of a category.
 #[derive(Default)]
 pub(crate) struct Tally {
     pub(crate) rays: usize,
@@ -20,7 +20,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Counts a ray, and whether what it did is right.
+    /// Counts a ray, and records a wrong result.
     pub(crate) fn ask(&mut self, right: bool, what: impl FnOnce() -> String) {
         self.rays += 1;
         if !right {
@@ -38,7 +38,7 @@ pub(crate) struct World {
     scene: PreparedScene,
 }
 
-/// A surface, and the ray that found it.
+/// A surface, and the ray that hit it.
 #[derive(Clone)]
 pub(crate) struct Found {
     pub(crate) arrived: CastRay,
@@ -59,13 +59,13 @@ impl Found {
         self.surface.hit.id.index()
     }
 
-    /// How steeply the ray meets the surface: the cosine of its angle with the normal.
+    /// Returns the cosine of the angle between the ray and the normal.
     fn steepness(&self) -> f64 {
         let direction = self.arrived.direction();
         (direction.dot(self.surface.normal) / direction.length()).abs()
     }
 
-    /// The farthest that rounding to the nearest numbers can have moved the point.
+    /// Returns the largest shift of the point by rounding to nearest.
     pub(crate) fn shift(&self) -> DVec3 {
         DVec3::from_array(self.surface.point.to_array().map(|part| 0.5 * unit_in_last_place(part)))
     }
@@ -85,31 +85,31 @@ impl World {
         self.found(CastRay::new(origin, direction)?)
     }
 
-    /// What a ray meets that leaves the surface in this direction.
+    /// Returns the hit of a ray that leaves the surface in this direction.
     pub(crate) fn leave(&self, from: &Found, direction: DVec3) -> Option<Found> {
         self.found(from.surface.leave_towards(direction)?)
     }
 
-    /// What a ray meets that goes on as it came.
+    /// Returns the hit of a ray that continues straight on.
     pub(crate) fn go_on(&self, from: &Found) -> Option<Found> {
         self.leave(from, from.arrived.direction())
     }
 
-    /// Is this the point where the ray met the shape, rounded once?
+    /// Returns true if the point is the exact intersection, rounded once.
     pub(crate) fn is_rounded(&self, found: &Found) -> bool {
         self.exact_point(found)
             .is_some_and(|point| is_rounded(found.surface.point, &point, found.arrived.origin()))
     }
 
-    /// Where exactly a ray that leaves nothing met the shape.
+    /// Returns the exact point at which a ray that leaves no surface hits the shape.
     pub(crate) fn exact_point(&self, found: &Found) -> Option<Exact3> {
         let (origin, direction) = (vector(found.arrived.origin()), vector(found.arrived.direction()));
         let answer = self.shapes[found.slot()].met_from(&origin, &direction);
         Some(along(&origin, &direction, answer.first()?))
     }
 
-    /// Is a shape that the ray did not leave met where it is from the rounded origin? And had the origin not been rounded,
-    /// could it be where it is found?
+    /// Returns true if the ray hits another shape at the exact distance from its rounded origin, and if a ray from the exact origin hits it
+    /// at a similar distance.
     pub(crate) fn is_met_right(&self, from: &Found, found: &Found) -> bool {
         let direction = vector(found.arrived.direction());
         let shape = &self.shapes[found.slot()];
@@ -125,8 +125,8 @@ impl World {
         let Some(ideal) = self.exact_point(from).filter(|_| steepness > 1e-3) else {
             return true;
         };
-        // Along the second surface's normal the origin moves by no more than its shift. Twice that leaves room for the
-        // surface's curvature.
+        // Along the second surface's normal, the origin moves by no more than its shift. A factor of two allows for the surface's
+        // curvature.
         let bound = 2.0 * from.shift().length() / steepness;
         shape
             .met_from(&ideal, &direction)
@@ -134,8 +134,8 @@ impl World {
             .is_some_and(|t| rounded(&magnitude(&(t * &stretch - &expected))) <= bound)
     }
 
-    /// Does the ray, which starts on the shape and goes inwards, come out where the exact one does? Where rounding has put its origin
-    /// beside the shape, it comes out at once, or where it is nearest to the middle of a round one.
+    /// Returns true if a ray that starts on the shape and points inwards leaves it at the exact point. If rounding has put the origin
+    /// outside the shape, the ray leaves it at once, or where the ray is nearest to the centre of a round shape.
     pub(crate) fn is_met_from_inside(&self, found: &Found) -> bool {
         let direction = found.arrived.direction();
         let answer = self.shapes[found.slot()].met_by(found.arrived.origin(), direction);

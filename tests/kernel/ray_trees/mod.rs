@@ -1,5 +1,5 @@
-//! Trees of rays that grow without end, and what ends them: the depth limit, the cut of what cannot show, and the most rays that
-//! a sample may have.
+//! Tests of ray trees that grow without end, and of their limits: the depth limit, the cutoff of invisible contributions, and the maximum
+//! number of rays of a sample.
 
 mod random;
 
@@ -13,12 +13,12 @@ use rayreel::{Engine, Film, Time};
 
 use crate::engine;
 
-/// Steps of 8 bits.
+/// Cutoffs in steps of 8 bits.
 const CUTOFFS: &[f32] = &[0.25, 2.0, 20.0, 100.0];
 
 const ROOM: &str = include_str!("room.ron");
 
-/// The most rays that are traced for a sample: camera rays, and what surfaces send on.
+/// The maximum number of rays traced for a sample: camera rays and spawned rays.
 const LARGEST_TREE: u64 = 4096;
 
 fn render(engine: &mut Engine, depth: u32, cutoff: f32) -> Film {
@@ -36,21 +36,21 @@ fn set_film(engine: &mut Engine, settings: FilmSettings) {
     }
 }
 
-/// All but shadow rays.
+/// Returns the number of all rays except shadow rays.
 fn in_trees(rays: RayCounts) -> u64 {
     rays.camera + rays.reflection + rays.refraction
 }
 
-/// The largest difference in any channel of any pixel, in linear light.
+/// Returns the largest difference in any channel of any pixel, in linear light.
 fn largest_difference(one: &Film, other: &Film) -> f64 {
     let pixels = one.pixels().iter().zip(other.pixels());
     pixels.map(|(one, other)| f64::from((*one - *other).abs().max_element())).fold(0.0, f64::max)
 }
 
-/// A cutoff of c promises that no pixel is off by more than c steps of 8 bits: c/255 of linear light and, where output is sRGB,
-/// whose curve rises by 12.92 at black, so much less. The rays in trees are counted: without a cutoff, and with each.
+/// Checks that a cutoff of c changes no pixel by more than c steps of 8 bits: c/255 of linear light, or, for sRGB output, whose curve has a
+/// slope of 12.92 at black, 12.92 times less. Returns the number of rays in trees, without a cutoff and with each.
 ///
-/// `depth` must be so small that no tree is as large as it may be.
+/// `depth` must be so small that no tree reaches the maximum size.
 fn assert_cutoffs_hold(engine: &mut Engine, depth: u32, cutoffs: &[f32], what: &str) -> Vec<u64> {
     let mut counts = Vec::new();
     for (transfer, steepest) in [(Transfer::Classic, 1.0), (Transfer::Srgb, 12.92)] {
@@ -69,7 +69,7 @@ fn assert_cutoffs_hold(engine: &mut Engine, depth: u32, cutoffs: &[f32], what: &
     counts
 }
 
-/// The larger a cutoff is, the fewer rays are followed, for cutoffs that are far apart.
+/// Checks cutoffs that are far apart: they hold, and a larger one traces fewer rays.
 fn assert_cutoffs_hold_and_pay(engine: &mut Engine, depth: u32, what: &str) {
     let counts = assert_cutoffs_hold(engine, depth, CUTOFFS, what);
     println!("{counts:?}");
@@ -92,13 +92,13 @@ fn a_room_of_mirrors_and_glass_is_finite_in_finite_time() {
     assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
 }
 
-/// Up to 2^10 - 1 rays a sample, and all are followed where nothing is cut.
+/// Checks trees of up to 2^10 - 1 rays per sample, which are all traced without a cutoff.
 #[test]
 fn the_rooms_cutoffs_hold() {
     assert_cutoffs_hold_and_pay(&mut engine(ROOM), 10, "the room");
 }
 
-/// Where no surface sends on two rays, trees are long instead of wide.
+/// Checks trees that are deep instead of wide, because no surface spawns two rays.
 #[test]
 fn cutoffs_hold_in_deep_trees() {
     let text = ROOM.replace("fresnel: true", "fresnel: false");
@@ -119,8 +119,8 @@ fn cutoffs_hold_in_random_rooms() {
     assert!(all.is_sorted_by(|more, fewer| more > fewer), "{all:?}");
 }
 
-/// Where all light is nearly as bright as it can be, what is cut is nearly all that may be: k_a/(1 - k_r) in a room of mirrors, and
-/// white all around a ball of glass.
+/// Checks scenes in which all light is nearly as bright as possible, so that the light that is cut is nearly the maximum: k_a/(1 - k_r) in
+/// a room of mirrors, and white all around a glass ball.
 #[test]
 fn cutoffs_hold_where_all_is_bright() {
     let many: Vec<f32> = (1..=50).map(|step| 5.0 * step as f32).collect();
@@ -142,7 +142,7 @@ fn cutoffs_hold_where_all_is_bright() {
     }
 }
 
-/// A ball of glass on a checkered floor, by day; `inside` are shells in it.
+/// Returns a glass ball on a checkered floor, by day, with shells `inside` it.
 fn ball_of_glass(inside: &str) -> Engine {
     engine(&format!(
         r#"Scene(film: (width: 64, height: 36), camera: (position: (0, 1.6, -5), target: (0, 1, 0), fov: 40), ambient: (0.3, 0.3, 0.3),
@@ -157,7 +157,7 @@ fn ball_of_glass(inside: &str) -> Engine {
     ))
 }
 
-/// What a cutoff leaves of trees that could be as large as they may be: rays in trees for every pixel.
+/// Checks the number of rays in trees per camera ray that remain with a cutoff, although trees could reach the maximum size.
 #[test]
 fn trees_of_glass_are_small() {
     let shells = r#"(shape: Sphere(radius: 0.8), material: "water", transform: (translation: (0, 1, 0))),
@@ -179,7 +179,7 @@ fn trees_of_glass_are_small() {
     assert!(each(shells, 30, 20.0) < 150.0);
 }
 
-/// What is counted is what the trees of all samples say.
+/// Checks that the reported counts are the counts of the trees of all samples.
 #[test]
 fn ends_of_trees_are_counted_as_the_trees_say() {
     let mut engine = engine(ROOM);
@@ -202,12 +202,12 @@ fn ends_of_trees_are_counted_as_the_trees_say() {
         assert_eq!(report.ends, ends, "depth {depth}, cutoff {cutoff}");
         assert_eq!(RayCounts { shadow: 0, ..report.rays }, rays, "depth {depth}, cutoff {cutoff}");
         assert_eq!(ends.cutoff > 0, cutoff > 0.0);
-        // A room is closed: every tree ends at one of the limits.
+        // The room is closed: every tree ends at one of the limits.
         assert!(ends.depth + ends.cutoff >= rays.camera);
     }
 }
 
-/// A closed room in which everything mirrors all and lets all through.
+/// Returns a closed room whose walls reflect all light, with a ball that reflects and transmits all light.
 fn doubling(depth: u32) -> Engine {
     engine(&format!(
         r#"Scene(film: (width: 8, height: 6, transfer: Classic), quality: (depth: {depth}, cutoff: 0), camera: (position: (0, 0, -3), view: (0, 0, 1)),
@@ -227,7 +227,7 @@ fn no_sample_has_more_rays_than_the_most() {
     assert!(start.elapsed() < Duration::from_secs(30), "{:?}", start.elapsed());
     let largest = in_trees(report.rays);
     assert!(largest <= LARGEST_TREE * 48 && report.ends.depth > 0 && report.ends.cutoff == 0);
-    // Rays that meet the ball first, in the middle of the view.
+    // Rays that hit the ball first, in the middle of the view.
     for (i, j) in [(3, 2), (4, 3)] {
         let tree = engine.probe(i, j).unwrap().tree;
         let beyond = tree.rays.iter().filter(|traced| matches!(traced.end, RayEnd::BeyondDepth(_))).count();
@@ -237,8 +237,8 @@ fn no_sample_has_more_rays_than_the_most() {
     }
 }
 
-/// Caught in a box of glass, and doubled at every total reflection: k_r + k_t is 2. What is too bright for a number is as bright
-/// as a number can be, and black stays black.
+/// Checks light that is trapped in a glass box and doubled at every total reflection: k_r + k_t is 2. Light that exceeds the range of a
+/// number is as bright as a number can be, and black stays black.
 #[test]
 fn light_that_doubles_without_end_is_as_bright_as_can_be() {
     for depth in [2, 11, 1000] {

@@ -1,4 +1,4 @@
-//! Rooms of mirrors and glass, as good as any.
+//! Random rooms of mirrors and glass.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 struct Random(u64);
 
 impl Random {
-    /// In 0..1.
+    /// Returns a number in 0..1.
     fn number(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
@@ -26,7 +26,7 @@ impl Random {
     }
 }
 
-/// The text of a scene.
+/// Returns the text of a scene.
 pub(crate) fn room(seed: u64) -> String {
     let mut random = Random(seed);
     for _ in 0..4 {

@@ -1,4 +1,4 @@
-//! Files import each other one way: nothing comes back, however far around, to the file that it started from.
+//! Tests that imports between files form no cycle.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -7,17 +7,17 @@ use std::path::Path;
 use super::{code, source};
 use crate::files_in;
 
-/// Where a module is, from the crate's root: `["trace", "query", "hit"]`.
+/// The path of a module from the crate's root: `["trace", "query", "hit"]`.
 type Module = Vec<String>;
 
-/// What a file calls something, and the path that it stands for.
+/// A name in a file, and the path that it stands for.
 #[derive(Clone, Debug)]
 struct Use {
     name: String,
     path: Vec<String>,
 }
 
-/// The modules of a crate and what each of them names.
+/// The modules of a crate, and the names that each of them uses.
 #[derive(Default)]
 struct Modules {
     uses: BTreeMap<Module, Vec<Use>>,
@@ -25,7 +25,7 @@ struct Modules {
     paths: BTreeMap<Module, Vec<Vec<String>>>,
 }
 
-/// The alternatives of a `use`: `a::{b, c::d as e}` are two.
+/// Expands the alternatives of a `use`: `a::{b, c::d as e}` has two.
 fn expand(prefix: &[String], tree: &str, found: &mut Vec<Use>) {
     let tree = tree.trim();
     let Some((head, group)) = tree.split_once('{') else {
@@ -53,7 +53,7 @@ fn expand(prefix: &[String], tree: &str, found: &mut Vec<Use>) {
     }
 }
 
-/// Paths that start at the crate or at a parent.
+/// Returns the paths that start at the crate or at a parent.
 fn paths(code: &str) -> Vec<Vec<String>> {
     let is_path = |character: char| character.is_alphanumeric() || "_:".contains(character);
     code.split(|character| !is_path(character))
@@ -80,12 +80,12 @@ impl Modules {
     }
 
     fn add(&mut self, module: Module, text: &str) {
-        // What only tests import is no part of the structure.
+        // Imports for tests alone are no part of the structure.
         let code = code(text);
         let code = ["use", "pub(super) use", "pub(crate) use"]
             .iter()
             .fold(code, |code, form| code.replace(&format!("#[cfg(test)]\n{form} "), "\nno "));
-        // A word of its own, unlike the end of `diffuse`.
+        // The space in front distinguishes `use` from the end of `diffuse`.
         let code = format!(" {}", code.replace('\n', " "));
         let mut uses = Vec::new();
         let mut rest = String::new();
@@ -100,7 +100,7 @@ impl Modules {
         self.uses.insert(module, uses);
     }
 
-    /// The same path from the root, if it leads to anything of this crate.
+    /// Returns the path from the root, or `None` if it does not lead into this crate.
     fn absolute(&self, module: &Module, path: &[String]) -> Option<Vec<String>> {
         let first = path.first()?;
         match first.as_str() {
@@ -118,9 +118,9 @@ impl Modules {
         }
     }
 
-    /// The file in which that is defined which a path from the root leads to, through whatever passes it on.
+    /// Returns the file that defines the target of a path from the root, through all re-exports.
     fn definition(&self, path: &[String]) -> Module {
-        /// Something that is imported from where it is imported to would be followed without end.
+        /// Maximum number of re-exports to follow. A name that is imported from its own importer would be followed forever.
         const LONGEST: usize = 8;
         self.follow(path, LONGEST)
     }
@@ -145,7 +145,7 @@ impl Modules {
         module
     }
 
-    /// For each file, the others that it imports from. Files that only pass on import nothing.
+    /// Returns the other files from which each file imports. Files that only re-export are excluded.
     fn imports(&self) -> BTreeMap<Module, BTreeSet<Module>> {
         let passes_on = |module: &Module| {
             let parent_of_another =
@@ -166,7 +166,7 @@ impl Modules {
     }
 }
 
-/// The first circle that is found, in the order of imports.
+/// Returns the first cycle that is found, in the order of imports.
 fn circle(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Option<Vec<Module>> {
     fn visit(
         module: &Module,

@@ -1,4 +1,4 @@
-//! Holds every source file against the table of layers in the crate's documentation, and finds circles of imports.
+//! Tests of every source file against the table of layers in the crate's documentation, and of import cycles.
 
 mod circles;
 
@@ -8,21 +8,21 @@ use std::path::PathBuf;
 
 use crate::{files_in, root};
 
-/// What a layer may name.
+/// The modules and crates that a layer may use.
 #[derive(Debug, Default)]
 struct Layer {
     modules: BTreeSet<String>,
     crates: BTreeSet<String>,
 }
 
-/// Open to all layers.
+/// Crates that all layers may use.
 const OPEN: [&str; 5] = ["std", "core", "alloc", "thiserror", "libm"];
 
 fn source() -> PathBuf {
     root().join("src")
 }
 
-/// The table of layers, from the documentation in `lib.rs`.
+/// Returns the table of layers from the documentation in `lib.rs`.
 fn layers(documentation: &str) -> BTreeMap<String, Layer> {
     let list = |cell: &str| -> BTreeSet<String> {
         cell.split(',')
@@ -41,21 +41,21 @@ fn layers(documentation: &str) -> BTreeMap<String, Layer> {
     layers
 }
 
-/// Returns the code of a file, without comments, texts and the unit tests at its end.
+/// Returns the code of a file, without comments, strings, and the unit tests at its end.
 fn code(text: &str) -> String {
-    // Unit tests end a file; what else is for tests alone may stand anywhere.
+    // Unit tests end a file; other code for tests may be anywhere.
     let text = &text[..text.find("\nmod tests {").unwrap_or(text.len())];
     let mut code = String::new();
     for line in text.lines() {
         let line = line.split("//").next().unwrap_or_default();
-        // Texts: every second part between quotes.
+        // Every second part between quotes is a string.
         code.extend(line.split('"').step_by(2));
         code.push('\n');
     }
     code
 }
 
-/// The first names of all paths in the code that start at `prefix`, as `crate::`, or anywhere for an empty prefix.
+/// Returns the first names of all paths in the code that start at `prefix`, as in `crate::`, or anywhere for an empty prefix.
 fn roots(code: &str, prefix: &str) -> BTreeSet<String> {
     let is_word = |character: char| character.is_alphanumeric() || character == '_';
     let mut roots = BTreeSet::new();
@@ -63,14 +63,14 @@ fn roots(code: &str, prefix: &str) -> BTreeSet<String> {
         if prefix.is_empty() {
             let before = &code[..at];
             let start = before.rfind(|character| !is_word(character)).map_or(0, |end| end + 1);
-            // An absolute path starts with `::` after no word.
+            // In an absolute path, no word precedes `::`.
             let absolute = before[..start].strip_suffix("::").map(|outer| !outer.ends_with(is_word));
             if absolute.unwrap_or(true) {
                 roots.insert(before[start..].to_owned());
             }
         } else {
             let after = &code[at + prefix.len()..];
-            // `use crate::{a::B, c::D}` names several.
+            // `use crate::{a::B, c::D}` has several names.
             let group = after.strip_prefix('{').map(|group| {
                 let mut depth = 0;
                 let end = group.find(|character| {
@@ -96,18 +96,18 @@ fn roots(code: &str, prefix: &str) -> BTreeSet<String> {
     roots
 }
 
-/// All dependencies of the package, as they are named in code.
+/// Returns all dependencies of the package, by their names in code.
 fn dependencies() -> BTreeSet<String> {
     let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
     let sections = manifest.split("\n[").filter_map(|section| section.split_once("]\n"));
-    // Of all platforms.
+    // Includes the dependencies of all platforms.
     let ours = |head: &str| head == "dependencies" || head.starts_with("target.");
     let lines = sections.filter(|(head, _)| ours(head)).flat_map(|(_, section)| section.lines());
     let lines = lines.filter(|line| !line.starts_with('#'));
     lines.filter_map(|line| Some(line.split_once('=')?.0.trim().replace('-', "_"))).collect()
 }
 
-/// What a file of a layer names and may not.
+/// Returns the forbidden imports of a file of a layer.
 fn violations(
     layer: &str,
     text: &str,
