@@ -25,7 +25,6 @@ impl SimdLevel {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
             let best = Level::new();
-            all.extend(best.as_sse4_2().map(|level| ("SSE4.2", Level::Sse4_2(level))));
             all.extend(best.as_avx2().map(|level| ("AVX2", Level::Avx2(level))));
             all.extend(best.as_avx512().map(|level| ("AVX-512", Level::Avx512(level))));
         }
