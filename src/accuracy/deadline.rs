@@ -33,12 +33,12 @@ pub struct Deadline {
     /// Mean seconds for writing a frame, and the number of frames not yet written.
     writing: Mean,
     unwritten: usize,
-    frame: Frame,
+    frame: FrameInProgress,
 }
 
 /// The current frame. Times are in seconds.
 #[derive(Clone, Copy, Debug, Default)]
-struct Frame {
+struct FrameInProgress {
     place: usize,
     begun: f64,
     /// The last request for a round: its time, and the sample count and the error of the picture at that time.
@@ -114,7 +114,7 @@ impl Deadline {
             behind: Mean::default(),
             writing: Mean::default(),
             unwritten: 0,
-            frame: Frame::default(),
+            frame: FrameInProgress::default(),
         }
     }
 
@@ -193,12 +193,14 @@ impl Deadline {
 
     fn begin_at(&mut self, place: usize, now: f64) {
         self.keep(place);
-        self.frame = Frame { place, begun: now, ..Frame::default() };
+        self.frame = FrameInProgress { place, begun: now, ..FrameInProgress::default() };
     }
 
     fn end_at(&mut self, now: f64) {
         self.unwritten += 1;
-        let Frame { place, samples, asked: Some((asked, _, error)), .. } = self.frame else { return };
+        let FrameInProgress { place, samples, asked: Some((asked, _, error)), .. } = self.frame else {
+            return;
+        };
         self.behind.add(now - asked);
         if let Some(demand) = self.demands[place] {
             self.harder.add(samples, demand.samples(Demand::level(error)), 0.7);

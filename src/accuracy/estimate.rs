@@ -4,7 +4,7 @@ use std::f64::consts::SQRT_2;
 use std::sync::atomic::AtomicBool;
 
 use super::FilmError;
-use super::stop::{Stop, render, unless_cancelled};
+use super::stop::{StopReason, render, unless_cancelled};
 use crate::engine::{Engine, EngineError};
 use crate::systems::{RenderSettings, sampling_settings};
 use crate::time::Time;
@@ -58,7 +58,7 @@ pub(super) fn pair(
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<Pair, Stop> {
+) -> Result<Pair, StopReason> {
     let [(one, first), (other, second)] = [
         timed(engine, moment, RenderSettings { seed: Some(SEEDS[0]), ..settings }, cancelled)?,
         timed(engine, moment, RenderSettings { seed: Some(SEEDS[1]), ..settings }, cancelled)?,
@@ -73,7 +73,7 @@ fn single(
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<Estimate, Stop> {
+) -> Result<Estimate, StopReason> {
     let (film, seconds) = timed(engine, moment, settings, cancelled)?;
     let four = pair(
         engine,
@@ -97,7 +97,7 @@ fn timed(
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<(Film, f64), Stop> {
+) -> Result<(Film, f64), StopReason> {
     engine.set_render_settings(settings);
     let film = render(engine, moment, cancelled)?;
     let report = engine.report();

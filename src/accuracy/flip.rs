@@ -97,7 +97,7 @@ impl Perceived {
             .iter()
             .map(|values| opponent_of_xyz(XYZ * linear(*values)))
             .collect();
-        let plane = |channel: usize| Plane {
+        let plane = |channel: usize| ChannelRows {
             values: opponent.iter().map(|color| color[channel]).collect(),
             width,
             first: around.start,
@@ -113,7 +113,8 @@ impl Perceived {
             let shown = (XYZ.inverse() * xyz_of_opponent(seen)).clamp(DVec3::ZERO, DVec3::ONE);
             brightness_adjusted(lab(XYZ * shown))
         };
-        let luminance = Plane { values: luma.values.iter().map(|y| (y + 16.0) / 116.0).collect(), ..luma };
+        let luminance =
+            ChannelRows { values: luma.values.iter().map(|y| (y + 16.0) / 116.0).collect(), ..luma };
         let [edge_x, edge_y, point_x, point_y] =
             filters.features.each_ref().map(|filter| luminance.filtered(filter, rows.clone()));
         let features = |at: usize| Features {
@@ -126,14 +127,14 @@ impl Perceived {
 }
 
 /// A range of rows of one channel.
-struct Plane {
+struct ChannelRows {
     values: Vec<f64>,
     width: usize,
     /// The row of the first value.
     first: usize,
 }
 
-impl Plane {
+impl ChannelRows {
     /// Filters a range of rows. Beyond the edges of the picture, its outermost pixels are repeated.
     fn filtered(&self, filter: &[Product], rows: Range<usize>) -> Vec<f64> {
         let (width, last) = (self.width, self.values.len() / self.width - 1);

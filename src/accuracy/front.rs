@@ -45,41 +45,41 @@ impl Resolution {
 
 /// The settings that affect the time besides the number of rays: the precision, and the instants and the film's size if they are not the
 /// scene's own.
-pub(super) type Kind = (Precision, Option<u32>, Option<(u32, u32)>);
+pub(super) type CostClass = (Precision, Option<u32>, Option<(u32, u32)>);
 
 /// A setting that may be on the front.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
+pub(super) struct FrontPoint {
     /// The RMS error.
     pub(super) error: f64,
     /// The time, as a multiple of the time of the scene's own settings.
     pub(super) time: f64,
     pub(super) rays: RayCounts,
     /// The kind of the candidate, if all pixels have the same number of samples. Candidates of the same kind are compared by rays.
-    pub(super) kind: Option<Kind>,
+    pub(super) kind: Option<CostClass>,
 }
 
 /// Returns, for each candidate, whether it is on the front.
-pub(super) fn front(candidates: &[Candidate], resolution: Resolution) -> Vec<bool> {
+pub(super) fn front(candidates: &[FrontPoint], resolution: Resolution) -> Vec<bool> {
     let Resolution { rms, time } = resolution;
-    let is_as_good = |one: &Candidate, other: &Candidate| one.error <= other.error + rms;
-    let is_better = |one: &Candidate, other: &Candidate| one.error < other.error - rms;
-    let rays = |one: &Candidate, other: &Candidate| {
+    let is_as_good = |one: &FrontPoint, other: &FrontPoint| one.error <= other.error + rms;
+    let is_better = |one: &FrontPoint, other: &FrontPoint| one.error < other.error - rms;
+    let rays = |one: &FrontPoint, other: &FrontPoint| {
         if one.kind.is_some() && one.kind == other.kind { compare(&one.rays, &other.rays) } else { None }
     };
-    let by_rays = |one: &Candidate, other: &Candidate| match rays(one, other) {
+    let by_rays = |one: &FrontPoint, other: &FrontPoint| match rays(one, other) {
         Some(Ordering::Less) => is_as_good(one, other),
         Some(Ordering::Equal) => is_better(one, other),
         Some(Ordering::Greater) | None => false,
     };
-    let by_time = |one: &Candidate, other: &Candidate| {
+    let by_time = |one: &FrontPoint, other: &FrontPoint| {
         let (is_cheaper, is_as_cheap) = (one.time < other.time * (1.0 - time), one.time <= other.time);
         rays(one, other).is_none()
             && (is_cheaper && is_as_good(one, other) || is_as_cheap && is_better(one, other))
     };
     let left: Vec<bool> =
         candidates.iter().map(|other| !candidates.iter().any(|one| by_rays(one, other))).collect();
-    let is_beaten = |other: &Candidate| {
+    let is_beaten = |other: &FrontPoint| {
         candidates.iter().zip(&left).any(|(one, is_left)| *is_left && by_time(one, other))
     };
     candidates.iter().zip(&left).map(|(other, is_left)| *is_left && !is_beaten(other)).collect()
@@ -104,12 +104,12 @@ mod tests {
 
     use super::*;
 
-    fn candidate(error: f64, time: f64, rays: [u64; 4], kind: Option<Kind>) -> Candidate {
+    fn candidate(error: f64, time: f64, rays: [u64; 4], kind: Option<CostClass>) -> FrontPoint {
         let [camera, shadow, reflection, refraction] = rays;
-        Candidate { error, time, rays: RayCounts { camera, shadow, reflection, refraction }, kind }
+        FrontPoint { error, time, rays: RayCounts { camera, shadow, reflection, refraction }, kind }
     }
 
-    const GUARANTEED: Option<Kind> = Some((Precision::Guaranteed, None, None));
+    const GUARANTEED: Option<CostClass> = Some((Precision::Guaranteed, None, None));
 
     #[test]
     fn beaten_settings_are_not_on_the_front() {
@@ -199,11 +199,11 @@ mod tests {
             let times: Vec<MedianRange> =
                 truth.iter().map(|one| MedianRange::of(&[(); 4].map(|()| one.time * scatter()))).collect();
             let resolution = Resolution::of(24.95, 97_200.0, &times);
-            let measured: Vec<Candidate> = truth
+            let measured: Vec<FrontPoint> = truth
                 .iter()
                 .zip(&times)
-                .map(|(one, time)| Candidate { time: time.median, ..*one })
-                .map(|one| if is_by_medians { Candidate { kind: None, ..one } } else { one })
+                .map(|(one, time)| FrontPoint { time: time.median, ..*one })
+                .map(|one| if is_by_medians { FrontPoint { kind: None, ..one } } else { one })
                 .collect();
             front(&measured, if is_by_medians { Resolution::default() } else { resolution })
         };
@@ -226,7 +226,7 @@ mod tests {
             rms in 0.0..1.0_f64,
             time in 0.0..0.5_f64,
         ) {
-            let candidates: Vec<Candidate> = candidates
+            let candidates: Vec<FrontPoint> = candidates
                 .into_iter()
                 .map(|(error, time, rays, is_uniform)| candidate(error, time, rays, GUARANTEED.filter(|_| is_uniform)))
                 .collect();

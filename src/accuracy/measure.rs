@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use super::median_range::MedianRange;
 use super::parameter::{OwnSettings, Parameter, Subject, SweepRange, Variant, sweep, turned};
-use super::report::{Reference, Report, Row};
+use super::report::{ReferenceInfo, Report, Row};
 use super::resample::resampled;
-use super::stop::{Stop, render, unless_cancelled};
+use super::stop::{StopReason, render, unless_cancelled};
 use super::{FilmError, OutputValues, ReferenceImage, Resolution, structural_similarity};
 use crate::color::Transfer;
 use crate::components::{FilmSettings, Sampling};
@@ -76,7 +76,7 @@ pub fn measure(
     let (settings, precision, left_out) = (engine.settings(), engine.precision(), engine.left_out().to_vec());
     let timeline = engine.timeline();
     let times = request.frames.iter().map(|frame| timeline.time_of(*frame)).collect();
-    let (keep_films, work) = (request.keep_films, Work::default());
+    let (keep_films, work) = (request.keep_films, WorkEstimate::default());
     let mut measurer = Measurer { engine, times, left_out: &left_out, cancelled, observer, keep_films, work };
     let report = unless_cancelled(measurer.run(request));
     engine.set_render_settings(settings);
@@ -87,7 +87,7 @@ pub fn measure(
 
 /// The estimated work, in samples per pixel.
 #[derive(Debug, Default)]
-struct Work {
+struct WorkEstimate {
     done: f64,
     all: f64,
     /// The approximate sample count per pixel of the scene's own settings.
@@ -102,11 +102,11 @@ struct Measurer<'a> {
     cancelled: &'a AtomicBool,
     observer: &'a mut dyn Observer,
     keep_films: bool,
-    work: Work,
+    work: WorkEstimate,
 }
 
 /// All frames, rendered with one variant.
-struct Rendered {
+struct MeasuredVariant {
     films: Vec<Film>,
     /// Mean seconds per frame.
     seconds: f64,
@@ -126,14 +126,14 @@ const DEEP: u32 = 64;
 /// The references for all variants, frame by frame.
 struct ReferenceSet {
     /// The summary of the reference in the report.
-    told: Reference,
+    told: ReferenceInfo,
     films: Vec<Film>,
     /// References with the scene's own depth and cutoff. These two settings alone may prevent convergence to `films`.
     own: Vec<Film>,
 }
 
 impl Measurer<'_> {
-    fn run(&mut self, request: &Request) -> Result<Report, Stop> {
+    fn run(&mut self, request: &Request) -> Result<Report, StopReason> {
         let Preset { rounds, samples, pictures, factor } = request.thoroughness;
         let pictures = pictures.max(2);
         let plan = self.plan()?;
@@ -166,7 +166,7 @@ impl Measurer<'_> {
     }
 
     /// Renders the references.
-    fn truth(&mut self, own: OwnSettings, samples: u32, pictures: u32) -> Result<ReferenceSet, Stop> {
+    fn truth(&mut self, own: OwnSettings, samples: u32, pictures: u32) -> Result<ReferenceSet, StopReason> {
         let shallow = RenderSettings::default();
         let deep =
             RenderSettings { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
@@ -176,7 +176,7 @@ impl Measurer<'_> {
         let seeds = (pictures, own.sampling.seed, samples);
         let start = Instant::now();
         let reference = self.converged(if is_deep { shallow } else { deep }, seeds)?;
-        let told = Reference::of(&reference, samples.saturating_mul(pictures), pictures, start.elapsed());
+        let told = ReferenceInfo::of(&reference, samples.saturating_mul(pictures), pictures, start.elapsed());
         let films = films_of(reference);
         let own = if is_deep {
             films.clone()
@@ -193,7 +193,7 @@ impl Measurer<'_> {
         rows: Vec<(Subject, Variant)>,
         truth: &ReferenceSet,
         (own, reach): (OwnSettings, SweepRange),
-    ) -> Result<Vec<Row>, Stop> {
+    ) -> Result<Vec<Row>, StopReason> {
         let mut compared: Vec<Row> = Vec::with_capacity(rows.len());
         let mut best: Option<(Variant, Vec<Film>)> = None;
         for (subject, variant) in rows {
@@ -233,7 +233,7 @@ impl Measurer<'_> {
     }
 
     /// Returns the effects that are needed by any of the frames.
-    fn plan(&mut self) -> Result<Plan, Stop> {
+    fn plan(&mut self) -> Result<Plan, StopReason> {
         let mut plan: Option<Plan> = None;
         for time in self.times.clone() {
             let Some(of_frame) = self.engine.plan_at(time)?.cloned() else { continue };
@@ -242,7 +242,7 @@ impl Measurer<'_> {
                 None => plan = Some(of_frame),
             }
         }
-        plan.ok_or(Stop::Cancelled)
+        plan.ok_or(StopReason::Cancelled)
     }
 
     /// Estimates the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
@@ -255,9 +255,9 @@ impl Measurer<'_> {
     }
 
     /// Renders all frames with one variant.
-    fn render(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<Rendered, Stop> {
+    fn render(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<MeasuredVariant, StopReason> {
         variant.apply(self.engine, self.left_out);
-        let mut rendered = Rendered {
+        let mut rendered = MeasuredVariant {
             films: Vec::new(),
             seconds: 0.0,
             rays: RayCounts::default(),
@@ -298,7 +298,7 @@ impl Measurer<'_> {
         &mut self,
         settings: RenderSettings,
         (pictures, seed, samples): (u32, u64, u32),
-    ) -> Result<Vec<ReferenceImage>, Stop> {
+    ) -> Result<Vec<ReferenceImage>, StopReason> {
         /// The distance between seeds, 2^64 divided by the golden ratio. The resulting seeds are unlikely in scenes.
         const APART: u64 = 0x9e37_79b9_7f4a_7c15;
         let mut frames = vec![Vec::new(); self.times.len()];
@@ -319,7 +319,7 @@ impl Measurer<'_> {
 
     /// Measures the time of every row, as a multiple of the time of the scene's own settings right before and after. Rows take turns, so
     /// that a temporarily slow machine does not affect only one of them. Rows that trace the same rays as another row get its time.
-    fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<(), Stop> {
+    fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<(), StopReason> {
         const OWN: Option<Subject> = Some(Subject::Own);
         let (distinct, same): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|row| rows[*row].same_as.is_none());
@@ -355,7 +355,7 @@ impl Measurer<'_> {
 
     /// Measures the seconds of a frame. For quick frames, it is the minimum of several: the first one after a frame with other settings
     /// takes longer, and interruptions by the system are as long as such a frame.
-    fn seconds(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<f64, Stop> {
+    fn seconds(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<f64, StopReason> {
         /// The duration for which quick frames are repeated.
         const LEAST: Duration = Duration::from_millis(20);
         let start = Instant::now();

@@ -39,5 +39,5 @@ pub use output_values::OutputValues;
 pub use parameter::{Parameter, Subject, Variant};
 pub use reference_image::ReferenceImage;
 pub use relative_error::relative_mse;
-pub use report::{Reference, Report, Row, Share};
+pub use report::{ReferenceInfo, Report, Row, Share};
 pub use similarity::structural_similarity;

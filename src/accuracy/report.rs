@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::fit::PowerLaw;
-use super::front::{Candidate, Kind, Resolution, front};
+use super::front::{CostClass, FrontPoint, Resolution, front};
 use super::median_range::MedianRange;
 use super::parameter::{Parameter, Subject, Variant};
 use super::{FilmError, ReferenceImage};
@@ -17,7 +17,7 @@ pub struct Report {
     /// The film's width and height in pixels.
     pub size: (u32, u32),
     /// The reference for all rows.
-    pub reference: Reference,
+    pub reference: ReferenceInfo,
     /// The measured variants. The scene's own settings are the first.
     pub rows: Vec<Row>,
     /// The smallest significant differences of errors and of times.
@@ -32,7 +32,7 @@ pub struct Report {
 
 /// The reference that rows are compared with.
 #[derive(Clone, Debug)]
-pub struct Reference {
+pub struct ReferenceInfo {
     /// Samples per pixel, of all reference pictures together.
     pub samples: u32,
     /// The number of reference pictures.
@@ -104,7 +104,7 @@ impl Row {
         Share { median, deviation: 0.5 * (high - low), is_clamped }
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> CostClass {
         (self.variant.precision, self.variant.settings.instants, self.variant.settings.size)
     }
 
@@ -118,7 +118,7 @@ impl Row {
     }
 }
 
-impl Reference {
+impl ReferenceInfo {
     /// Combines the references of all frames.
     pub(super) fn of(frames: &[ReferenceImage], samples: u32, pictures: u32, time: Duration) -> Self {
         let most = |of: fn(&ReferenceImage) -> f64| frames.iter().map(of).fold(0.0, f64::max);
@@ -157,7 +157,7 @@ impl Report {
 
     /// Finds the Pareto front and fits the orders of convergence.
     pub(super) fn conclude(&mut self) {
-        let candidates: Vec<(usize, Candidate)> = self
+        let candidates: Vec<(usize, FrontPoint)> = self
             .rows
             .iter()
             .enumerate()
@@ -165,7 +165,7 @@ impl Report {
                 !matches!(row.subject, Subject::Without(_)) && row.same_as.is_none() && row.capped.is_none()
             })
             .map(|(index, row)| {
-                let candidate = Candidate {
+                let candidate = FrontPoint {
                     // Smaller errors cannot be distinguished.
                     error: row.error.rms.max(self.reference.rms),
                     time: row.relative.median,
@@ -179,7 +179,7 @@ impl Report {
         let times: Vec<MedianRange> =
             candidates.iter().map(|(index, _)| self.rows[*index].relative).collect();
         self.resolution = Resolution::of(self.reference.max, values, &times);
-        let candidates_alone: Vec<Candidate> = candidates.iter().map(|(_, candidate)| *candidate).collect();
+        let candidates_alone: Vec<FrontPoint> = candidates.iter().map(|(_, candidate)| *candidate).collect();
         for ((index, _), on_front) in candidates.iter().zip(front(&candidates_alone, self.resolution)) {
             self.rows[*index].on_front = on_front;
         }

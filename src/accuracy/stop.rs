@@ -8,29 +8,29 @@ use crate::trace::Film;
 
 /// The reason for the early end of a measurement.
 #[derive(Debug)]
-pub(super) enum Stop {
+pub(super) enum StopReason {
     /// The measurement was cancelled.
     Cancelled,
     /// A frame cannot be rendered.
     Failed(EngineError),
 }
 
-impl From<EngineError> for Stop {
+impl From<EngineError> for StopReason {
     fn from(error: EngineError) -> Self {
         Self::Failed(error)
     }
 }
 
 /// Renders one picture of a measurement.
-pub(super) fn render(engine: &mut Engine, time: Time, cancelled: &AtomicBool) -> Result<Film, Stop> {
-    engine.render_unless(time, cancelled)?.ok_or(Stop::Cancelled)
+pub(super) fn render(engine: &mut Engine, time: Time, cancelled: &AtomicBool) -> Result<Film, StopReason> {
+    engine.render_unless(time, cancelled)?.ok_or(StopReason::Cancelled)
 }
 
 /// Returns the measurement; `None` if it was cancelled.
-pub(super) fn unless_cancelled<T>(measured: Result<T, Stop>) -> Result<Option<T>, EngineError> {
+pub(super) fn unless_cancelled<T>(measured: Result<T, StopReason>) -> Result<Option<T>, EngineError> {
     match measured {
         Ok(measured) => Ok(Some(measured)),
-        Err(Stop::Cancelled) => Ok(None),
-        Err(Stop::Failed(error)) => Err(error),
+        Err(StopReason::Cancelled) => Ok(None),
+        Err(StopReason::Failed(error)) => Err(error),
     }
 }

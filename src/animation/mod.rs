@@ -43,4 +43,4 @@ pub use rotation::{Rotation, slerp};
 pub use track::{Key, Track};
 #[doc(hidden)]
 pub use value::Notation;
-pub use value::{Kind, Value};
+pub use value::{Value, ValueKind};

@@ -19,7 +19,7 @@ pub enum Value {
 
 /// The kinds of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum ValueKind {
     /// [`Value::Number`].
     Number,
     /// [`Value::Vector`].
@@ -33,12 +33,12 @@ pub enum Kind {
 impl Value {
     /// Returns the kind of this value.
     #[must_use]
-    pub const fn kind(self) -> Kind {
+    pub const fn kind(self) -> ValueKind {
         match self {
-            Self::Number(_) => Kind::Number,
-            Self::Vector(_) => Kind::Vector,
-            Self::Rotation(_) => Kind::Rotation,
-            Self::Color(_) => Kind::Color,
+            Self::Number(_) => ValueKind::Number,
+            Self::Vector(_) => ValueKind::Vector,
+            Self::Rotation(_) => ValueKind::Rotation,
+            Self::Color(_) => ValueKind::Color,
         }
     }
 }
@@ -65,12 +65,12 @@ pub enum Notation {
 impl Notation {
     /// Returns the kind of the values written in this notation.
     #[must_use]
-    pub const fn kind(self) -> Kind {
+    pub const fn kind(self) -> ValueKind {
         match self {
-            Self::Number | Self::Degrees => Kind::Number,
-            Self::Vector | Self::Scale => Kind::Vector,
-            Self::Rotation => Kind::Rotation,
-            Self::Light | Self::Color => Kind::Color,
+            Self::Number | Self::Degrees => ValueKind::Number,
+            Self::Vector | Self::Scale => ValueKind::Vector,
+            Self::Rotation => ValueKind::Rotation,
+            Self::Light | Self::Color => ValueKind::Color,
         }
     }
 }

@@ -15,14 +15,14 @@ use rayreel::Engine;
 use rayreel::accuracy::FrameSamples;
 use rayreel::components::Sampling;
 use rayreel::output::folder_of;
-use rayreel::sequence::Shot;
+use rayreel::sequence::FrameRequest;
 use rayreel::trace::EstimatedError;
 
 use super::args::RenderArguments;
 use super::deadline::Paced;
 use super::exit::Failure;
 use super::settings::OutputSettings;
-use super::settings_file::{FrameSettings, Picture, SettingsFile};
+use super::settings_file::{FrameRecord, PictureKey, SettingsFile};
 
 /// Selects the samples of each frame and records the selection.
 pub(super) struct SampleSelection {
@@ -59,7 +59,7 @@ struct Record {
     /// True if each frame has its own file. The record of a sheet is written only once the sheet is complete.
     is_of_files: bool,
     /// The pictures recorded by this run.
-    noted: BTreeSet<Picture>,
+    noted: BTreeSet<PictureKey>,
     /// Frames whose estimated error exceeds the target, with that error.
     worse: Vec<(String, f64)>,
     /// Frames that may exceed the target because of features that no sample hit, with the error of those features.
@@ -118,7 +118,7 @@ impl SampleSelection {
     }
 
     /// Configures the engine for checking whether the file of a frame can be kept.
-    pub(super) fn begin(&mut self, engine: &mut Engine, shot: &Shot) {
+    pub(super) fn begin(&mut self, engine: &mut Engine, shot: &FrameRequest) {
         self.begun = Instant::now();
         self.samples = match &self.by {
             By::Scene => None,
@@ -139,7 +139,7 @@ impl SampleSelection {
     }
 
     /// Records that the file of the frame was kept.
-    pub(super) fn keep(&mut self, shot: &Shot) {
+    pub(super) fn keep(&mut self, shot: &FrameRequest) {
         if let By::Deadline(paced) = &mut self.by {
             paced.keep();
         }
@@ -149,7 +149,7 @@ impl SampleSelection {
     }
 
     /// Records the samples and the result of the rendered frame.
-    pub(super) fn end(&mut self, engine: &Engine, shot: &Shot) -> anyhow::Result<()> {
+    pub(super) fn end(&mut self, engine: &Engine, shot: &FrameRequest) -> anyhow::Result<()> {
         let took = self.begun.elapsed();
         if let By::Deadline(paced) = &mut self.by {
             paced.end();
@@ -216,7 +216,7 @@ impl Record {
         &mut self,
         engine: &Engine,
         FrameSamples { samples, max_error, rounds }: FrameSamples,
-        shot: &Shot,
+        shot: &FrameRequest,
         took: Duration,
     ) {
         let (film, report) = (engine.film_settings(), engine.report());
@@ -228,8 +228,8 @@ impl Record {
             }
         }
         let error = report.error.map(|error| error.value);
-        self.noted.insert(Picture::of_shot(shot));
-        self.settings.put(FrameSettings {
+        self.noted.insert(PictureKey::of_shot(shot));
+        self.settings.put(FrameRecord {
             frame: shot.frame,
             time: shot.time.seconds(),
             samples,
@@ -243,16 +243,16 @@ impl Record {
     }
 
     /// Returns the recorded samples of a shot, if they were selected for the same deadline.
-    fn of_deadline(&self, shot: &Shot) -> Option<FrameSamples> {
+    fn of_deadline(&self, shot: &FrameRequest) -> Option<FrameSamples> {
         Some(self.settings.of_deadline(shot, self.deadline?)?.0)
     }
 
     /// Records the samples of a kept frame. An existing entry stays unchanged.
-    fn note_kept(&mut self, samples: Option<FrameSamples>, shot: &Shot) {
+    fn note_kept(&mut self, samples: Option<FrameSamples>, shot: &FrameRequest) {
         let Some(FrameSamples { samples, max_error, rounds }) = samples else { return };
-        self.noted.insert(Picture::of_shot(shot));
+        self.noted.insert(PictureKey::of_shot(shot));
         if self.settings.samples_of(shot).is_none() {
-            self.settings.put(FrameSettings {
+            self.settings.put(FrameRecord {
                 frame: shot.frame,
                 time: shot.time.seconds(),
                 samples,

@@ -12,7 +12,7 @@ use rayreel::Engine;
 use rayreel::accuracy::{Deadline, FrameSamples, FrameSurvey, survey_order};
 use rayreel::components::Sampling;
 use rayreel::output::{Sequence, WriteError};
-use rayreel::sequence::{Existing, FrameVerdict, SequenceObserver, Shot};
+use rayreel::sequence::{Existing, FrameRequest, FrameVerdict, SequenceObserver};
 use rayreel::trace::RoundPolicy;
 
 use super::exit::Failure;
@@ -49,7 +49,7 @@ impl Paced {
         (start, within): (Instant, Duration),
         cancelled: &AtomicBool,
     ) -> Result<Option<Self>, Failure> {
-        let shots: Vec<Shot> = settings.shots().collect();
+        let shots: Vec<FrameRequest> = settings.shots().collect();
         let (mut used, mut wanted, mut kept) = (0.0, Vec::new(), Vec::new());
         for (place, shot) in shots.iter().enumerate() {
             match kept_seconds(engine, shot, (settings, known), within)? {
@@ -135,7 +135,7 @@ impl Paced {
 /// Returns the seconds that a shot took, if its file is valid and its samples were selected for the same deadline.
 fn kept_seconds(
     engine: &mut Engine,
-    shot: &Shot,
+    shot: &FrameRequest,
     (settings, known): (&OutputSettings, &SettingsFile),
     within: Duration,
 ) -> Result<Option<f64>, Failure> {
@@ -158,7 +158,7 @@ struct Surveyed {
 /// folder in the format of the sequence.
 fn survey(
     engine: &mut Engine,
-    (shots, wanted): (&[Shot], &[usize]),
+    (shots, wanted): (&[FrameRequest], &[usize]),
     (settings, folder): (&OutputSettings, &Path),
     deadline: &mut Deadline,
     cancelled: &AtomicBool,
@@ -211,18 +211,18 @@ struct Surveyor {
 }
 
 impl SequenceObserver for Surveyor {
-    fn render(&mut self, engine: &mut Engine, _: &Shot) {
+    fn render(&mut self, engine: &mut Engine, _: &FrameRequest) {
         FrameSamples::for_error(LEAST_ERROR, Sampling::LARGEST_COUNT).set_up(engine);
         engine.set_round_policy(Some(self.survey.clone() as Arc<Mutex<dyn RoundPolicy>>));
     }
 
-    fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
+    fn rendered(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {
         let first = self.survey.lock().unwrap_or_else(PoisonError::into_inner).first_round();
         self.first = (first.unwrap_or_else(Instant::now) - self.begun).as_secs_f64();
         ControlFlow::Continue(())
     }
 
-    fn written(&mut self, _: &Shot, took: Duration) {
+    fn written(&mut self, _: &FrameRequest, took: Duration) {
         self.writing = took.as_secs_f64();
     }
 

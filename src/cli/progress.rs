@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{FormattedDuration, ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use rayreel::sequence::{FrameVerdict, Shot};
+use rayreel::sequence::{FrameRequest, FrameVerdict};
 use rayreel::trace::RenderProgress;
 
 use super::print;
@@ -56,7 +56,7 @@ struct FrameTimes {
 /// A slow frame.
 #[derive(Clone, Copy, Debug)]
 struct SlowFrame {
-    shot: Shot,
+    shot: FrameRequest,
     begun: Instant,
     progress: RenderProgress,
 }
@@ -78,7 +78,7 @@ impl Progress {
     }
 
     /// Reports a shot whose file was kept.
-    pub(super) fn kept(&mut self, shot: &Shot, file: &Path) {
+    pub(super) fn kept(&mut self, shot: &FrameRequest, file: &Path) {
         self.times.done += 1;
         let FrameTimes { total, done, .. } = self.times;
         match &self.display {
@@ -104,7 +104,7 @@ impl Progress {
     }
 
     /// Reports the progress of a slow shot.
-    pub(super) fn rendering(&mut self, shot: &Shot, progress: RenderProgress) {
+    pub(super) fn rendering(&mut self, shot: &FrameRequest, progress: RenderProgress) {
         let now = Instant::now();
         let begun = self.slow.filter(|slow| slow.shot == *shot).map_or(now, |slow| slow.begun);
         self.slow = Some(SlowFrame { shot: *shot, begun, progress });

@@ -11,7 +11,7 @@ use serde_json::json;
 
 use rayreel::output::{FoundFrame, WriteError, frame_size, remove_leftovers};
 use rayreel::scene::{Sources, input::is_stream};
-use rayreel::sequence::{FrameVerdict, SequenceObserver, Shot, Surplus, find_surplus};
+use rayreel::sequence::{FrameRequest, FrameVerdict, SequenceObserver, Surplus, find_surplus};
 use rayreel::trace::RenderProgress;
 use rayreel::{Engine, Scene};
 
@@ -229,15 +229,15 @@ struct Reporter<'a> {
 }
 
 impl SequenceObserver for Reporter<'_> {
-    fn begin(&mut self, engine: &mut Engine, shot: &Shot) {
+    fn begin(&mut self, engine: &mut Engine, shot: &FrameRequest) {
         self.choice.begin(engine, shot);
     }
 
-    fn render(&mut self, engine: &mut Engine, _: &Shot) {
+    fn render(&mut self, engine: &mut Engine, _: &FrameRequest) {
         self.choice.render(engine);
     }
 
-    fn kept(&mut self, engine: &Engine, shot: &Shot) -> ControlFlow<()> {
+    fn kept(&mut self, engine: &Engine, shot: &FrameRequest) -> ControlFlow<()> {
         self.report.warnings.look(engine, &shot.moment());
         self.choice.keep(shot);
         self.report.kept.push(shot.frame);
@@ -245,15 +245,15 @@ impl SequenceObserver for Reporter<'_> {
         Continue(())
     }
 
-    fn rejected(&mut self, shot: &Shot, verdict: &FrameVerdict) {
+    fn rejected(&mut self, shot: &FrameRequest, verdict: &FrameVerdict) {
         self.progress.rejected(&shot.file(&self.settings.sequence), verdict);
     }
 
-    fn rendering(&mut self, shot: &Shot, progress: RenderProgress) {
+    fn rendering(&mut self, shot: &FrameRequest, progress: RenderProgress) {
         self.progress.rendering(shot, progress);
     }
 
-    fn rendered(&mut self, engine: &Engine, shot: &Shot) -> ControlFlow<()> {
+    fn rendered(&mut self, engine: &Engine, shot: &FrameRequest) -> ControlFlow<()> {
         self.noted = self.choice.end(engine, shot);
         self.report.warnings.look(engine, &shot.moment());
         let path = shot.file(&self.settings.sequence);
@@ -262,7 +262,7 @@ impl SequenceObserver for Reporter<'_> {
         if self.noted.is_ok() { Continue(()) } else { Break(()) }
     }
 
-    fn written(&mut self, _: &Shot, duration: Duration) {
+    fn written(&mut self, _: &FrameRequest, duration: Duration) {
         self.choice.written(duration);
         let Some(shot) = self.unwritten.pop_front() else { return };
         let shot = shot.written(duration);

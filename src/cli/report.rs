@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use rayreel::scene::Sources;
-use rayreel::sequence::Shot;
+use rayreel::sequence::FrameRequest;
 use rayreel::trace::{Escalations, EstimatedError, RayCounts, TreeEnds};
 use rayreel::{Effect, Engine, FrameReport, Plan};
 
@@ -183,7 +183,12 @@ impl SheetReport {
 
 impl ShotReport {
     /// Creates the report of the engine's last frame, whose cost is `cost`. `path` is `None` if the frame has no file of its own.
-    pub(super) fn new(shot: &Shot, path: Option<PathBuf>, engine: &Engine, cost: FrameReport) -> Self {
+    pub(super) fn new(
+        shot: &FrameRequest,
+        path: Option<PathBuf>,
+        engine: &Engine,
+        cost: FrameReport,
+    ) -> Self {
         let needed = engine.plan().into_iter().flat_map(Plan::needed).collect();
         Self { frame: shot.frame, path, cost, needed, write: Duration::ZERO }
     }
@@ -198,7 +203,7 @@ impl ShotReport {
     }
 
     /// Returns whether this is the report of a shot.
-    pub(super) fn is_of(&self, shot: &Shot) -> bool {
+    pub(super) fn is_of(&self, shot: &FrameRequest) -> bool {
         (self.frame, self.cost.time) == (shot.frame, shot.time)
     }
 

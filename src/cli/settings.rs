@@ -8,7 +8,7 @@ use anyhow::{Context, bail, ensure};
 use rayreel::components::{FilmSettings, Quality};
 use rayreel::output::{Channels, FrameFormat, Sequence, Sheet, VideoFormat};
 use rayreel::scene::input::is_stream;
-use rayreel::sequence::{Existing, RenderOrder, Shot};
+use rayreel::sequence::{Existing, FrameRequest, RenderOrder};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Engine, Time};
 
@@ -116,20 +116,20 @@ impl OutputSettings {
     }
 
     /// Returns all pictures in the order of rendering.
-    pub(super) fn shots(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
+    pub(super) fn shots(&self) -> Box<dyn Iterator<Item = FrameRequest> + '_> {
         match &self.selection {
-            Selection::Moment(time) => Box::new(std::iter::once(Shot { frame: None, time: *time })),
+            Selection::Moment(time) => Box::new(std::iter::once(FrameRequest { frame: None, time: *time })),
             Selection::Frames(frames, timeline) => {
-                Box::new(self.order.of(frames).map(|index| Shot::frame(index, *timeline)))
+                Box::new(self.order.of(frames).map(|index| FrameRequest::frame(index, *timeline)))
             }
             Selection::Nothing => Box::new(std::iter::empty()),
         }
     }
 
     /// Returns all pictures in ascending order of time.
-    pub(super) fn ascending(&self) -> Box<dyn Iterator<Item = Shot> + '_> {
+    pub(super) fn ascending(&self) -> Box<dyn Iterator<Item = FrameRequest> + '_> {
         match &self.selection {
-            Selection::Frames(frames, timeline) => Box::new(Shot::frames(frames, *timeline)),
+            Selection::Frames(frames, timeline) => Box::new(FrameRequest::frames(frames, *timeline)),
             Selection::Moment(_) | Selection::Nothing => self.shots(),
         }
     }

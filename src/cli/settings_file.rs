@@ -11,24 +11,24 @@ use rayreel::accuracy::FrameSamples;
 use rayreel::components::Sampling;
 use rayreel::output::write_bytes;
 use rayreel::scene::input::{self, InputKind};
-use rayreel::sequence::Shot;
+use rayreel::sequence::FrameRequest;
 
 /// The samples that were selected for frames, and the results.
 #[derive(Debug, Default)]
 pub(super) struct SettingsFile {
-    frames: BTreeMap<Picture, FrameSettings>,
+    frames: BTreeMap<PictureKey, FrameRecord>,
 }
 
 /// Key of a picture: the number of a frame, or the bits of a moment's time in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Picture {
+pub(super) enum PictureKey {
     Frame(u32),
     Moment(u64),
 }
 
 /// The samples that were selected for a frame, and the results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct FrameSettings {
+pub(super) struct FrameRecord {
     /// Number of the frame; `null` for a moment that is not a frame.
     pub(super) frame: Option<u32>,
     /// Time on the timeline, in seconds.
@@ -52,12 +52,12 @@ pub(super) struct FrameSettings {
 
 /// Contents of the settings file.
 #[derive(Serialize, Deserialize)]
-struct Content {
+struct SettingsContent {
     #[serde(default)]
     rayreel: String,
     #[serde(default)]
     scene: String,
-    frames: Vec<FrameSettings>,
+    frames: Vec<FrameRecord>,
 }
 
 impl SettingsFile {
@@ -68,10 +68,10 @@ impl SettingsFile {
         const MOST: u64 = 1 << 28;
         let bytes =
             input::read(file, InputKind::Refused, MOST).with_context(|| format!("cannot read `{name}`"))?;
-        let content: Content = serde_json::from_slice(&bytes).with_context(|| {
+        let content: SettingsContent = serde_json::from_slice(&bytes).with_context(|| {
             format!("`{name}` is not a file of settings, as render --max-error and --deadline write it")
         })?;
-        for FrameSettings { time, samples, max_error, .. } in &content.frames {
+        for FrameRecord { time, samples, max_error, .. } in &content.frames {
             let most = Sampling::LARGEST_COUNT;
             ensure!(
                 (1..=most).contains(samples),
@@ -87,31 +87,31 @@ impl SettingsFile {
     }
 
     /// Returns the samples of a shot.
-    pub(super) fn samples_of(&self, shot: &Shot) -> Option<FrameSamples> {
-        let FrameSettings { samples, max_error, rounds, .. } = self.frames.get(&Picture::of_shot(shot))?;
+    pub(super) fn samples_of(&self, shot: &FrameRequest) -> Option<FrameSamples> {
+        let FrameRecord { samples, max_error, rounds, .. } = self.frames.get(&PictureKey::of_shot(shot))?;
         Some(FrameSamples { samples: *samples, max_error: *max_error, rounds: rounds.clone() })
     }
 
     /// Returns the samples that were selected for a shot under this deadline, and the seconds that it took.
-    pub(super) fn of_deadline(&self, shot: &Shot, deadline: f64) -> Option<(FrameSamples, f64)> {
-        let frame = self.frames.get(&Picture::of_shot(shot))?;
+    pub(super) fn of_deadline(&self, shot: &FrameRequest, deadline: f64) -> Option<(FrameSamples, f64)> {
+        let frame = self.frames.get(&PictureKey::of_shot(shot))?;
         let is_it = frame.deadline_seconds == Some(deadline);
         is_it.then(|| self.samples_of(shot)).flatten().map(|samples| (samples, frame.seconds))
     }
 
     /// Inserts a frame, replacing its existing entry.
-    pub(super) fn put(&mut self, frame: FrameSettings) {
+    pub(super) fn put(&mut self, frame: FrameRecord) {
         self.frames.insert(frame.picture(), frame);
     }
 
     /// Inserts the entries of another file, except for the pictures in `own`.
-    pub(super) fn put_others(&mut self, other: Self, own: &BTreeSet<Picture>) {
+    pub(super) fn put_others(&mut self, other: Self, own: &BTreeSet<PictureKey>) {
         self.frames.extend(other.frames.into_iter().filter(|(picture, _)| !own.contains(picture)));
     }
 
     /// Writes the file atomically.
     pub(super) fn write(&self, file: &Path, scene: &Path) -> anyhow::Result<()> {
-        let content = Content {
+        let content = SettingsContent {
             rayreel: env!("CARGO_PKG_VERSION").to_owned(),
             scene: scene.display().to_string(),
             frames: self.frames.values().cloned().collect(),
@@ -120,15 +120,15 @@ impl SettingsFile {
     }
 }
 
-impl FrameSettings {
-    fn picture(&self) -> Picture {
-        Picture::of(self.frame, self.time)
+impl FrameRecord {
+    fn picture(&self) -> PictureKey {
+        PictureKey::of(self.frame, self.time)
     }
 }
 
-impl Picture {
+impl PictureKey {
     /// Returns the key of a shot.
-    pub(super) fn of_shot(shot: &Shot) -> Self {
+    pub(super) fn of_shot(shot: &FrameRequest) -> Self {
         Self::of(shot.frame, shot.time.seconds())
     }
 

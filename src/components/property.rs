@@ -3,7 +3,7 @@
 //! | fact | determines |
 //! |---|---|
 //! | the name | the name in scene files, scripts and messages |
-//! | [`Part`] | the entities, cameras and materials that have the property as a channel; the changes that a write declares |
+//! | [`Requirement`] | the entities, cameras and materials that have the property as a channel; the changes that a write declares |
 //! | [`Quantity`] | the notation of the values; the valid keys; the range to which values are clamped; use with paths |
 //!
 //! For a new row the compiler requires an accessor (`systems::parts`) and a case in `tests/engine/every_channel.rs`; a test requires a line
@@ -11,11 +11,11 @@
 
 use super::quantity::Quantity;
 use super::table::table;
-use crate::animation::{Kind, Notation};
+use crate::animation::{Notation, ValueKind};
 
 /// The requirement for an entity, a camera or the scene to have a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
+pub(crate) enum Requirement {
     /// No requirement: every entity has a transform.
     Transform,
     /// A shape that is a sphere.
@@ -71,93 +71,93 @@ pub(crate) enum Part {
 table! {
     /// A value of an entity that a [`Motion`](super::Motion) can drive. Angles are in radians, light is linear.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-    pub enum Property: (Part, Quantity) {
+    pub enum Property: (Requirement, Quantity) {
         /// [`Transform::translation`](super::Transform::translation).
-        Translation => (Part::Transform, Quantity::Point),
+        Translation => (Requirement::Transform, Quantity::Point),
         /// [`Transform::rotation`](super::Transform::rotation).
-        Rotation => (Part::Transform, Quantity::Rotation),
+        Rotation => (Requirement::Transform, Quantity::Rotation),
         /// [`Transform::scale`](super::Transform::scale).
-        Scale => (Part::Transform, Quantity::Factors),
+        Scale => (Requirement::Transform, Quantity::Factors),
         /// The radius of a [`Shape::Sphere`](super::Shape).
-        Radius => (Part::Sphere, Quantity::Length),
+        Radius => (Requirement::Sphere, Quantity::Length),
         /// The edges of a [`Shape::Box`](super::Shape).
-        Size => (Part::Box, Quantity::Edges),
+        Size => (Requirement::Box, Quantity::Edges),
         /// The normal of a [`Shape::Plane`](super::Shape).
-        Normal => (Part::Plane, Quantity::Direction),
+        Normal => (Requirement::Plane, Quantity::Direction),
         /// [`Material::k_a`](super::Material::k_a).
-        Ka => (Part::Material, Quantity::Coefficient),
+        Ka => (Requirement::Material, Quantity::Coefficient),
         /// [`Material::k_d`](super::Material::k_d).
-        Kd => (Part::Material, Quantity::Coefficient),
+        Kd => (Requirement::Material, Quantity::Coefficient),
         /// [`Material::color`](super::Material::color).
-        Color => (Part::Material, Quantity::Color),
+        Color => (Requirement::Material, Quantity::Color),
         /// [`Material::ambient_color`](super::Material::ambient_color).
-        AmbientColor => (Part::Material, Quantity::Color),
+        AmbientColor => (Requirement::Material, Quantity::Color),
         /// [`Specular::k_s`](super::Specular::k_s).
-        Ks => (Part::Specular, Quantity::Coefficient),
+        Ks => (Requirement::Specular, Quantity::Coefficient),
         /// [`Specular::shininess`](super::Specular::shininess).
-        Shininess => (Part::Specular, Quantity::Shininess),
+        Shininess => (Requirement::Specular, Quantity::Shininess),
         /// [`Reflective::k_r`](super::Reflective::k_r).
-        Kr => (Part::Reflective, Quantity::Coefficient),
+        Kr => (Requirement::Reflective, Quantity::Coefficient),
         /// [`Refractive::k_t`](super::Refractive::k_t).
-        Kt => (Part::Refractive, Quantity::Coefficient),
+        Kt => (Requirement::Refractive, Quantity::Coefficient),
         /// [`Refractive::ior`](super::Refractive::ior).
-        Ior => (Part::Refractive, Quantity::RefractiveIndex),
+        Ior => (Requirement::Refractive, Quantity::RefractiveIndex),
         /// [`Refractive::absorption`](super::Refractive::absorption).
-        Absorption => (Part::Refractive, Quantity::Absorption),
+        Absorption => (Requirement::Refractive, Quantity::Absorption),
         /// [`Checker::color`](super::Checker::color).
-        CheckerColor => (Part::Checker, Quantity::Color),
+        CheckerColor => (Requirement::Checker, Quantity::Color),
         /// [`Checker::size`](super::Checker::size).
-        CheckerSize => (Part::Checker, Quantity::Length),
+        CheckerSize => (Requirement::Checker, Quantity::Length),
         /// [`Light::intensity`](super::Light::intensity).
-        Intensity => (Part::Light, Quantity::Light),
+        Intensity => (Requirement::Light, Quantity::Light),
         /// The direction of a [`LightKind::Directional`](super::LightKind).
-        Direction => (Part::DirectionalLight, Quantity::Direction),
+        Direction => (Requirement::DirectionalLight, Quantity::Direction),
         /// The angle of a [`LightKind::Spot`](super::LightKind).
-        Angle => (Part::SpotLight, Quantity::SpotAngle),
+        Angle => (Requirement::SpotLight, Quantity::SpotAngle),
         /// The softness of a [`LightKind::Spot`](super::LightKind).
-        Softness => (Part::SpotLight, Quantity::Softness),
+        Softness => (Requirement::SpotLight, Quantity::Softness),
         /// The coefficients c0, c1, c2 of a [`Falloff`](super::Falloff).
-        Falloff => (Part::Falloff, Quantity::Falloff),
+        Falloff => (Requirement::Falloff, Quantity::Falloff),
         /// The radius of an [`AreaShape::Sphere`](super::AreaShape).
-        LightRadius => (Part::SphereLight, Quantity::Length),
+        LightRadius => (Requirement::SphereLight, Quantity::Length),
         /// The width of an [`AreaShape::Rectangle`](super::AreaShape).
-        LightWidth => (Part::RectangleLight, Quantity::Length),
+        LightWidth => (Requirement::RectangleLight, Quantity::Length),
         /// The height of an [`AreaShape::Rectangle`](super::AreaShape).
-        LightHeight => (Part::RectangleLight, Quantity::Length),
+        LightHeight => (Requirement::RectangleLight, Quantity::Length),
         /// [`Camera::position`](super::Camera::position).
-        Position => (Part::Camera, Quantity::Point),
+        Position => (Requirement::Camera, Quantity::Point),
         /// [`View::Target`](super::View::Target).
-        Target => (Part::View, Quantity::Point),
+        Target => (Requirement::View, Quantity::Point),
         /// [`View::Direction`](super::View::Direction).
-        View => (Part::View, Quantity::Direction),
+        View => (Requirement::View, Quantity::Direction),
         /// [`Camera::up`](super::Camera::up).
-        Up => (Part::Camera, Quantity::Direction),
+        Up => (Requirement::Camera, Quantity::Direction),
         /// [`Camera::roll`](super::Camera::roll).
-        Roll => (Part::Camera, Quantity::Turn),
+        Roll => (Requirement::Camera, Quantity::Turn),
         /// The angle of a [`Projection::FieldOfView`](super::Projection).
-        Fov => (Part::FieldOfView, Quantity::FieldOfView),
+        Fov => (Requirement::FieldOfView, Quantity::FieldOfView),
         /// The distance of a [`Projection::Screen`](super::Projection).
-        ScreenDistance => (Part::Screen, Quantity::Length),
+        ScreenDistance => (Requirement::Screen, Quantity::Length),
         /// The width of a [`Projection::Screen`](super::Projection), if given.
-        ScreenWidth => (Part::ScreenWidth, Quantity::Length),
+        ScreenWidth => (Requirement::ScreenWidth, Quantity::Length),
         /// The height of a [`Projection::Screen`](super::Projection).
-        ScreenHeight => (Part::Screen, Quantity::Length),
+        ScreenHeight => (Requirement::Screen, Quantity::Length),
         /// [`Lens::aperture`](super::Lens::aperture).
-        Aperture => (Part::Lens, Quantity::Aperture),
+        Aperture => (Requirement::Lens, Quantity::Aperture),
         /// [`Lens::focus`](super::Lens::focus).
-        Focus => (Part::Lens, Quantity::Length),
+        Focus => (Requirement::Lens, Quantity::Length),
         /// [`Ambient`](super::Ambient).
-        Ambient => (Part::AmbientLight, Quantity::Light),
+        Ambient => (Requirement::AmbientLight, Quantity::Light),
         /// The colour of a [`Background::Flat`](super::Background).
-        Background => (Part::FlatBackground, Quantity::Color),
+        Background => (Requirement::FlatBackground, Quantity::Color),
         /// The bottom of a [`Background::Gradient`](super::Background).
-        BackgroundBottom => (Part::Gradient, Quantity::Color),
+        BackgroundBottom => (Requirement::Gradient, Quantity::Color),
         /// The top of a [`Background::Gradient`](super::Background).
-        BackgroundTop => (Part::Gradient, Quantity::Color),
+        BackgroundTop => (Requirement::Gradient, Quantity::Color),
         /// [`Fog::color`](super::Fog::color).
-        FogColor => (Part::Fog, Quantity::Color),
+        FogColor => (Requirement::Fog, Quantity::Color),
         /// [`Fog::density`](super::Fog::density).
-        FogDensity => (Part::Fog, Quantity::Density),
+        FogDensity => (Requirement::Fog, Quantity::Density),
     }
 }
 
@@ -174,7 +174,7 @@ impl Property {
     }
 
     /// Returns the requirement for having the property.
-    pub(crate) const fn part(self) -> Part {
+    pub(crate) const fn part(self) -> Requirement {
         self.row().1.0
     }
 
@@ -192,7 +192,7 @@ impl Property {
 
     /// Returns the kind of its values.
     #[must_use]
-    pub const fn kind(self) -> Kind {
+    pub const fn kind(self) -> ValueKind {
         self.notation().kind()
     }
 }

@@ -12,13 +12,13 @@ use super::pixel_info::PixelInfo;
 
 /// A command to a session.
 #[derive(Debug)]
-pub enum Command {
+pub enum SessionCommand {
     /// Reads the files again after a change.
     Reload,
     /// Changes the view.
-    View(View),
+    ViewChange(ViewChange),
     /// Describes a pixel of the film, given by column and row.
-    Probe((u32, u32), Answer),
+    Probe((u32, u32), ProbeReply),
     /// Ends the session.
     Stop,
 }
@@ -26,7 +26,7 @@ pub enum Command {
 /// A change of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum View {
+pub enum ViewChange {
     /// Shows a frame. Indices beyond the last frame show the last frame.
     Seek {
         /// Index of the frame, from 0.
@@ -57,9 +57,9 @@ pub enum Detail {
 }
 
 /// A callback that receives the result of a probe.
-pub struct Answer(pub Box<dyn FnOnce(Option<PixelInfo>) + Send>);
+pub struct ProbeReply(pub Box<dyn FnOnce(Option<PixelInfo>) + Send>);
 
-impl fmt::Debug for Answer {
+impl fmt::Debug for ProbeReply {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str("Answer")
     }
@@ -68,7 +68,7 @@ impl fmt::Debug for Answer {
 /// The queue of pending commands.
 #[derive(Debug, Default)]
 pub(super) struct CommandQueue {
-    commands: Mutex<Vec<Command>>,
+    commands: Mutex<Vec<SessionCommand>>,
     posted: Condvar,
     /// True if a pending command interrupts the current work.
     interrupt: AtomicBool,
@@ -85,9 +85,10 @@ pub(super) enum WaitMode {
 }
 
 impl CommandQueue {
-    pub(super) fn send(&self, command: Command) {
+    pub(super) fn send(&self, command: SessionCommand) {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_pressing = !matches!(command, Command::View(View::Seek { playing: true, .. }));
+        let is_pressing =
+            !matches!(command, SessionCommand::ViewChange(ViewChange::Seek { playing: true, .. }));
         commands.push(command);
         self.interrupt.store(true, Ordering::Relaxed);
         self.urgent.fetch_or(is_pressing, Ordering::Relaxed);
@@ -95,7 +96,7 @@ impl CommandQueue {
     }
 
     /// Waits for commands within `wait_mode`. Returns all commands since the last call, in order.
-    pub(super) fn take(&self, wait_mode: WaitMode) -> Vec<Command> {
+    pub(super) fn take(&self, wait_mode: WaitMode) -> Vec<SessionCommand> {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         while commands.is_empty() {
             commands = match wait_mode {
@@ -119,7 +120,7 @@ impl CommandQueue {
     pub(super) fn take_reload(&self) -> bool {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         let count = commands.len();
-        commands.retain(|command| !matches!(command, Command::Reload));
+        commands.retain(|command| !matches!(command, SessionCommand::Reload));
         commands.len() < count
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use super::commands::{Command, CommandQueue};
+use super::commands::{CommandQueue, SessionCommand};
 use super::published::{Picture, Published};
 use super::state::State;
 use super::watcher::Watching;
@@ -39,7 +39,7 @@ pub struct Handle {
 impl Handle {
     /// Sends a command to the session.
     #[doc(hidden)]
-    pub fn send(&self, command: Command) {
+    pub fn send(&self, command: SessionCommand) {
         self.commands.send(command);
     }
 

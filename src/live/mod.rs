@@ -44,7 +44,7 @@ pub use watcher::{QUIET, Watcher, Watching};
 // Used by the server and by tests; not part of the public API.
 #[doc(hidden)]
 pub use {
-    commands::{Answer, Command, Detail, View},
+    commands::{Detail, ProbeReply, SessionCommand, ViewChange},
     pixel_info::{PixelInfo, SurfaceInfo},
     published::Picture,
     state::{Planned, State},

@@ -48,7 +48,7 @@ pub(super) struct PreviewLevel {
 
 /// The properties of the requested picture that determine its cost.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Target {
+pub(super) struct RequestedPicture {
     /// Width and height of the film.
     pub(super) film: (u32, u32),
     /// Divisor of the film's width and height.
@@ -105,7 +105,7 @@ impl PreviewLevel {
     }
 }
 
-impl Target {
+impl RequestedPicture {
     /// Returns the number of camera rays.
     pub(super) fn rays(self) -> f64 {
         pixels(self.film, self.divisor) as f64 * f64::from(self.samples)
@@ -130,7 +130,12 @@ impl Timings {
     }
 
     /// Returns the step after another one, or `None` if the requested picture should follow.
-    pub(super) fn finer(&self, step: PreviewLevel, took: f64, target: Target) -> Option<PreviewLevel> {
+    pub(super) fn finer(
+        &self,
+        step: PreviewLevel,
+        took: f64,
+        target: RequestedPicture,
+    ) -> Option<PreviewLevel> {
         let ray = self.of(step.effort)?;
         // A camera ray without reductions costs at least as much as a ray of the step.
         let whole = self.of(Effort::Whole).unwrap_or(0.0).max(ray) * target.rays();
@@ -150,7 +155,7 @@ impl Timings {
     }
 
     /// Returns the expected time of a picture in milliseconds, or `None` without timings.
-    pub(super) fn expected(&self, target: Target) -> Option<f64> {
+    pub(super) fn expected(&self, target: RequestedPicture) -> Option<f64> {
         Some(self.moment + self.of(Effort::Whole)? * target.rays())
     }
 
@@ -208,7 +213,7 @@ mod tests {
     /// Returns all steps before a picture and their times, given the time of a camera ray for each care, in milliseconds.
     fn climb(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<PreviewLevel>, Vec<f64>) {
         let mut timings = Timings::default();
-        let target = Target { film, divisor: 1, samples };
+        let target = RequestedPicture { film, divisor: 1, samples };
         let cost = |step: PreviewLevel| ray[step.effort as usize] * pixels(film, step.divisor) as f64;
         let (mut steps, mut times) = (Vec::new(), Vec::new());
         let mut next = Some(timings.first(film, FIRST, 2));
@@ -239,7 +244,7 @@ mod tests {
                         let (steps, times) = climb(ray, film, samples);
                         let finer = steps.windows(2).all(|pair| pair[1].divisor < pair[0].divisor);
                         assert!(!steps.is_empty() && finer, "{ray:?} {film:?} {samples}: {steps:?}");
-                        let target = Target { film, divisor: 1, samples };
+                        let target = RequestedPicture { film, divisor: 1, samples };
                         let (all, picture) = (times[1..].iter().sum::<f64>(), whole * target.rays());
                         assert!(all <= 1.5 * SHARE * picture, "{ray:?} {film:?} {samples}: {times:?}");
                     }

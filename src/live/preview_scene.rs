@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::commands::Detail;
 use super::pixel_info::{PixelInfo, named};
-use super::preview_level::Target;
+use super::preview_level::RequestedPicture;
 use super::state::{CurvePlace, Planned, Times};
 use crate::accuracy::{Estimate, estimate};
 use crate::components::FilmSettings;
@@ -67,14 +67,14 @@ impl PreviewScene {
     }
 
     /// Returns the size and sample count of a picture of this quality.
-    pub(super) fn target(&self, detail: Detail) -> Target {
+    pub(super) fn target(&self, detail: Detail) -> RequestedPicture {
         let FilmSettings { width, height, .. } = self.film_settings();
         let (divisor, samples) = match detail {
             Detail::Full => (1, self.engine.least_samples()),
             Detail::Draft => (1, 1),
             Detail::Half => (2, 1),
         };
-        Target { film: (width, height), divisor, samples }
+        RequestedPicture { film: (width, height), divisor, samples }
     }
 
     /// Returns the effects of a frame. `made` is true if the frame is the last full picture.

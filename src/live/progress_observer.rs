@@ -4,11 +4,11 @@ use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::Arc;
 
 use super::presenter::{FinishedRender, PictureKind, Presenter};
-use super::preview_level::{Effort, PreviewLevel, Target, Timings};
+use super::preview_level::{Effort, PreviewLevel, RequestedPicture, Timings};
 use super::published::Published;
 use super::refresh_timer::RefreshTimer;
 use super::state::{State, Times};
-use super::worker::{LevelRole, Next};
+use super::worker::{LevelRole, NextTask};
 use crate::color::Transfer;
 use crate::trace::{Film, RenderJob};
 
@@ -16,7 +16,7 @@ use crate::trace::{Film, RenderJob};
 pub(super) struct ProgressObserver<'a> {
     /// State of the session when rendering began.
     pub(super) state: &'a State,
-    pub(super) target: Target,
+    pub(super) target: RequestedPicture,
     pub(super) transfer: Transfer,
     /// Offset from [`RefreshTimer::traced`] to the tracing time of the picture, in milliseconds.
     pub(super) traced_before: f64,
@@ -29,7 +29,7 @@ pub(super) struct ProgressObserver<'a> {
     /// The last coarse picture of the displayed frame, and its time in milliseconds.
     pub(super) last_step: Option<(PreviewLevel, f64)>,
     /// The next task, if a visit stops the picture.
-    pub(super) next: &'a mut Next,
+    pub(super) next: &'a mut NextTask,
 }
 
 impl ProgressObserver<'_> {
@@ -44,14 +44,14 @@ impl ProgressObserver<'_> {
         // shown.
         let step = self.last_step.filter(|_| !*self.is_shown);
         if let Some(finer) = step.and_then(|(step, took)| self.timings.finer(step, took, self.target)) {
-            *self.next = Next::Step(finer, LevelRole::Between);
+            *self.next = NextTask::Step(finer, LevelRole::Between);
             return Break(());
         }
         self.published.update(|state| state.progress = so_far);
         let beneath = self.presenter.latest().map(|(_, film)| Arc::clone(film));
         if let Some(beneath) = beneath.filter(|_| self.visits.show()) {
             if !self.show(job.resolve_over(&beneath), so_far, traced) {
-                *self.next = Next::Nothing;
+                *self.next = NextTask::Nothing;
                 return Break(());
             }
             self.visits.shown(since);
@@ -85,7 +85,7 @@ pub(super) fn share_of_unfinished(job: &RenderJob) -> f64 {
 
 /// Returns the number of camera rays of a fraction of a picture, but at least the rays of one sample of a tile, which are lost when the
 /// picture is stopped.
-pub(super) fn rays(share: f64, target: Target) -> u64 {
+pub(super) fn rays(share: f64, target: RequestedPicture) -> u64 {
     const IN_HAND: u64 = 256;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
     let rays = (share * target.rays()) as u64;

@@ -8,10 +8,10 @@ use super::commands::Detail;
 use super::event::Event;
 use super::in_progress::{BackgroundRender, RenderInProgress};
 use super::presenter::{FinishedRender, PictureKind};
-use super::preview_level::{self, Effort, PreviewLevel, Target};
+use super::preview_level::{self, Effort, PreviewLevel, RequestedPicture};
 use super::progress_observer::{ProgressObserver, rays, share_of_unfinished};
 use super::state::{State, Times};
-use super::worker::{LevelRole, Next, Worker};
+use super::worker::{LevelRole, NextTask, Worker};
 use crate::engine::{EngineError, FrameReport};
 use crate::systems::Effect;
 use crate::trace::{Film, RenderJob, Signals};
@@ -28,18 +28,18 @@ struct Traced {
     film: Result<Option<Film>, EngineError>,
     /// True if tracing takes longer than a first picture should.
     is_late: bool,
-    target: Target,
+    target: RequestedPicture,
 }
 
 impl Worker {
     pub(super) fn make_next(&mut self) {
         match self.next {
-            Next::Nothing => {}
-            Next::Step(step, role) => self.render_preview(step, role),
-            Next::Picture(detail) => self.render_requested(detail),
-            Next::Rest(until) => self.wait_idle(until),
-            Next::Cost(index) => self.measure(index),
-            Next::Curve(index) => self.measure_samples(index),
+            NextTask::Nothing => {}
+            NextTask::Step(step, role) => self.render_preview(step, role),
+            NextTask::Picture(detail) => self.render_requested(detail),
+            NextTask::Rest(until) => self.wait_idle(until),
+            NextTask::Cost(index) => self.measure(index),
+            NextTask::Curve(index) => self.measure_samples(index),
         }
     }
 
@@ -49,7 +49,7 @@ impl Worker {
     fn render_preview(&mut self, step: PreviewLevel, role: LevelRole) {
         let state = self.handle.published.state();
         let Some(scene) = &mut self.scene else {
-            self.next = Next::Nothing;
+            self.next = NextTask::Nothing;
             return;
         };
         let commands = &self.handle.commands;
@@ -64,10 +64,10 @@ impl Worker {
             Ok(None) => {
                 if is_late {
                     self.timings.note_failure(step, took, state.film);
-                    self.next = Next::Step(step.lesser(state.film), role);
+                    self.next = NextTask::Step(step.lesser(state.film), role);
                 } else if role == LevelRole::Between {
                     self.last_step = None;
-                    self.next = Next::Picture(self.detail);
+                    self.next = NextTask::Picture(self.detail);
                 }
                 return;
             }
@@ -79,26 +79,26 @@ impl Worker {
         if role == LevelRole::First && is_pilot {
             let better = self.timings.first(state.film, preview_level::FIRST, 2);
             if step.is_surpassed_by(better, took) {
-                self.next = Next::Step(better, role);
+                self.next = NextTask::Step(better, role);
                 return;
             }
         }
         self.last_step = Some((step, took));
         self.next = match role {
-            LevelRole::InARow => Next::Rest(self.end_of_row()),
+            LevelRole::InARow => NextTask::Rest(self.end_of_row()),
             LevelRole::First | LevelRole::Between => self.after_step(),
         };
         self.present(&state, PictureKind::Coarse(self.progress()), film, report.trace);
     }
 
     /// Returns a finer step, or the requested picture if there is none.
-    fn after_step(&self) -> Next {
+    fn after_step(&self) -> NextTask {
         let finer = self
             .scene
             .as_ref()
             .zip(self.last_step)
             .and_then(|(scene, (step, took))| self.timings.finer(step, took, scene.target(self.detail)));
-        finer.map_or(Next::Picture(self.detail), |step| Next::Step(step, LevelRole::Between))
+        finer.map_or(NextTask::Picture(self.detail), |step| NextTask::Step(step, LevelRole::Between))
     }
 
     /// Returns the finished fraction of the requested picture, 0 to 1.
@@ -118,7 +118,7 @@ impl Worker {
         let mut in_progress = kept.unwrap_or_else(|| RenderInProgress::new(state.frame, detail));
         let is_first = self.presenter.latest().is_none();
         let Some(Traced { film, is_late, target }) = self.trace(&state, &mut in_progress, is_first) else {
-            self.next = Next::Nothing;
+            self.next = NextTask::Nothing;
             return;
         };
         match film {
@@ -180,7 +180,7 @@ impl Worker {
     }
 
     /// Keeps the unfinished requested picture. If it is a late first picture, a coarse one comes first.
-    fn unfinished(&mut self, in_progress: RenderInProgress, late: Option<Target>) {
+    fn unfinished(&mut self, in_progress: RenderInProgress, late: Option<RequestedPicture>) {
         if let Some(target) = late {
             let share = in_progress.job.as_ref().map_or(0.0, RenderJob::share);
             self.timings.note(Effort::Whole, Times::milliseconds(in_progress.traced), rays(share, target));
@@ -192,11 +192,11 @@ impl Worker {
     }
 
     /// Returns the task after the requested picture: the full picture if it is due.
-    fn after_picture(&self) -> Next {
+    fn after_picture(&self) -> NextTask {
         match (self.full_render_pending(), self.is_playing) {
-            (false, _) => Next::Nothing,
-            (true, false) => Next::Picture(Detail::Full),
-            (true, true) => Next::Rest(self.end_of_row()),
+            (false, _) => NextTask::Nothing,
+            (true, false) => NextTask::Picture(Detail::Full),
+            (true, true) => NextTask::Rest(self.end_of_row()),
         }
     }
 
@@ -218,7 +218,7 @@ impl Worker {
         self.is_playing = false;
         let is_coarse = self.presenter.latest().is_none_or(|(info, _)| info.coarse);
         self.next = if is_coarse { self.after_step() } else { self.after_picture() };
-        let is_over = self.next == Next::Nothing;
+        let is_over = self.next == NextTask::Nothing;
         self.handle.published.update(|state| state.rendering = !is_over);
     }
 
@@ -261,7 +261,7 @@ impl Worker {
         if let Some(made) = self.made(state, kind, film, traced)
             && !self.presenter.present(state, made)
         {
-            self.next = Next::Nothing;
+            self.next = NextTask::Nothing;
         }
     }
 
@@ -272,7 +272,7 @@ impl Worker {
         film: Film,
         traced: Duration,
     ) -> Option<FinishedRender> {
-        let rendering = self.next != Next::Nothing;
+        let rendering = self.next != NextTask::Nothing;
         let scene = self.scene.as_mut()?;
         let (report, transfer) = (*scene.report(), scene.film_settings().transfer);
         let mut times = state.times;
@@ -292,7 +292,7 @@ impl Worker {
     fn measure(&mut self, index: usize) {
         let state = self.handle.published.state();
         let Some(scene) = &mut self.scene else { return };
-        self.next = Next::Nothing;
+        self.next = NextTask::Nothing;
         let plan = if index == 0 { scene.planned(state.frame, false) } else { Ok(state.plan) };
         if index == 0 {
             self.handle.published.update(|state| state.curve.clear());
@@ -300,13 +300,13 @@ impl Worker {
         let cost = scene.cost(state.frame, index, self.handle.commands.interrupt());
         match plan.and_then(|plan| Ok((plan, cost?))) {
             Ok((mut plan, Some(cost))) => {
-                self.next = Next::Cost(index + 1);
+                self.next = NextTask::Cost(index + 1);
                 if let Some(planned) = plan.get_mut(index) {
                     planned.cost = cost;
                 }
                 self.handle.published.update(|state| state.plan = plan);
             }
-            Ok((_, None)) if index >= Effect::ALL.len() => self.next = Next::Curve(0),
+            Ok((_, None)) if index >= Effect::ALL.len() => self.next = NextTask::Curve(0),
             Ok((_, None)) => self.handle.published.update(|state| state.rendering = false),
             Err(error) => self.fail(error),
         }
@@ -319,7 +319,7 @@ impl Worker {
         const LONGEST: f64 = 2000.0;
         let state = self.handle.published.state();
         let Some(scene) = &mut self.scene else { return };
-        self.next = Next::Nothing;
+        self.next = NextTask::Nothing;
         let place = scene.curve_point(state.frame, index, self.handle.commands.interrupt());
         let is_last = match &place {
             // The next point renders two pictures with twice as many samples.
@@ -329,7 +329,7 @@ impl Worker {
         match place {
             Ok(place) => {
                 if !is_last {
-                    self.next = Next::Curve(index + 1);
+                    self.next = NextTask::Curve(index + 1);
                 }
                 self.handle.published.update(|state| {
                     state.curve.extend(place);

@@ -5,7 +5,7 @@
 //! | `GET /state` | the [`State`](super::State), as JSON |
 //! | `GET /events` | the state after each change, as server-sent events |
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
-//! | `POST /view` | changes the view according to a [`View`], as JSON |
+//! | `POST /view` | changes the view according to a [`ViewChange`], as JSON |
 //! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
 
 use std::convert::Infallible;
@@ -34,7 +34,7 @@ use tokio::runtime::Builder;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
 
-use super::commands::{Answer, Command, View};
+use super::commands::{ProbeReply, SessionCommand, ViewChange};
 use super::guard::{Guard, HostName};
 use super::handle::Handle;
 use super::page::FILES;
@@ -58,7 +58,7 @@ pub struct Server {
 }
 
 #[derive(Clone)]
-struct Shared {
+struct ServerState {
     session: Handle,
     guard: Arc<Guard>,
 }
@@ -84,7 +84,7 @@ impl Server {
         let port = listener.local_addr()?.port();
         let runtime = Builder::new_current_thread().enable_io().enable_time().build()?;
         let (stop, stopped) = oneshot::channel();
-        let router = router(Shared { session, guard: Arc::new(Guard::new(port, hosts)) });
+        let router = router(ServerState { session, guard: Arc::new(Guard::new(port, hosts)) });
         let thread = thread::spawn(move || {
             runtime.block_on(async {
                 let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
@@ -133,7 +133,7 @@ async fn serve(listener: &tokio::net::TcpListener, router: &Router) {
     }
 }
 
-fn router(shared: Shared) -> Router {
+fn router(shared: ServerState) -> Router {
     let files = FILES.into_iter().fold(Router::new(), |router, (path, kind, text)| {
         router.route(path, get(move || async move { ([(CONTENT_TYPE, kind)], text) }))
     });
@@ -148,7 +148,12 @@ fn router(shared: Shared) -> Router {
 }
 
 /// Rejects requests of other origins, and sets strict headers on every response.
-async fn guarded(State(shared): State<Shared>, headers: HeaderMap, request: Request, next: Next) -> Response {
+async fn guarded(
+    State(shared): State<ServerState>,
+    headers: HeaderMap,
+    request: Request,
+    next: Next,
+) -> Response {
     let mut response = if shared.guard.admits(&headers) {
         match whole(request).await {
             Some(request) => next.run(request).await,
@@ -194,11 +199,11 @@ async fn read(body: Body) -> Option<Vec<u8>> {
     all
 }
 
-async fn state(State(shared): State<Shared>) -> Response {
+async fn state(State(shared): State<ServerState>) -> Response {
     json(&shared.session.state())
 }
 
-async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
+async fn events(State(shared): State<ServerState>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     let mut states = shared.session.subscribe();
     // The first event is the current state.
     states.mark_changed();
@@ -210,7 +215,7 @@ async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<E
     Sse::new(stream).keep_alive(KeepAlive::new().interval(Duration::from_secs(10)))
 }
 
-async fn picture(State(shared): State<Shared>, Path((session, id)): Path<(u64, u64)>) -> Response {
+async fn picture(State(shared): State<ServerState>, Path((session, id)): Path<(u64, u64)>) -> Response {
     // A browser may hold picture numbers of another session, which can coincide with the numbers of this one.
     let is_ours = shared.session.state().session == session;
     match shared.session.picture(id).filter(|_| is_ours) {
@@ -222,17 +227,17 @@ async fn picture(State(shared): State<Shared>, Path((session, id)): Path<(u64, u
     }
 }
 
-async fn view(State(shared): State<Shared>, body: Bytes) -> Response {
-    match serde_json::from_slice::<View>(&body) {
+async fn view(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<ViewChange>(&body) {
         Ok(view) => {
-            shared.session.send(Command::View(view));
+            shared.session.send(SessionCommand::ViewChange(view));
             StatusCode::NO_CONTENT.into_response()
         }
         Err(error) => refused(&error),
     }
 }
 
-async fn probe(State(shared): State<Shared>, body: Bytes) -> Response {
+async fn probe(State(shared): State<ServerState>, body: Bytes) -> Response {
     let pixel = match serde_json::from_slice::<(u32, u32)>(&body) {
         Ok(pixel) => pixel,
         Err(error) => return refused(&error),
@@ -241,7 +246,7 @@ async fn probe(State(shared): State<Shared>, body: Bytes) -> Response {
     let send = move |info| {
         let _ = sender.send(info);
     };
-    shared.session.send(Command::Probe(pixel, Answer(Box::new(send))));
+    shared.session.send(SessionCommand::Probe(pixel, ProbeReply(Box::new(send))));
     match answer.await {
         Ok(info) => json(&info),
         Err(_) => StatusCode::SERVICE_UNAVAILABLE.into_response(),

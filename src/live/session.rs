@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::commands::Command;
+use super::commands::SessionCommand;
 use super::event::Event;
 use super::handle::{Handle, SessionSettings};
 use super::published::Published;
@@ -51,7 +51,7 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        self.handle.send(Command::Stop);
+        self.handle.send(SessionCommand::Stop);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }

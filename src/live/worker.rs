@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
-use super::commands::{Answer, Command, Detail, View, WaitMode};
+use super::commands::{Detail, ProbeReply, SessionCommand, ViewChange, WaitMode};
 use super::event::Event;
 use super::handle::{Handle, SessionSettings};
 use super::in_progress::{BackgroundRender, RenderInProgress};
@@ -31,7 +31,7 @@ const IDLE_INTERVALS: f64 = 3.0;
 
 /// The next task of the thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Next {
+pub(super) enum NextTask {
     Nothing,
     /// A coarse picture.
     Step(PreviewLevel, LevelRole),
@@ -66,7 +66,7 @@ pub(super) struct Worker {
     /// Index of the frame requested last. The current scene may be shorter.
     wanted_frame: u32,
     pub(super) detail: Detail,
-    pub(super) next: Next,
+    pub(super) next: NextTask,
     /// True if the frame requested last is part of playback.
     pub(super) is_playing: bool,
     /// Number of reloads at the time of the last full picture.
@@ -83,7 +83,7 @@ pub(super) struct Worker {
 impl Worker {
     pub(super) fn new(settings: SessionSettings, handle: Handle, emit: Box<dyn FnMut(Event) + Send>) -> Self {
         let commands = Arc::clone(&handle.commands);
-        let watcher = Watcher::start(settings.watching, move || commands.send(Command::Reload));
+        let watcher = Watcher::start(settings.watching, move || commands.send(SessionCommand::Reload));
         Self {
             wanted_frame: settings.frame,
             reader: Reader::overriding(settings.overrides.clone()),
@@ -93,7 +93,7 @@ impl Worker {
             watcher,
             scene: None,
             detail: Detail::Full,
-            next: Next::Nothing,
+            next: NextTask::Nothing,
             is_playing: false,
             full_of: 0,
             timings: Timings::default(),
@@ -110,10 +110,10 @@ impl Worker {
             let mut reload = false;
             for command in self.handle.commands.take(self.wait_mode()) {
                 match command {
-                    Command::Reload => reload = true,
-                    Command::View(view) => self.view(view),
-                    Command::Probe(pixel, answer) => self.probe(pixel, answer),
-                    Command::Stop => return,
+                    SessionCommand::Reload => reload = true,
+                    SessionCommand::ViewChange(view) => self.view(view),
+                    SessionCommand::Probe(pixel, answer) => self.probe(pixel, answer),
+                    SessionCommand::Stop => return,
                 }
             }
             if reload {
@@ -126,8 +126,8 @@ impl Worker {
     /// Returns the time to wait for commands, which is zero while there is work.
     fn wait_mode(&self) -> WaitMode {
         match self.next {
-            Next::Nothing => WaitMode::Endless,
-            Next::Rest(until) if !self.full_render_pending() => WaitMode::Until(until),
+            NextTask::Nothing => WaitMode::Endless,
+            NextTask::Rest(until) if !self.full_render_pending() => WaitMode::Until(until),
             _ => WaitMode::None,
         }
     }
@@ -211,11 +211,11 @@ impl Worker {
         self.presenter.emit(Event::Reloaded(times));
     }
 
-    fn view(&mut self, view: View) {
+    fn view(&mut self, view: ViewChange) {
         match view {
-            View::Seek { frame, playing } => (self.wanted_frame, self.is_playing) = (frame, playing),
-            View::Detail(detail) => self.detail = detail,
-            View::Finish | View::Measure => {}
+            ViewChange::Seek { frame, playing } => (self.wanted_frame, self.is_playing) = (frame, playing),
+            ViewChange::Detail(detail) => self.detail = detail,
+            ViewChange::Finish | ViewChange::Measure => {}
         }
         let (wanted_frame, detail, shows) = (self.wanted_frame, self.detail, self.scene.is_some());
         let before = self.handle.published.state().frame;
@@ -235,32 +235,32 @@ impl Worker {
             (self.in_progress, self.last_step) = (None, None);
         }
         self.next = match view {
-            View::Seek { playing, .. } => self.next_while(playing),
-            View::Detail(detail) => Next::Picture(detail),
-            View::Finish => Next::Picture(Detail::Full),
-            View::Measure => Next::Cost(0),
+            ViewChange::Seek { playing, .. } => self.next_while(playing),
+            ViewChange::Detail(detail) => NextTask::Picture(detail),
+            ViewChange::Finish => NextTask::Picture(Detail::Full),
+            ViewChange::Measure => NextTask::Cost(0),
         };
     }
 
     /// Returns the best task for the requested frame that fits into the available time.
-    fn next_while(&self, playing: bool) -> Next {
+    fn next_while(&self, playing: bool) -> NextTask {
         let time = if playing { self.interval() } else { COARSE_FIRST_ABOVE_MS };
         let target = self.scene.as_ref().map(|scene| scene.target(self.detail));
         let expected = target.and_then(|target| self.timings.expected(target));
         match (expected.is_some_and(|expected| expected <= time), playing) {
-            (true, _) => Next::Picture(self.detail),
+            (true, _) => NextTask::Picture(self.detail),
             (false, true) => self.step(COARSE_IN_A_ROW * self.interval(), 1, LevelRole::InARow),
             (false, false) => self.first_step(),
         }
     }
 
-    pub(super) fn first_step(&self) -> Next {
+    pub(super) fn first_step(&self) -> NextTask {
         self.step(preview_level::FIRST, 2, LevelRole::First)
     }
 
-    fn step(&self, milliseconds: f64, finest: u32, role: LevelRole) -> Next {
+    fn step(&self, milliseconds: f64, finest: u32, role: LevelRole) -> NextTask {
         let film = self.handle.published.state().film;
-        Next::Step(self.timings.first(film, milliseconds, finest), role)
+        NextTask::Step(self.timings.first(film, milliseconds, finest), role)
     }
 
     /// Returns the frame interval in milliseconds.
@@ -275,7 +275,7 @@ impl Worker {
         Instant::now() + missed.max(IDLE_TIMEOUT)
     }
 
-    fn probe(&mut self, pixel: (u32, u32), Answer(answer): Answer) {
+    fn probe(&mut self, pixel: (u32, u32), ProbeReply(answer): ProbeReply) {
         let frame = self.handle.published.state().frame;
         let picture = self.presenter.latest().filter(|(info, _)| info.full).map(|(_, film)| &**film);
         let info = self.scene.as_mut().map_or(Ok(None), |scene| scene.pixel_info(frame, pixel, picture));
@@ -286,7 +286,7 @@ impl Worker {
     }
 
     pub(super) fn fail(&mut self, error: EngineError) {
-        self.next = Next::Nothing;
+        self.next = NextTask::Nothing;
         let mistakes = Mistakes::of_frame(&error);
         self.handle.published.update(|state| {
             state.frame_mistakes = Some(mistakes);

@@ -13,7 +13,7 @@ use rayon::iter::ParallelIterator;
 
 use super::channels::Channels;
 use super::frame_pixels::LinearFrame;
-use super::picture::{FileChannels, FileColors, Picture};
+use super::picture::{FileChannels, FileColors, StoredPicture};
 use super::provenance::{PixelFingerprint, Provenance};
 use crate::color::Rgb;
 use crate::trace::{FrameFingerprint, Pass, PassPixel, Passes};
@@ -129,7 +129,7 @@ pub(super) fn encode(
 }
 
 /// Decodes a file completely. Returns the reason if the file is not valid.
-pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, String> {
+pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<StoredPicture, String> {
     let layer = layer(bytes)?;
     let list = &layer.channel_data.list;
     let (found, expected) = (list.iter().map(|channel| channel.name.to_string()), names(kind));
@@ -145,7 +145,7 @@ pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<Picture, 
     }
     let provenance = attribute(Provenance::KEYWORD);
     let size = size(Cursor::new(bytes)).ok_or("its header has no size")?;
-    Ok(Picture { size, bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)), provenance })
+    Ok(StoredPicture { size, bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)), provenance })
 }
 
 /// Reads the colours and the alpha of a file.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use png::BitDepth;
 
-use super::picture::Picture;
+use super::picture::StoredPicture;
 use super::provenance::{PixelFingerprint, Provenance};
 use super::{FrameFormat, exr_file, pfm_file, png_file, ppm_file};
 use crate::trace::EncodedFilm;
@@ -66,7 +66,7 @@ impl FoundFrame {
     /// Inspects the bytes of a file.
     #[must_use]
     pub fn of(bytes: &[u8], format: FrameFormat) -> Self {
-        let Picture { size, bytes, provenance } = match decode(bytes, format) {
+        let StoredPicture { size, bytes, provenance } = match decode(bytes, format) {
             Ok(picture) => picture,
             Err(reason) => return Self::Torn(reason),
         };
@@ -91,12 +91,12 @@ pub fn read_frame(path: &Path, format: FrameFormat) -> Result<EncodedFilm, Strin
     if format.is_linear() {
         return Err("it does not have 8 bits of red, green and blue in each pixel".to_owned());
     }
-    let Picture { size: (width, height), bytes, .. } = decode(&bytes, format)?;
+    let StoredPicture { size: (width, height), bytes, .. } = decode(&bytes, format)?;
     EncodedFilm::from_bytes(width, height, &bytes)
         .ok_or_else(|| "its size is not that of its pixels".to_owned())
 }
 
-fn decode(bytes: &[u8], format: FrameFormat) -> Result<Picture, String> {
+fn decode(bytes: &[u8], format: FrameFormat) -> Result<StoredPicture, String> {
     match format {
         FrameFormat::Png(channels) => png_file::decode(&mut Cursor::new(bytes), (channels, BitDepth::Eight)),
         FrameFormat::Png16(channels) => {

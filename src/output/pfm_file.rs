@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 
-use super::picture::{FileChannels, FileColors, Picture};
+use super::picture::{FileChannels, FileColors, StoredPicture};
 use super::portable_map::Words;
 use super::provenance::Provenance;
 use crate::color::Rgb;
@@ -50,7 +50,7 @@ pub(super) fn size(file: &mut impl BufRead) -> Option<(u32, u32)> {
 }
 
 /// Decodes a file completely. Returns the reason if the file is not valid.
-pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
+pub(super) fn decode(mut bytes: &[u8]) -> Result<StoredPicture, String> {
     let size = read_size(&mut bytes)?;
     let count = u128::from(size.0) * u128::from(size.1) * 12;
     let is_all = usize::try_from(count).ok().filter(|count| *count <= bytes.len());
@@ -64,12 +64,12 @@ pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
     if provenance.is_none() && !trailer.is_empty() {
         return Err("there is more after its end".to_owned());
     }
-    Ok(Picture { size, bytes: pixels.to_vec(), provenance })
+    Ok(StoredPicture { size, bytes: pixels.to_vec(), provenance })
 }
 
 /// Reads the colours of a file.
 pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
-    let Picture { size, bytes, .. } = decode(bytes)?;
+    let StoredPicture { size, bytes, .. } = decode(bytes)?;
     let (numbers, _) = bytes.as_chunks::<4>();
     let (pixels, _) = numbers.as_chunks::<3>();
     let rows = pixels.chunks(size.0.max(1) as usize).rev();

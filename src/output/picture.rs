@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 
 /// A picture as stored in a file.
-pub(super) struct Picture {
+pub(super) struct StoredPicture {
     /// Width and height in pixels.
     pub(super) size: (u32, u32),
     /// Pixel bytes in the order of the format.

@@ -8,7 +8,7 @@ use png::{
 };
 
 use super::channels::Channels;
-use super::picture::{FileChannels, FileColors, Picture};
+use super::picture::{FileChannels, FileColors, StoredPicture};
 use super::provenance::Provenance;
 
 /// Gamma value of sRGB files, for readers that do not know the chunk `sRGB` (W3C, "Portable Network Graphics", third edition, 2025,
@@ -57,7 +57,7 @@ pub(super) fn size(file: &mut (impl BufRead + Seek)) -> Option<(u32, u32)> {
 pub(super) fn decode(
     file: &mut (impl BufRead + Seek),
     (channels, depth): (Channels, BitDepth),
-) -> Result<Picture, String> {
+) -> Result<StoredPicture, String> {
     let mut reader = checking(&mut *file).read_info().map_err(in_words)?;
     if reader.output_color_type() != (color_type(channels), depth) {
         let names = match channels {
@@ -78,7 +78,7 @@ pub(super) fn decode(
     if place != end {
         return Err("there is more after its end".to_owned());
     }
-    Ok(Picture { size, bytes, provenance })
+    Ok(StoredPicture { size, bytes, provenance })
 }
 
 /// Reads a file with any kind of channels.

@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 
-use super::picture::Picture;
+use super::picture::StoredPicture;
 use super::portable_map::Words;
 use super::provenance::Provenance;
 
@@ -38,11 +38,11 @@ pub(super) fn size(file: &mut impl BufRead) -> Option<(u32, u32)> {
 }
 
 /// Decodes a file completely. Returns the reason if the file is not valid.
-pub(super) fn decode(mut bytes: &[u8]) -> Result<Picture, String> {
+pub(super) fn decode(mut bytes: &[u8]) -> Result<StoredPicture, String> {
     let Header { size, provenance } = read_header(&mut bytes)?;
     let count = u64::from(size.0) * u64::from(size.1) * 3;
     if bytes.len() as u64 != count {
         return Err(format!("it has {} bytes of pixels instead of {count}", bytes.len()));
     }
-    Ok(Picture { size, bytes: bytes.to_vec(), provenance })
+    Ok(StoredPicture { size, bytes: bytes.to_vec(), provenance })
 }

@@ -214,7 +214,7 @@ impl<'de> Deserializer<'de> for DataDeserializer {
         if !variants.contains(&variant.as_str()) {
             return Err(DataError::unknown_variant(&variant, variants));
         }
-        visitor.visit_enum(Choice { variant, content })
+        visitor.visit_enum(ChosenVariant { variant, content })
     }
 
     forward_to_deserialize_any! {
@@ -264,12 +264,12 @@ impl<'de> MapAccess<'de> for Fields {
     }
 }
 
-struct Choice {
+struct ChosenVariant {
     variant: String,
     content: Data,
 }
 
-impl<'de> EnumAccess<'de> for Choice {
+impl<'de> EnumAccess<'de> for ChosenVariant {
     type Error = DataError;
     type Variant = ChoiceContent;
 

@@ -3,7 +3,7 @@
 
 use rhai::{Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString};
 
-use super::budget::Extent;
+use super::budget::ValueSize;
 use super::data::kind;
 use super::result::{Outcome, failed, finite, number};
 use super::{budget, limits, maths};
@@ -205,7 +205,7 @@ pub(super) fn register(engine: &mut Engine) {
     // Called by string interpolation.
     engine.register_fn("to_string", |number: FLOAT| number.to_string());
     engine.register_fn("to_string", |value: &mut Dynamic| {
-        budget::add(Extent::of(value).writing());
+        budget::add(ValueSize::of(value).writing());
         value.to_string()
     });
     engine.register_fn("!", |flag: bool| !flag);

@@ -16,7 +16,7 @@ thread_local! {
 
 /// The size of a value, including nested values.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Extent {
+pub(super) struct ValueSize {
     /// Number of values in lists.
     listed: usize,
     /// Number of values in maps.
@@ -27,7 +27,7 @@ pub(super) struct Extent {
     containers: usize,
 }
 
-impl Extent {
+impl ValueSize {
     pub(super) fn of(value: &Dynamic) -> Self {
         let mut extent = Self::default();
         extent.add(value);
@@ -92,7 +92,7 @@ pub(super) fn add(values: usize) {
 
 /// Charges the work of a function that traverses `bytes` bytes of text.
 pub(super) fn add_text(bytes: usize) {
-    add(Extent { text: bytes, ..Extent::default() }.work());
+    add(ValueSize { text: bytes, ..ValueSize::default() }.work());
 }
 
 /// Resets the counts at the start of a script.
@@ -125,7 +125,7 @@ pub(super) fn on_outside(
         // A script's own variables have an index, counted from the newest.
         let Some(place) = index.checked_sub(1) else { return Ok(outside(name)) };
         if let Some((_, _, own)) = context.scope().iter_raw().nth(place) {
-            let extent = Extent::of(own);
+            let extent = ValueSize::of(own);
             add(extent.work());
             extent.refuse_excess()?;
         }

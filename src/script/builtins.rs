@@ -28,12 +28,12 @@ pub(super) enum Purpose {
 }
 
 /// The functions that a script can call.
-pub(super) struct Known<'a> {
+pub(super) struct KnownFunctions<'a> {
     pub(super) own: &'a [String],
     pub(super) purpose: Purpose,
 }
 
-impl Known<'_> {
+impl KnownFunctions<'_> {
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         let usages = USUAL.iter().chain(self.purpose.usages());
         usages.map(|usage| name_in(usage)).chain(self.own.iter().map(String::as_str))
@@ -155,7 +155,7 @@ pub(super) fn usage(name: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::script::{Language, Stop, limits};
+    use crate::script::{Language, NoResult, limits};
 
     #[test]
     fn the_description_has_every_function_every_name_and_every_limit() {
@@ -200,14 +200,15 @@ mod tests {
         for usage in USUAL.iter().chain(&READING) {
             let name = name_in(usage);
             let script = language.compile(&format!("{name}(1, 2, 3, 4, 5, 6, 7)")).unwrap();
-            let Err(Stop::Error(error)) = language.run(&script, &mut ScriptContext::default()) else {
+            let Err(NoResult::Error(error)) = language.run(&script, &mut ScriptContext::default()) else {
                 panic!("{name}");
             };
             assert_eq!(error.help, Some(format!("it is called as `{usage}`")));
             let arguments = usage.matches(',').count() + 1;
             let script = language.compile(&format!("{name}({})", vec!["#{}"; arguments].join(", "))).unwrap();
             let result = language.run(&script, &mut ScriptContext::default());
-            let missing = matches!(&result, Err(Stop::Error(error)) if error.message.contains("no function"));
+            let missing =
+                matches!(&result, Err(NoResult::Error(error)) if error.message.contains("no function"));
             assert!(!missing, "{name}: {result:?}");
         }
     }

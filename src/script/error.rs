@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rhai::{EvalAltResult, ParseError, ParseErrorType, Position};
 
-use super::builtins::{Known, Purpose};
+use super::builtins::{KnownFunctions, Purpose};
 use super::limits;
 use super::messages::{Message, function_name, shortened};
 use super::positions::span_of;
@@ -19,14 +19,14 @@ pub(crate) struct ScriptError {
     /// The remedy, if there is one.
     pub(crate) help: Option<String>,
     /// The unknown name and the known ones, if the error is an unknown name.
-    pub(crate) unknown: Option<Box<Unknown>>,
+    pub(crate) unknown: Option<Box<UnknownName>>,
     /// The marked byte range of the script's text.
     pub(crate) span: Range<usize>,
 }
 
 /// An unknown name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Unknown {
+pub(crate) struct UnknownName {
     /// The name.
     pub(crate) name: String,
     /// The kind of item that the name should refer to, in the plural.
@@ -62,7 +62,7 @@ impl ScriptError {
         }
     }
 
-    pub(super) fn running(text: &str, error: &EvalAltResult, known: &Known<'_>) -> Self {
+    pub(super) fn running(text: &str, error: &EvalAltResult, known: &KnownFunctions<'_>) -> Self {
         let error = innermost(error);
         match error {
             EvalAltResult::ErrorFunctionNotFound(signature, position)
@@ -77,22 +77,33 @@ impl ScriptError {
         }
     }
 
-    pub(super) fn unknown_function(text: &str, name: &str, position: Position, known: &Known<'_>) -> Self {
+    pub(super) fn unknown_function(
+        text: &str,
+        name: &str,
+        position: Position,
+        known: &KnownFunctions<'_>,
+    ) -> Self {
         let names = known.names().map(str::to_owned).collect();
-        let unknown = Unknown { name: name.to_owned(), kind: "functions", known: names };
+        let unknown = UnknownName { name: name.to_owned(), kind: "functions", known: names };
         let message = format!("there is no function `{}`", shortened(name));
         Self::unknown(text, position, message, unknown, known.purpose)
     }
 
     fn unknown_variable(text: &str, name: &str, position: Position, purpose: Purpose) -> Self {
         let known = purpose.variables().map(str::to_owned).collect();
-        let unknown = Unknown { name: name.to_owned(), kind: "names", known };
+        let unknown = UnknownName { name: name.to_owned(), kind: "names", known };
         Self::unknown(text, position, format!("nothing is called `{}`", shortened(name)), unknown, purpose)
     }
 
     /// Creates the error for an unknown name. If scripts with the other purpose know the name, the error says so and lists no known
     /// names.
-    fn unknown(text: &str, position: Position, message: String, unknown: Unknown, purpose: Purpose) -> Self {
+    fn unknown(
+        text: &str,
+        position: Position,
+        message: String,
+        unknown: UnknownName,
+        purpose: Purpose,
+    ) -> Self {
         let help = purpose.elsewhere(&unknown.name).map(str::to_owned);
         let unknown = help.is_none().then(|| unknown.into());
         let label = "not known here".to_owned();

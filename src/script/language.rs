@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use rhai::packages::{BasicIteratorPackage, Package};
 use rhai::{AST, ASTNode, Dynamic, Engine, Expr, LexError, OptimizationLevel, Position, Scope, Stmt, Token};
 
-use super::builtins::{Known, Purpose};
+use super::builtins::{KnownFunctions, Purpose};
 use super::context::{Read, ScriptContext, unanswered, within};
 use super::messages::LONG_HEAD;
 use super::{Data, ScriptError, arithmetic, budget, context, limits, lists, maths, noise};
@@ -60,7 +60,7 @@ impl CompiledScripts {
 
 /// The reason a script has no result.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Stop {
+pub(crate) enum NoResult {
     /// The script failed.
     Error(Box<ScriptError>),
     /// The script reads a value that is not [known](ScriptContext::know). It has to be run again once the value is known.
@@ -92,7 +92,7 @@ impl Language {
     /// # Errors
     ///
     /// If the script fails, or reads a value that is not known yet.
-    pub(crate) fn run(&self, script: &Script, context: &mut ScriptContext) -> Result<Data, Stop> {
+    pub(crate) fn run(&self, script: &Script, context: &mut ScriptContext) -> Result<Data, NoResult> {
         budget::start();
         let result =
             within(context, || self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &script.ast));
@@ -100,8 +100,8 @@ impl Language {
         match result {
             Ok(value) => Ok(Data::of(&value)),
             Err(error) => Err(match unanswered(&script.text, &error) {
-                Some(read) => Stop::Needs(read),
-                None => Stop::Error(Box::new(script.explain(&error))),
+                Some(read) => NoResult::Needs(read),
+                None => NoResult::Error(Box::new(script.explain(&error))),
             }),
         }
     }
@@ -115,7 +115,11 @@ impl Script {
     }
 
     pub(super) fn explain(&self, error: &rhai::EvalAltResult) -> ScriptError {
-        ScriptError::running(&self.text, error, &Known { own: &self.functions, purpose: self.purpose })
+        ScriptError::running(
+            &self.text,
+            error,
+            &KnownFunctions { own: &self.functions, purpose: self.purpose },
+        )
     }
 }
 
@@ -152,9 +156,9 @@ pub(super) fn compile(
     if let Some(position) = endless_number(&ast) {
         return Err(ScriptError::endless_number(text, position));
     }
-    let known = Known { own: &functions, purpose };
+    let known = KnownFunctions { own: &functions, purpose };
     match bad_call(&ast, &known) {
-        Some((Call::Unknown(name), position)) => {
+        Some((Call::UnknownName(name), position)) => {
             Err(ScriptError::unknown_function(text, &name, position, &known))
         }
         Some((Call::Long(name), position)) => Err(ScriptError::long_call(text, &name, position)),
@@ -178,12 +182,12 @@ fn endless_number(ast: &AST) -> Option<Position> {
 
 /// An invalid call.
 enum Call {
-    Unknown(String),
+    UnknownName(String),
     Long(String),
 }
 
 /// Finds the first call of an unknown function or with too many arguments, including calls that would never run.
-fn bad_call(ast: &AST, known: &Known<'_>) -> Option<(Call, Position)> {
+fn bad_call(ast: &AST, known: &KnownFunctions<'_>) -> Option<(Call, Position)> {
     let names: HashSet<&str> = known.names().collect();
     let mut bad = None;
     ast.walk(&mut |path| {
@@ -200,7 +204,7 @@ fn bad_call(ast: &AST, known: &Known<'_>) -> Option<(Call, Position)> {
         {
             let name = || call.name.to_string();
             if !names.contains(call.name.as_str()) {
-                bad = Some((Call::Unknown(name()), position));
+                bad = Some((Call::UnknownName(name()), position));
             } else if call.args.len() > limits::ARGUMENTS {
                 bad = Some((Call::Long(name()), position));
             }

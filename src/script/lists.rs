@@ -81,14 +81,14 @@ fn sum(list: &Dynamic) -> Outcome {
 
 /// The numbers `from + i step` for i = 0, 1, 2, ..., up to `to`, exclusive.
 #[derive(Clone, Debug)]
-struct Numbers {
+struct NumberRange {
     from: FLOAT,
     to: FLOAT,
     step: FLOAT,
     count: u32,
 }
 
-impl Numbers {
+impl NumberRange {
     fn between(from: &Dynamic, to: &Dynamic, step: FLOAT) -> Result<Self, Box<EvalAltResult>> {
         if step == 0.0 {
             return failed(
@@ -99,7 +99,7 @@ impl Numbers {
     }
 }
 
-impl Iterator for Numbers {
+impl Iterator for NumberRange {
     type Item = FLOAT;
 
     fn next(&mut self) -> Option<FLOAT> {
@@ -112,16 +112,16 @@ impl Iterator for Numbers {
 
 /// Registers ranges of numbers that need not be integers.
 fn register_range(engine: &mut Engine) {
-    engine.register_iterator::<Numbers>();
-    engine.register_fn("range", |from: Dynamic, to: Dynamic| Numbers::between(&from, &to, 1.0));
+    engine.register_iterator::<NumberRange>();
+    engine.register_fn("range", |from: Dynamic, to: Dynamic| NumberRange::between(&from, &to, 1.0));
     engine.register_fn("range", |from: Dynamic, to: Dynamic, step: Dynamic| {
-        Numbers::between(&from, &to, argument("range", &step)?)
+        NumberRange::between(&from, &to, argument("range", &step)?)
     });
     engine.register_fn("range", |from: FLOAT, to: FLOAT| {
-        Numbers::between(&Dynamic::from_float(from), &Dynamic::from_float(to), 1.0)
+        NumberRange::between(&Dynamic::from_float(from), &Dynamic::from_float(to), 1.0)
     });
     engine.register_fn("range", |from: FLOAT, to: FLOAT, step: FLOAT| {
-        Numbers::between(&Dynamic::from_float(from), &Dynamic::from_float(to), step)
+        NumberRange::between(&Dynamic::from_float(from), &Dynamic::from_float(to), step)
     });
 }
 

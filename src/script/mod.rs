@@ -29,6 +29,6 @@ mod tests;
 
 pub(crate) use context::{Read, ScriptContext};
 pub(crate) use data::Data;
-pub(crate) use error::{ScriptError, Unknown};
-pub(crate) use language::{CompiledScripts, Language, Stop};
+pub(crate) use error::{ScriptError, UnknownName};
+pub(crate) use language::{CompiledScripts, Language, NoResult};
 pub(crate) use spawning::{SpawnBudget, run_spawning};

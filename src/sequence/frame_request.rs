@@ -7,14 +7,14 @@ use crate::time::{FrameList, Time, Timeline};
 
 /// A picture to be rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shot {
+pub struct FrameRequest {
     /// Index of the frame; `None` for a moment that is not a frame.
     pub frame: Option<u32>,
     /// Time of the picture.
     pub time: Time,
 }
 
-impl Shot {
+impl FrameRequest {
     /// Returns the shot of a frame of a timeline.
     #[must_use]
     pub fn frame(index: u32, timeline: Timeline) -> Self {

@@ -6,7 +6,7 @@
 //! write the same bytes to the same files.
 //!
 //! ```text
-//! Shot -> FrameVerdict -> engine -> output::FramePixels -> output::FrameWriter -> frame file, with its provenance
+//! FrameRequest -> FrameVerdict -> engine -> output::FramePixels -> output::FrameWriter -> frame file, with its provenance
 //! ```
 
 mod frame_request;
@@ -16,7 +16,7 @@ mod render;
 mod surplus;
 mod verify;
 
-pub use frame_request::Shot;
+pub use frame_request::FrameRequest;
 pub use order::{RenderOrder, Shard, ShardError};
 pub use render::{Existing, SequenceError, SequenceObserver, SequenceProgress, SequenceReport};
 pub use surplus::{Surplus, SurplusReason, find_surplus};

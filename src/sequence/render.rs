@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::progress_timer::watched;
-use super::{FrameVerdict, Shot};
+use super::{FrameRequest, FrameVerdict};
 use crate::engine::{Engine, EngineError};
 use crate::output::{
     Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, Sequence, WriteError,
@@ -30,30 +30,30 @@ pub enum Existing {
 /// An observer of the rendering of shots.
 pub trait SequenceObserver {
     /// Called before the file of a shot is checked. Settings that affect how the shot is rendered may be set here.
-    fn begin(&mut self, _: &mut Engine, _: &Shot) {}
+    fn begin(&mut self, _: &mut Engine, _: &FrameRequest) {}
 
     /// Called for a shot that is already done, with the engine at its moment. `Break` ends the sequence.
-    fn kept(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
+    fn kept(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {
         Continue(())
     }
 
     /// Called for a shot whose file cannot be kept, with the verdict on the file.
-    fn rejected(&mut self, _: &Shot, _: &FrameVerdict) {}
+    fn rejected(&mut self, _: &FrameRequest, _: &FrameVerdict) {}
 
     /// Called before a shot is rendered. Settings that affect how the shot is rendered may be set here.
-    fn render(&mut self, _: &mut Engine, _: &Shot) {}
+    fn render(&mut self, _: &mut Engine, _: &FrameRequest) {}
 
     /// Called once a second with the progress of a shot that takes longer than a second.
-    fn rendering(&mut self, _: &Shot, _: RenderProgress) {}
+    fn rendering(&mut self, _: &FrameRequest, _: RenderProgress) {}
 
     /// Called when a shot is rendered and before it is written in parallel. The engine's report describes the shot. `Break` ends the
     /// sequence after this shot.
-    fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
+    fn rendered(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {
         Continue(())
     }
 
     /// Called when the file of a shot is complete, with the time for encoding and writing.
-    fn written(&mut self, _: &Shot, _: Duration) {}
+    fn written(&mut self, _: &FrameRequest, _: Duration) {}
 
     /// Called if the file of a shot could not be written. The sequence ends.
     fn refused(&mut self, error: WriteError);
@@ -139,7 +139,7 @@ impl Engine {
             refused: None,
         };
         let timeline = self.timeline();
-        let shots = Shot::frames(&frames, timeline);
+        let shots = FrameRequest::frames(&frames, timeline);
         let never = AtomicBool::new(false);
         self.render_shots(shots, (sequence, Existing::Keep), &never, &mut counted)?;
         counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
@@ -153,22 +153,23 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn render_shots(
         &mut self,
-        shots: impl Iterator<Item = Shot>,
+        shots: impl Iterator<Item = FrameRequest>,
         (sequence, existing): (&Sequence, Existing),
         cancelled: &AtomicBool,
         observer: &mut dyn SequenceObserver,
     ) -> Result<(), EngineError> {
         let writer = FrameWriter::start();
         // Shots submitted to the writer, indexed by ticket.
-        let mut submitted: Vec<Shot> = Vec::new();
-        let settle = |written: WrittenFrame, submitted: &[Shot], observer: &mut dyn SequenceObserver| {
-            let is_good = written.result.is_ok();
-            match written.result {
-                Ok(()) => observer.written(&submitted[written.ticket], written.duration),
-                Err(error) => observer.refused(error),
-            }
-            is_good
-        };
+        let mut submitted: Vec<FrameRequest> = Vec::new();
+        let settle =
+            |written: WrittenFrame, submitted: &[FrameRequest], observer: &mut dyn SequenceObserver| {
+                let is_good = written.result.is_ok();
+                match written.result {
+                    Ok(()) => observer.written(&submitted[written.ticket], written.duration),
+                    Err(error) => observer.refused(error),
+                }
+                is_good
+            };
         let mut rendered = Ok(());
         for shot in shots {
             if cancelled.load(Ordering::Relaxed) {
@@ -230,7 +231,7 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn render_shot(
         &mut self,
-        shot: &Shot,
+        shot: &FrameRequest,
         cancelled: &AtomicBool,
         tell: &mut dyn FnMut(RenderProgress),
     ) -> Result<Option<EncodedFilm>, EngineError> {
@@ -242,7 +243,7 @@ impl Engine {
     /// Renders a shot's pixels for a format, with cancellation and progress reports as in [`Engine::render_shot`].
     fn pixels_unless(
         &mut self,
-        shot: &Shot,
+        shot: &FrameRequest,
         format: FrameFormat,
         cancelled: &AtomicBool,
         tell: &mut dyn FnMut(RenderProgress),
@@ -282,7 +283,7 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn verdict(
         &mut self,
-        shot: &Shot,
+        shot: &FrameRequest,
         path: &Path,
         (sequence, existing): (&Sequence, Existing),
     ) -> Result<FrameVerdict, EngineError> {
@@ -314,7 +315,7 @@ struct Counted<F> {
 }
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
-    fn tell(&mut self, shot: &Shot, kept: bool) {
+    fn tell(&mut self, shot: &FrameRequest, kept: bool) {
         let SequenceReport { written, kept: all_kept } = self.report;
         let progress = SequenceProgress {
             frame: shot.frame.unwrap_or_default(),
@@ -329,17 +330,17 @@ impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
 }
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted<F> {
-    fn kept(&mut self, _: &Engine, shot: &Shot) -> ControlFlow<()> {
+    fn kept(&mut self, _: &Engine, shot: &FrameRequest) -> ControlFlow<()> {
         self.report.kept += 1;
         self.tell(shot, true);
         self.flow
     }
 
-    fn rendered(&mut self, _: &Engine, _: &Shot) -> ControlFlow<()> {
+    fn rendered(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {
         self.flow
     }
 
-    fn written(&mut self, shot: &Shot, _: Duration) {
+    fn written(&mut self, shot: &FrameRequest, _: Duration) {
         self.report.written += 1;
         self.tell(shot, false);
     }

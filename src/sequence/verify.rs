@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::Shot;
+use super::FrameRequest;
 use super::surplus::{Surplus, find_surplus};
 use crate::engine::{Engine, EngineError};
 use crate::output::{FoundFrame, Sequence};
@@ -79,18 +79,19 @@ impl Engine {
         &mut self,
         frames: &FrameList,
         sequence: &Sequence,
-        mut begin: impl FnMut(&mut Engine, &Shot) -> ControlFlow<()>,
+        mut begin: impl FnMut(&mut Engine, &FrameRequest) -> ControlFlow<()>,
     ) -> Result<SequenceVerdict, VerifyError> {
         /// Number of files that are read at once.
         const TOGETHER: usize = 64;
         let timeline = self.timeline();
         let count = timeline.frame_count();
-        let shots: Vec<Shot> = Shot::frames(&frames.within(count), timeline).collect();
+        let shots: Vec<FrameRequest> = FrameRequest::frames(&frames.within(count), timeline).collect();
         let film = self.film_settings();
         let size = (film.width, film.height);
         let mut verdict = SequenceVerdict::default();
         'all: for shots in shots.chunks(TOGETHER) {
-            let look = |shot: &Shot| FoundFrame::expected_at(&shot.file(sequence), sequence.format(), size);
+            let look =
+                |shot: &FrameRequest| FoundFrame::expected_at(&shot.file(sequence), sequence.format(), size);
             let found = shots.par_iter().map(look);
             for (shot, found) in shots.iter().zip(found.collect::<Vec<_>>()) {
                 if begin(self, shot).is_break() {
@@ -114,7 +115,11 @@ impl Engine {
     }
 
     /// Compares the file found for a shot with the frame that would be rendered now.
-    pub(super) fn judge(&mut self, shot: &Shot, found: FoundFrame) -> Result<FrameVerdict, EngineError> {
+    pub(super) fn judge(
+        &mut self,
+        shot: &FrameRequest,
+        found: FoundFrame,
+    ) -> Result<FrameVerdict, EngineError> {
         Ok(match found {
             FoundFrame::Missing => FrameVerdict::Missing,
             FoundFrame::Torn(reason) => FrameVerdict::Torn(reason),

@@ -11,7 +11,7 @@ use crate::components::{Light, Order, Shape, Transform, WorldTransform};
 pub(crate) fn order_newcomers(world: &mut World, spawned: &[Entity]) {
     type Visible<'a> = hecs::Or<&'a Shape, &'a Light>;
     type Newcomer<'a> = hecs::Without<(Entity, Visible<'a>), &'a Order>;
-    type Spatial<'a> = (Option<&'a Transform>, hecs::Satisfies<&'a WorldTransform>);
+    type MaybePlaced<'a> = (Option<&'a Transform>, hecs::Satisfies<&'a WorldTransform>);
     let mut newcomers: Vec<Entity> =
         world.query_mut::<Newcomer<'_>>().into_iter().map(|(entity, _)| entity).collect();
     newcomers.sort_unstable_by_key(|entity| entity.id());
@@ -21,7 +21,7 @@ pub(crate) fn order_newcomers(world: &mut World, spawned: &[Entity]) {
     let taken = world.query_mut::<&Order>().into_iter().map(|order| order.0).max();
     let mut next = taken.map_or(0, |last| last.saturating_add(1));
     for entity in spawned.iter().chain(&newcomers) {
-        let newcomer = world.query_one_mut::<hecs::Without<(Spatial<'_>, Visible<'_>), &Order>>(*entity);
+        let newcomer = world.query_one_mut::<hecs::Without<(MaybePlaced<'_>, Visible<'_>), &Order>>(*entity);
         let Ok(((transform, complete), _)) = newcomer else { continue };
         let transform = transform.copied().unwrap_or(Transform::IDENTITY);
         // The entity exists: it satisfied the query above.

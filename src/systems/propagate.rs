@@ -51,10 +51,14 @@ fn propagate_roots(world: &mut World) {
 
 /// Adds missing transforms and world transforms to the entities that need them.
 fn complete(world: &mut World) {
-    type Spatial<'a> = hecs::Or<hecs::Or<&'a Shape, &'a Light>, hecs::Or<&'a Transform, &'a Parent>>;
+    type NeedsTransform<'a> = hecs::Or<hecs::Or<&'a Shape, &'a Light>, hecs::Or<&'a Transform, &'a Parent>>;
     let incomplete = |world: &World| -> Vec<Entity> {
-        let query = world
-            .query::<(Entity, Spatial<'_>, hecs::Satisfies<&Transform>, hecs::Satisfies<&WorldTransform>)>();
+        let query = world.query::<(
+            Entity,
+            NeedsTransform<'_>,
+            hecs::Satisfies<&Transform>,
+            hecs::Satisfies<&WorldTransform>,
+        )>();
         let mut query = query;
         query.iter().filter(|(_, _, own, derived)| !(*own && *derived)).map(|(entity, ..)| entity).collect()
     };

@@ -6,7 +6,7 @@ use super::Changes;
 use super::property_access::{Parts, value};
 use crate::animation::Value;
 use crate::color::Rgb;
-use crate::components::{Camera, Material, Part, Property, View};
+use crate::components::{Camera, Material, Property, Requirement, View};
 
 /// The stored form of a value, which can differ from the value itself.
 #[derive(Clone, Copy, Debug)]
@@ -79,26 +79,30 @@ impl Parts<'_> {
 /// Declares that a property of an entity has changed. Lights, cameras and settings of the whole scene are read at every moment anyway.
 pub(super) fn declare(property: Property, entity: Entity, changes: &mut Changes) {
     match property.part() {
-        Part::Transform => changes.mark_transform(entity),
-        Part::Sphere | Part::Box | Part::Plane => changes.mark_shape(entity),
-        Part::Material | Part::Specular | Part::Reflective | Part::Refractive | Part::Checker => {
+        Requirement::Transform => changes.mark_transform(entity),
+        Requirement::Sphere | Requirement::Box | Requirement::Plane => changes.mark_shape(entity),
+        Requirement::Material
+        | Requirement::Specular
+        | Requirement::Reflective
+        | Requirement::Refractive
+        | Requirement::Checker => {
             changes.mark_material(entity);
         }
-        Part::Light
-        | Part::DirectionalLight
-        | Part::SpotLight
-        | Part::Falloff
-        | Part::SphereLight
-        | Part::RectangleLight
-        | Part::Camera
-        | Part::View
-        | Part::FieldOfView
-        | Part::Screen
-        | Part::ScreenWidth
-        | Part::Lens
-        | Part::AmbientLight
-        | Part::FlatBackground
-        | Part::Gradient
-        | Part::Fog => changes.mark_settings(),
+        Requirement::Light
+        | Requirement::DirectionalLight
+        | Requirement::SpotLight
+        | Requirement::Falloff
+        | Requirement::SphereLight
+        | Requirement::RectangleLight
+        | Requirement::Camera
+        | Requirement::View
+        | Requirement::FieldOfView
+        | Requirement::Screen
+        | Requirement::ScreenWidth
+        | Requirement::Lens
+        | Requirement::AmbientLight
+        | Requirement::FlatBackground
+        | Requirement::Gradient
+        | Requirement::Fog => changes.mark_settings(),
     }
 }

@@ -29,7 +29,7 @@ impl Step {
     }
 }
 
-struct Stepped {
+struct SteppedSystem {
     step: Step,
     system: System,
     /// The number of completed steps.
@@ -47,7 +47,7 @@ struct Stepped {
 #[derive(Default)]
 pub(crate) struct Schedule {
     pure: Vec<System>,
-    stepped: Vec<Stepped>,
+    stepped: Vec<SteppedSystem>,
     registry: Registry,
     /// The world before any system ran.
     start: Option<Snapshot>,
@@ -74,7 +74,7 @@ impl Schedule {
 
     /// Adds a stepped system.
     pub(crate) fn add_stepped(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
-        self.stepped.push(Stepped { step, system: Box::new(system), done: 0 });
+        self.stepped.push(SteppedSystem { step, system: Box::new(system), done: 0 });
     }
 
     /// Sets the scripts of the scene, which run after tracks.

@@ -12,7 +12,7 @@ use super::property_access::{Parts, PartsQuery, value};
 use super::value_error::refusal;
 use crate::animation::Value;
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
-use crate::script::{CompiledScripts, Data, Read, ScriptContext, ScriptError, Stop, Unknown, limits};
+use crate::script::{CompiledScripts, Data, NoResult, Read, ScriptContext, ScriptError, UnknownName, limits};
 use crate::time::{Time, Timeline};
 
 /// The scripts of a scene, and the values that they drive.
@@ -43,7 +43,7 @@ struct Base {
 
 #[derive(Debug)]
 struct Driven {
-    channels: Vec<Channel>,
+    channels: Vec<ScriptChannel>,
     indices: HashMap<(Entity, Property), usize>,
     /// The entities by name; `None` until a script reads one.
     names: Option<HashMap<String, Entity>>,
@@ -51,7 +51,7 @@ struct Driven {
 
 /// A value that a script drives.
 #[derive(Clone, Debug)]
-struct Channel {
+struct ScriptChannel {
     entity: Entity,
     property: Property,
     script: ScriptId,
@@ -64,7 +64,7 @@ struct Channel {
 
 /// The progress of a channel at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum State {
+enum ChannelState {
     Waiting,
     /// The channel waits for another.
     Underway,
@@ -146,7 +146,7 @@ impl Scripts {
         let Some(driven) = running.driven.take() else { return Ok(()) };
         running.context.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
         let (driven, result) = Evaluation {
-            states: vec![State::Waiting; driven.channels.len()],
+            states: vec![ChannelState::Waiting; driven.channels.len()],
             in_vain: HashMap::new(),
             seconds: time.seconds(),
             running,
@@ -185,7 +185,7 @@ impl Driven {
                     let name = name.map(|name| name.0.clone()).unwrap_or_default();
                     let (property, order, on_track) =
                         (channel.property, order.copied(), before.iter().any(is_track));
-                    channels.push(Channel { entity, property, script, order, name, on_track });
+                    channels.push(ScriptChannel { entity, property, script, order, name, on_track });
                 }
             }
         }
@@ -208,7 +208,7 @@ impl Driven {
 struct Evaluation<'a> {
     running: &'a mut Running,
     driven: Driven,
-    states: Vec<State>,
+    states: Vec<ChannelState>,
     /// The number of operations per channel in script runs that stopped at an unknown value.
     in_vain: HashMap<usize, u64>,
     seconds: f64,
@@ -230,19 +230,19 @@ impl Evaluation<'_> {
             if self.cancelled.load(Ordering::Relaxed) {
                 return Err(Interrupted::Cancelled);
             }
-            if self.states[index] == State::Done {
+            if self.states[index] == ChannelState::Done {
                 stack.pop();
                 continue;
             }
-            self.states[index] = State::Underway;
+            self.states[index] = ChannelState::Underway;
             let channel = self.driven.channels[index].clone();
             match self.evaluate(&channel) {
                 Ok(value) => {
                     self.write(&channel, value);
-                    self.states[index] = State::Done;
+                    self.states[index] = ChannelState::Done;
                 }
-                Err(Stop::Error(error)) => return Err(self.failure(&channel, error).into()),
-                Err(Stop::Needs(read)) => {
+                Err(NoResult::Error(error)) => return Err(self.failure(&channel, error).into()),
+                Err(NoResult::Needs(read)) => {
                     let in_vain = self.in_vain.entry(index).or_default();
                     *in_vain += self.running.context.work();
                     if *in_vain > limits::OPERATIONS_UNTIL_KNOWN {
@@ -259,12 +259,12 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    fn evaluate(&mut self, channel: &Channel) -> Result<Value, Stop> {
+    fn evaluate(&mut self, channel: &ScriptChannel) -> Result<Value, NoResult> {
         let Running { scripts, context, bases, prefix: last, .. } = &mut *self.running;
         let (notation, transfer) = (channel.property.notation(), scripts.transfer);
         let Some((script, prefix)) = scripts.used(channel.script.0) else {
             let error = ScriptError::whole("", "there is no such script in the scene", "", None);
-            return Err(Stop::Error(Box::new(error)));
+            return Err(NoResult::Error(Box::new(error)));
         };
         if last != prefix {
             // The same names refer to other entities.
@@ -285,11 +285,11 @@ impl Evaluation<'_> {
         };
         value.and_then(refused).map_err(|(message, help)| {
             let help = help.map(str::to_owned);
-            Stop::Error(Box::new(ScriptError::whole(script.text(), message, "this is the value", help)))
+            NoResult::Error(Box::new(ScriptError::whole(script.text(), message, "this is the value", help)))
         })
     }
 
-    fn write(&mut self, channel: &Channel, value: Value) {
+    fn write(&mut self, channel: &ScriptChannel, value: Value) {
         if let Ok(parts) = self.world.query_one_mut::<PartsQuery<'_>>(channel.entity)
             && Parts::new(parts).set(channel.property, value)
         {
@@ -325,12 +325,12 @@ impl Evaluation<'_> {
         for property in sources(self.world, entity, property, is_driven) {
             let Some(&index) = self.driven.indices.get(&(entity, property)) else { continue };
             match self.states[index] {
-                State::Waiting => return Ok(Some(index)),
-                State::Underway => {
+                ChannelState::Waiting => return Ok(Some(index)),
+                ChannelState::Underway => {
                     let message = self.ring(stack, index);
                     return Err(self.mistake(read, stack, message, "this closes the ring", None));
                 }
-                State::Done => {}
+                ChannelState::Done => {}
             }
         }
         let Some(value) = value(self.world, entity, property) else {
@@ -355,7 +355,7 @@ impl Evaluation<'_> {
         stack: &[usize],
         message: String,
         label: &str,
-        unknown: Option<Box<Unknown>>,
+        unknown: Option<Box<UnknownName>>,
     ) -> Box<ScriptError> {
         let (text, _) = self.used(stack);
         let error = ScriptError::whole(text, message, label, None);
@@ -369,12 +369,12 @@ impl Evaluation<'_> {
         format!("a ring of scripts: {}", names.join(" reads "))
     }
 
-    fn failure(&self, channel: &Channel, error: Box<ScriptError>) -> ScriptFailure {
+    fn failure(&self, channel: &ScriptChannel, error: Box<ScriptError>) -> ScriptFailure {
         ScriptFailure { script: channel.script, channel: channel.title(), seconds: self.seconds, error }
     }
 }
 
-impl Channel {
+impl ScriptChannel {
     /// Returns the sort key for document order. Channels of cameras and settings have no order and come last, sorted by name.
     fn sort_key(&self) -> (bool, Option<Order>, &str) {
         (self.order.is_none(), self.order, &self.name)
@@ -388,7 +388,7 @@ impl Channel {
     }
 }
 
-fn unknown(name: &str, kind: &'static str, mut known: Vec<String>) -> Box<Unknown> {
+fn unknown(name: &str, kind: &'static str, mut known: Vec<String>) -> Box<UnknownName> {
     known.sort_unstable();
-    Box::new(Unknown { name: name.to_owned(), kind, known })
+    Box::new(UnknownName { name: name.to_owned(), kind, known })
 }

@@ -117,7 +117,7 @@ pub use {
     effects::{Effects, Lighting, Paths},
     light::Boundary,
     math::{BoundedT, SimdLevel},
-    query::{CastHit, CastRay, Hit, SurfacePoint},
+    query::{CastHit, CastRay, ShapeHit, SurfacePoint},
     rays::{Ray, ShapeId},
     render_stats::RenderStats,
     scene::{

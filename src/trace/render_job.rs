@@ -19,7 +19,7 @@ use crate::trace::render_stats::RenderStats;
 use crate::trace::scene::{Camera, Precision, PreparedScene};
 use crate::trace::stages::{PACKETS, Slots, TILE, Tile, TileLanes};
 use crate::trace::tile_accumulator::{NO_SUMS, TileAccumulator, TileSamples, TileSums, means};
-use crate::trace::tile_work::{Found, Signals, TileProgress, Work};
+use crate::trace::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
 use crate::trace::visibility::{self, FeatureScratch};
 
 /// A picture being rendered: samples are added to it, instant after instant, and in the end it is resolved. An interrupted job can be
@@ -268,7 +268,7 @@ impl<E: Encoding> RenderJob<E> {
         let (count, tiles) = (self.tiles.len(), self.tiles.iter_mut());
         let (width, height) = (self.width, self.height);
         let SamplePlan { samples, instants, .. } = self.plan;
-        let work = Work {
+        let work = TileWork {
             context,
             shapes,
             signals,
@@ -298,7 +298,7 @@ impl<E: Encoding> RenderJob<E> {
     /// taken.
     pub(crate) fn search(&mut self, scene: &PreparedScene, camera: &Camera, cancelled: &AtomicBool) {
         let Some(adaptive) = &mut self.adaptive else { return };
-        let found: Found = self
+        let found: FoundFeatures = self
             .tiles
             .par_iter()
             .map_init(

@@ -50,7 +50,7 @@ pub(super) struct TileProgress {
 }
 
 /// Samples to be added to tiles.
-pub(super) struct Work<'a, I> {
+pub(super) struct TileWork<'a, I> {
     pub(super) context: &'a RenderContext<'a>,
     pub(super) shapes: &'a I,
     pub(super) signals: Signals<'a>,
@@ -62,21 +62,21 @@ pub(super) struct Work<'a, I> {
 }
 
 /// The features that were found, tile by tile.
-pub(super) type Found = Vec<(Tile, Box<TileFeatures>)>;
+pub(super) type FoundFeatures = Vec<(Tile, Box<TileFeatures>)>;
 
-impl<I: Intersector> Work<'_, I> {
+impl<I: Intersector> TileWork<'_, I> {
     /// Adds samples of all tiles over all threads. Returns what they took, whether all are there, and the features that were found.
     pub(super) fn add<'t, L: TileAccumulator>(
         &self,
         tiles: impl Iterator<Item = (&'t mut TileProgress, L)> + Send,
         count: usize,
-    ) -> (RenderStats, bool, Found) {
+    ) -> (RenderStats, bool, FoundFeatures) {
         let threads = rayon::current_num_threads();
         let queue = WorkQueue::new(tiles, count, threads);
-        let total = Mutex::new((RenderStats::default(), true, Found::new()));
+        let total = Mutex::new((RenderStats::default(), true, FoundFeatures::new()));
         let work = || {
             let (mut share, mut memory) = (Vec::new(), None);
-            let (mut stats, mut whole, mut found) = (RenderStats::default(), true, Found::new());
+            let (mut stats, mut whole, mut found) = (RenderStats::default(), true, FoundFeatures::new());
             while queue.take_share(&mut share) {
                 let memory = memory.get_or_insert_with(|| WorkMemory::new(self.signals.cancelled));
                 for (progress, mut light) in share.drain(..) {
@@ -98,7 +98,7 @@ impl<I: Intersector> Work<'_, I> {
         progress: &mut TileProgress,
         light: &mut impl TileAccumulator,
         WorkMemory { buffers, slots, portions, features }: &mut WorkMemory<'_>,
-        (stats, found): (&mut RenderStats, &mut Found),
+        (stats, found): (&mut RenderStats, &mut FoundFeatures),
     ) -> bool {
         let Self { context, adaptive, .. } = *self;
         let tile = progress.tile;

@@ -8,12 +8,12 @@ use std::sync::{Mutex, PoisonError};
 /// Items shared by several threads.
 #[derive(Debug)]
 pub(super) struct WorkQueue<I> {
-    items: Mutex<Items<I>>,
+    items: Mutex<RemainingItems<I>>,
     threads: usize,
 }
 
 #[derive(Debug)]
-struct Items<I> {
+struct RemainingItems<I> {
     rest: I,
     /// The number of remaining items.
     count: usize,
@@ -22,7 +22,7 @@ struct Items<I> {
 impl<I: Iterator> WorkQueue<I> {
     /// Creates a queue of `count` items for `threads` threads, at least one.
     pub(super) fn new(items: I, count: usize, threads: usize) -> Self {
-        Self { items: Mutex::new(Items { rest: items, count }), threads }
+        Self { items: Mutex::new(RemainingItems { rest: items, count }), threads }
     }
 
     /// Appends the next share to `list`. Returns `false` if nothing is left.

@@ -7,7 +7,9 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rayreel::Engine;
-use rayreel::live::{Answer, Command, Event, PixelInfo, Session, SessionSettings, Shown, View, Watching};
+use rayreel::live::{
+    Event, PixelInfo, ProbeReply, Session, SessionCommand, SessionSettings, Shown, ViewChange, Watching,
+};
 use rayreel::output::encode_quickly;
 use rayreel::scene::LoadError;
 use tempfile::TempDir;
@@ -136,16 +138,16 @@ impl Stage {
     pub(crate) fn sees(&self, pixel: (u32, u32)) -> Option<PixelInfo> {
         let (sender, answer) = channel();
         let send = move |spot| sender.send(spot).unwrap();
-        self.session.handle().send(Command::Probe(pixel, Answer(Box::new(send))));
+        self.session.handle().send(SessionCommand::Probe(pixel, ProbeReply(Box::new(send))));
         answer.recv_timeout(AT_MOST).unwrap()
     }
 
     pub(crate) fn seek(&self, frame: u32) {
-        self.session.handle().send(Command::View(View::Seek { frame, playing: false }));
+        self.session.handle().send(SessionCommand::ViewChange(ViewChange::Seek { frame, playing: false }));
     }
 
     pub(crate) fn play_on(&self, frame: u32) {
-        self.session.handle().send(Command::View(View::Seek { frame, playing: true }));
+        self.session.handle().send(SessionCommand::ViewChange(ViewChange::Seek { frame, playing: true }));
     }
 
     /// Waits until the state meets a condition. Panics after `AT_MOST`.
@@ -313,7 +315,7 @@ fn a_pixel_has_the_colour_of_the_picture() {
 fn costs_are_measured_for_what_is_needed_only() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.shows_what_a_cold_start_shows();
-    stage.session.handle().send(Command::View(View::Measure));
+    stage.session.handle().send(SessionCommand::ViewChange(ViewChange::Measure));
     let is_measured = |state: &rayreel::live::State| {
         !state.rendering && state.plan.iter().any(|planned| planned.cost.is_some())
     };

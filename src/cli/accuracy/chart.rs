@@ -6,7 +6,7 @@ use super::labels::{Area, place};
 
 /// A mark on a chart.
 #[derive(Clone, Debug)]
-pub(super) struct Mark {
+pub(super) struct ChartMark {
     pub(super) x: f64,
     pub(super) y: f64,
     /// Lowest and highest value of `x`, if it is uncertain.
@@ -30,7 +30,7 @@ pub(super) enum Form {
 #[derive(Clone, Debug)]
 pub(super) struct Series {
     pub(super) name: String,
-    pub(super) marks: Vec<Mark>,
+    pub(super) marks: Vec<ChartMark>,
     /// True if a line joins the marks.
     pub(super) joined: bool,
 }
@@ -203,7 +203,7 @@ impl Plot {
         );
     }
 
-    fn mark(&self, svg: &mut String, mark: &Mark) {
+    fn mark(&self, svg: &mut String, mark: &ChartMark) {
         let (across, down) = self.place((mark.x, mark.y));
         if let Some((low, high)) = mark.reach {
             let ((low, _), (high, _)) = (self.place((low, mark.y)), self.place((high, mark.y)));
@@ -382,7 +382,7 @@ mod tests {
     #[test]
     fn texts_are_escaped() {
         let (form, title) = (Form::Disc, "<b>\"&".to_owned());
-        let mark = Mark { x: 1.0, y: 1.0, reach: None, form, title, label: None };
+        let mark = ChartMark { x: 1.0, y: 1.0, reach: None, form, title, label: None };
         let series = Series { name: "<i>".to_owned(), marks: vec![mark], joined: true };
         let chart = Chart {
             title: "<",

@@ -14,7 +14,7 @@ use rayreel::trace::Film;
 use super::super::report::in_millions;
 use super::Measured;
 use super::bars::{self, Bar};
-use super::chart::{Chart, Form, Layout, Mark, Series, escaped};
+use super::chart::{Chart, ChartMark, Form, Layout, Series, escaped};
 use super::table::{
     self, cell, error, frames_in_words, notes, percent, precision_in_words, reference_in_words, seconds,
 };
@@ -104,7 +104,7 @@ fn difference(film: &Film, other: &Film, transfer: Transfer, times: f64) -> Film
 
 /// Returns the chart of all settings by time and error.
 fn overview(report: &Report) -> Chart<'_> {
-    let mark = |row: &Row| Mark {
+    let mark = |row: &Row| ChartMark {
         x: row.seconds.median,
         y: row.error.rms.max(LEAST),
         reach: Some((row.seconds.low, row.seconds.high)),
@@ -127,7 +127,7 @@ fn overview(report: &Report) -> Chart<'_> {
             _ => None,
         },
     };
-    let marks = |rows: &mut dyn Iterator<Item = &Row>| -> Vec<Mark> {
+    let marks = |rows: &mut dyn Iterator<Item = &Row>| -> Vec<ChartMark> {
         rows.filter(|row| row.same_as.is_none()).map(mark).collect()
     };
     let own = Series {
@@ -245,10 +245,10 @@ const CLAMPED: &str =
 fn knobs(report: &Report) -> String {
     let mut text = "<h2>Knobs</h2>\n<div class=\"charts\">\n".to_owned();
     for parameter in Parameter::ALL.into_iter().filter(|parameter| *parameter != Parameter::Precision) {
-        let marks: Vec<Mark> = report
+        let marks: Vec<ChartMark> = report
             .of_knob(parameter)
             .filter_map(|row| match row.subject {
-                Subject::Parameter(_, value) if value > 0.0 => Some(Mark {
+                Subject::Parameter(_, value) if value > 0.0 => Some(ChartMark {
                     x: value,
                     y: row.alone.rms.max(LEAST),
                     reach: None,
@@ -269,7 +269,7 @@ fn knobs(report: &Report) -> String {
         }
         let law = report.orders.iter().find(|(of, _)| *of == parameter).map(|(_, law)| law);
         let line = |law: &PowerLaw| {
-            let at = |mark: Option<&Mark>| mark.map(|mark| (mark.x, law.at(mark.x)));
+            let at = |mark: Option<&ChartMark>| mark.map(|mark| (mark.x, law.at(mark.x)));
             at(marks.first()).into_iter().chain(at(marks.last())).collect::<Vec<_>>()
         };
         let caption = law.map_or_else(String::new, |law| {

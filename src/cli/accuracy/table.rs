@@ -223,7 +223,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use rayreel::accuracy::{FilmError, Reference, Resolution, Variant};
+    use rayreel::accuracy::{FilmError, ReferenceInfo, Resolution, Variant};
     use rayreel::trace::{EstimatedError, Film, RayCounts};
 
     fn row(subject: Subject, error: f64, samples: u64) -> Row {
@@ -252,7 +252,7 @@ mod tests {
             capped: Some(32),
             ..row(Subject::Parameter(Parameter::MaxError, error), 2.5, 32)
         };
-        let reference = Reference {
+        let reference = ReferenceInfo {
             samples: 128,
             pictures: 4,
             rms: 0.5,

@@ -33,7 +33,7 @@ pub(super) struct Cost {
 }
 
 /// All measured frames, rendered with one set of effects.
-struct Rendered {
+struct MeasuredEffects {
     films: Vec<Film>,
     rays: f64,
     instructions: Option<f64>,
@@ -139,10 +139,10 @@ fn render(
     frames: &[u32],
     left_out: Option<Effect>,
     counter: &mut Instructions,
-) -> Result<Rendered, EngineError> {
+) -> Result<MeasuredEffects, EngineError> {
     let others = engine.left_out().to_vec();
     engine.set_left_out(others.iter().copied().chain(left_out));
-    let mut rendered = Rendered { films: Vec::new(), rays: 0.0, instructions: None, seconds: 0.0 };
+    let mut rendered = MeasuredEffects { films: Vec::new(), rays: 0.0, instructions: None, seconds: 0.0 };
     let before = counter.so_far();
     for frame in frames {
         let film = engine.render_frame(*frame);

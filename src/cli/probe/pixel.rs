@@ -15,7 +15,7 @@ use super::super::exit::Failure;
 use super::super::print;
 use super::names::EntityLines;
 use super::numbers::{Shortest, exact};
-use super::tree::Node;
+use super::tree::TreeNode;
 
 /// Number of ray depths that are drawn nested; rays at the next depth become separate trees at the margin.
 const NESTED: usize = 6;
@@ -137,14 +137,14 @@ impl PixelExplanation<'_> {
     }
 
     /// Returns the tree of rays. Subtrees nested deeper than [`NESTED`] become separate trees.
-    fn roots(&self) -> Vec<Node> {
+    fn roots(&self) -> Vec<TreeNode> {
         let rays = &self.probe.tree.rays;
         let mut generations: Vec<usize> = Vec::with_capacity(rays.len());
         for traced in rays {
             generations.push(traced.parent.map_or(0, |parent| generations[parent] + 1));
         }
         let mut roots = Vec::new();
-        let mut nodes: Vec<Node> = rays
+        let mut nodes: Vec<TreeNode> = rays
             .iter()
             .zip(&generations)
             .map(|(traced, generation)| self.node(traced, *generation))
@@ -154,8 +154,10 @@ impl PixelExplanation<'_> {
             let index = nodes.len();
             if let Some(parent) = rays[index].parent {
                 if generations[index].is_multiple_of(NESTED) {
-                    let below =
-                        Node::leaf(format!("{} is below", ray_name(rays[index].kind, generations[index])));
+                    let below = TreeNode::leaf(format!(
+                        "{} is below",
+                        ray_name(rays[index].kind, generations[index])
+                    ));
                     roots.push(std::mem::replace(&mut node, below));
                 }
                 nodes[parent].children.push(node);
@@ -167,7 +169,7 @@ impl PixelExplanation<'_> {
         roots
     }
 
-    fn node(&self, traced: &TracedRay, generation: usize) -> Node {
+    fn node(&self, traced: &TracedRay, generation: usize) -> TreeNode {
         let name = ray_name(traced.kind, generation);
         let light = traced.end.light();
         let mut facts =
@@ -206,11 +208,11 @@ impl PixelExplanation<'_> {
         if traced.cut > 0 {
             facts.push(("not followed", format!(" {} too faint to show", rays(traced.cut))));
         }
-        Node { title: format!("{name} {found}"), facts, children }
+        TreeNode { title: format!("{name} {found}"), facts, children }
     }
 
     /// Lists all contributions to the light from a surface: the ambient light and each light source.
-    fn contributions(&self, lit: &LitSurface) -> Vec<Node> {
+    fn contributions(&self, lit: &LitSurface) -> Vec<TreeNode> {
         let lights =
             self.probe.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
                 let told = match reach {
@@ -231,7 +233,7 @@ impl PixelExplanation<'_> {
         let mut all = vec![("ambient".to_owned(), adds(lit.ambient))];
         all.extend(lights);
         let width = all.iter().map(|(source, _)| source.chars().count()).max().unwrap_or(0);
-        all.into_iter().map(|(source, told)| Node::leaf(format!("{source:<width$}  {told}"))).collect()
+        all.into_iter().map(|(source, told)| TreeNode::leaf(format!("{source:<width$}  {told}"))).collect()
     }
 
     fn json(&self) -> Value {

@@ -2,14 +2,14 @@
 
 /// A node of a tree, with its facts and children.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Node {
+pub(super) struct TreeNode {
     pub(super) title: String,
     /// The names and the values of facts.
     pub(super) facts: Vec<(&'static str, String)>,
-    pub(super) children: Vec<Node>,
+    pub(super) children: Vec<TreeNode>,
 }
 
-impl Node {
+impl TreeNode {
     /// Creates a node with only a title.
     pub(super) fn leaf(title: String) -> Self {
         Self { title, ..Self::default() }

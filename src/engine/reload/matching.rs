@@ -25,7 +25,7 @@ pub(super) struct Matching {
 }
 
 /// The entities of a world that have components of the same types.
-struct Table<'a> {
+struct EntityTable<'a> {
     entities: Vec<Entity>,
     orders: Option<&'a [Order]>,
     names: Option<&'a [Name]>,
@@ -45,13 +45,13 @@ struct Columns<'a> {
 
 /// All entities of a world in document order.
 struct Things<'a> {
-    tables: &'a [Table<'a>],
-    locations: Vec<Location>,
+    tables: &'a [EntityTable<'a>],
+    locations: Vec<ComponentLocation>,
 }
 
 /// The location of an entity's components.
 #[derive(Clone, Copy)]
-struct Location {
+struct ComponentLocation {
     order: u64,
     table: u32,
     row: u32,
@@ -60,7 +60,7 @@ struct Location {
 /// The key by which an entity is matched: its name or, without a name, its transform and shape. Materials are not part of the key: in
 /// entities without a name, they alone can be animated.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-enum Mark<'a> {
+enum MatchKey<'a> {
     Name(&'a str),
     Content([u64; 10], [u64; 4]),
 }
@@ -84,7 +84,7 @@ impl Matching {
     }
 
     fn pair(old: &Things<'_>, new: &Things<'_>, types: &[Option<usize>]) -> Self {
-        let found = Found::of(old, new);
+        let found = Matches::of(old, new);
         let mut matching = Self {
             own: Counterparts::of_many(new.len()),
             new: Vec::new(),
@@ -132,10 +132,10 @@ fn columns(world: &World) -> Vec<Columns<'_>> {
 }
 
 /// Lists the world's archetypes in storage order.
-fn tables<'a>(world: &World, columns: &'a [Columns<'_>]) -> Vec<Table<'a>> {
+fn tables<'a>(world: &World, columns: &'a [Columns<'_>]) -> Vec<EntityTable<'a>> {
     let mut entities = world.query::<Entity>();
     let mut entities = entities.iter();
-    let table = |columns: &'a Columns<'_>| Table {
+    let table = |columns: &'a Columns<'_>| EntityTable {
         entities: entities.by_ref().take(columns.archetype.len() as usize).collect(),
         orders: columns.orders.as_deref(),
         names: columns.names.as_deref(),
@@ -156,8 +156,13 @@ fn same_types(old: &[Columns<'_>], new: &[Columns<'_>]) -> Vec<Option<usize>> {
 
 /// Matches the entities of the world with the scene's in storage order. Returns `None` unless each pair has the same mark, the same
 /// document order and components of the same types, as after edits that change values only.
-fn stored_alike(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -> Option<Counterparts> {
-    let count = |tables: &[Table<'_>]| -> usize { tables.iter().map(|table| table.entities.len()).sum() };
+fn stored_alike(
+    old: &[EntityTable<'_>],
+    new: &[EntityTable<'_>],
+    types: &[Option<usize>],
+) -> Option<Counterparts> {
+    let count =
+        |tables: &[EntityTable<'_>]| -> usize { tables.iter().map(|table| table.entities.len()).sum() };
     if count(old) != count(new) {
         return None;
     }
@@ -176,15 +181,15 @@ fn stored_alike(old: &[Table<'_>], new: &[Table<'_>], types: &[Option<usize>]) -
     Some(own)
 }
 
-impl<'a> Table<'a> {
+impl<'a> EntityTable<'a> {
     fn order(&self, row: usize) -> u64 {
         self.orders.map_or(u64::MAX, |orders| orders[row].0)
     }
 
-    fn mark(&self, row: usize) -> Mark<'a> {
+    fn mark(&self, row: usize) -> MatchKey<'a> {
         match self.names {
-            Some(names) => Mark::Name(&names[row].0),
-            None => Mark::Content(
+            Some(names) => MatchKey::Name(&names[row].0),
+            None => MatchKey::Content(
                 self.transforms.map_or([0; 10], |transforms| transform_bits(&transforms[row])),
                 self.shapes.map_or([0; 4], |shapes| shape_bits(&shapes[row])),
             ),
@@ -193,13 +198,19 @@ impl<'a> Table<'a> {
 }
 
 impl<'a> Things<'a> {
-    fn in_document_order(tables: &'a [Table<'a>]) -> Self {
+    fn in_document_order(tables: &'a [EntityTable<'a>]) -> Self {
         let mut locations = Vec::with_capacity(tables.iter().map(|table| table.entities.len()).sum());
         for (table, index) in tables.iter().zip(0..) {
             let rows = (0..table.entities.len()).zip(0..);
-            locations.extend(rows.map(|(at, row)| Location { order: table.order(at), table: index, row }));
+            locations.extend(rows.map(|(at, row)| ComponentLocation {
+                order: table.order(at),
+                table: index,
+                row,
+            }));
         }
-        let id = |location: &Location| tables[location.table as usize].entities[location.row as usize].id();
+        let id = |location: &ComponentLocation| {
+            tables[location.table as usize].entities[location.row as usize].id()
+        };
         locations.sort_by(|a, b| a.order.cmp(&b.order).then_with(|| id(a).cmp(&id(b))));
         Self { tables, locations }
     }
@@ -208,7 +219,7 @@ impl<'a> Things<'a> {
         self.locations.len()
     }
 
-    fn table(&self, at: usize) -> &Table<'a> {
+    fn table(&self, at: usize) -> &EntityTable<'a> {
         &self.tables[self.locations[at].table as usize]
     }
 
@@ -220,19 +231,19 @@ impl<'a> Things<'a> {
         self.table(at).names.is_some()
     }
 
-    fn mark(&self, at: usize) -> Mark<'a> {
+    fn mark(&self, at: usize) -> MatchKey<'a> {
         self.table(at).mark(self.locations[at].row as usize)
     }
 }
 
 /// The matches between an old and a new list of entities. The lists agree before and after the middle ranges `old` and `new`.
-struct Found {
+struct Matches {
     middle: Vec<Option<usize>>,
     old: Range<usize>,
     new: Range<usize>,
 }
 
-impl Found {
+impl Matches {
     /// Matches entities with names by name. Matches entities without names by content, and the remaining ones by position.
     fn of(old: &Things<'_>, new: &Things<'_>) -> Self {
         let shorter = old.len().min(new.len());
@@ -242,7 +253,7 @@ impl Found {
         let tail = (1..=shorter - head).take_while(alike).count();
         let mut found = Self { middle: Vec::new(), old: head..old.len() - tail, new: head..new.len() - tail };
 
-        let mut by_mark: HashMap<Mark<'_>, Vec<usize>> = HashMap::new();
+        let mut by_mark: HashMap<MatchKey<'_>, Vec<usize>> = HashMap::new();
         for at in found.old.clone().rev() {
             by_mark.entry(old.mark(at)).or_default().push(at);
         }

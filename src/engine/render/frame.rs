@@ -166,7 +166,7 @@ impl Engine {
                     if is_fresh {
                         job.search(scene, camera, signals.cancelled);
                     }
-                    Next::GoOn
+                    NextInstants::GoOn
                 },
             )?;
         }
@@ -190,13 +190,13 @@ impl Engine {
                     whole
                 });
                 if !whole {
-                    return Next::Stop;
+                    return NextInstants::Stop;
                 }
                 let start = Instant::now();
                 let next = match job.is_round_done() {
-                    false => Next::GoOn,
-                    true if job.next_round(policy.as_ref()) => Next::Visit(job.instants()),
-                    true => Next::Stop,
+                    false => NextInstants::GoOn,
+                    true if job.next_round(policy.as_ref()) => NextInstants::Visit(job.instants()),
+                    true => NextInstants::Stop,
                 };
                 traced += start.elapsed();
                 next
@@ -260,7 +260,7 @@ impl Engine {
                 let plan = SamplePlan { alpha, ..sample_plan(preparation, count) };
                 let sums = sums.get_or_insert_with(|| ReferenceSums::new(camera.resolution(), plan));
                 Reference::new(scene, camera, preparation.sampling(time), left).search(sums);
-                Next::GoOn
+                NextInstants::GoOn
             })?;
         }
         self.seek_all(time, (&instants, first), &NEVER, |preparation, _, instant| {
@@ -270,14 +270,14 @@ impl Engine {
             Reference::new(scene, camera, preparation.sampling(time), left).add(sums, instant);
             rest -= 1;
             if rest > 0 {
-                return Next::GoOn;
+                return NextInstants::GoOn;
             }
             if !sums.next_round(policy.as_ref()) {
-                return Next::Stop;
+                return NextInstants::Stop;
             }
             let next = sums.instants();
             rest = next.len();
-            Next::Visit(next)
+            NextInstants::Visit(next)
         })?;
         Ok(sums)
     }
@@ -294,7 +294,7 @@ impl Engine {
         let mut hashed = HashedInstants::new(self.effects_left().lighting, to_hash.clone());
         self.seek_all(time, (&instants, to_hash), &NEVER, |preparation, _, instant| {
             hashed.note(preparation, time, instant);
-            Next::GoOn
+            NextInstants::GoOn
         })?;
         let fingerprint = hashed.finish();
         let Some(policy) = &self.policy else { return Ok(fingerprint) };
@@ -310,7 +310,7 @@ impl Engine {
     pub fn plan_at(&mut self, time: Time) -> Result<Option<&Plan>, EngineError> {
         let instants = self.instants(time);
         let first = self.hashed_instants(&instants);
-        self.seek_all(time, (&instants, first), &NEVER, |_, _, _| Next::GoOn)?;
+        self.seek_all(time, (&instants, first), &NEVER, |_, _, _| NextInstants::GoOn)?;
         Ok(self.plan.as_ref())
     }
 
@@ -377,7 +377,7 @@ impl Engine {
         time: Time,
         (instants, first): (&[Time], Vec<u32>),
         cancelled: &AtomicBool,
-        mut each: impl FnMut(&Preparation, Effects, u32) -> Next,
+        mut each: impl FnMut(&Preparation, Effects, u32) -> NextInstants,
     ) -> Result<bool, EngineError> {
         self.report = FrameReport { time, ..FrameReport::default() };
         let mut plan: Option<Plan> = None;
@@ -398,16 +398,16 @@ impl Engine {
             }
             let mut then = each(&shown, effects, index);
             // The world is already at a single instant.
-            while instants.len() == 1 && matches!(then, Next::Visit(_)) {
+            while instants.len() == 1 && matches!(then, NextInstants::Visit(_)) {
                 then = each(&shown, effects, index);
             }
             if let Some(preparation) = &mut self.preparation {
                 preparation.replace_frame_settings(&own, &self.world);
             }
             match then {
-                Next::GoOn => {}
-                Next::Visit(instants) => next = instants.into(),
-                Next::Stop => break,
+                NextInstants::GoOn => {}
+                NextInstants::Visit(instants) => next = instants.into(),
+                NextInstants::Stop => break,
             }
         }
         let motion_blur = self.motion_blur(time, moves);
@@ -518,7 +518,7 @@ impl Engine {
 }
 
 /// The action after an instant of a frame.
-pub(super) enum Next {
+pub(super) enum NextInstants {
     /// Continues with the next instant, if any.
     GoOn,
     /// Visits these instants next, in this order.

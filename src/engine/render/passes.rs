@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::frame::Next;
+use super::frame::NextInstants;
 use crate::engine::engine::{Engine, EngineError};
 use crate::time::Time;
 use crate::trace::PassPixel;
@@ -43,7 +43,7 @@ impl Engine {
         let mut passes = None;
         let sought = self.seek_all(time, (&instants, vec![0]), cancelled, |preparation, _, _| {
             passes = preparation.scene().passes(preparation.camera(), cancelled);
-            Next::Stop
+            NextInstants::Stop
         });
         (self.report, self.plan) = (report, plan);
         self.report.trace += start.elapsed();

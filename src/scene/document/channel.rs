@@ -27,9 +27,9 @@ impl<'de> Deserialize<'de> for ChannelDocument {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct ChannelVisitor;
 
-        struct Name(Property);
+        struct PropertyName(Property);
 
-        impl<'de> Deserialize<'de> for Name {
+        impl<'de> Deserialize<'de> for PropertyName {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 deserializer.deserialize_identifier(ChannelVisitor).map(Self)
             }
@@ -47,7 +47,7 @@ impl<'de> Deserialize<'de> for ChannelDocument {
             }
 
             fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<Property, A::Error> {
-                let (Name(property), rest) = data.variant()?;
+                let (PropertyName(property), rest) = data.variant()?;
                 rest.unit_variant()?;
                 Ok(property)
             }

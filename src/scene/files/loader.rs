@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::names;
-use super::read::{Content, Refusal, read, read_included};
+use super::read::{FileContent, Refusal, read, read_included};
 use super::{Files, SceneFile, Scope};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
@@ -44,7 +44,7 @@ impl Files {
 
     /// Reads a scene from a text, and its includes from files.
     pub(in crate::scene) fn from_text(path: &Path, text: String) -> Self {
-        Loader::default().load(path, Content::Text(text))
+        Loader::default().load(path, FileContent::Text(text))
     }
 
     /// Collects the semantic errors of every file.
@@ -84,9 +84,9 @@ impl Files {
 /// The texts that could be parsed, by the canonical paths of their files.
 pub(in crate::scene) type Texts = HashMap<PathBuf, Parsed>;
 
-fn content(path: &Path) -> Content {
+fn content(path: &Path) -> FileContent {
     read(path).unwrap_or_else(|Refusal { message, help, .. }| {
-        Content::Garbled(String::new(), Diagnostic::new(message, "", help, None))
+        FileContent::Garbled(String::new(), Diagnostic::new(message, "", help, None))
     })
 }
 
@@ -106,7 +106,7 @@ struct Loader {
 }
 
 impl Loader {
-    fn load(&mut self, path: &Path, content: Content) -> Files {
+    fn load(&mut self, path: &Path, content: FileContent) -> Files {
         let key = self.try_path(path);
         self.add(path, key, content, None);
         if let (Some(mistake), Some(own)) = (self.overrides.mistake(), self.loaded.files.first_mut()) {
@@ -128,19 +128,19 @@ impl Loader {
         &mut self,
         path: &Path,
         key: PathBuf,
-        mut content: Content,
+        mut content: FileContent,
         from: Option<(usize, usize)>,
     ) -> usize {
         let index = self.loaded.files.len();
         let overridden = match &mut content {
-            Content::Text(text) => {
+            FileContent::Text(text) => {
                 // A byte order mark is not part of the scene, and editors do not count it as a column.
                 if text.starts_with('\u{feff}') {
                     text.remove(0);
                 }
                 self.overrides.place(text)
             }
-            Content::Garbled(..) => Vec::new(),
+            FileContent::Garbled(..) => Vec::new(),
         };
         let mut file = SceneFile::new(path, content, from, |text| self.parse(&key, text));
         file.overridden = overridden;
@@ -226,13 +226,13 @@ impl Refusal {
 impl SceneFile {
     fn new(
         path: &Path,
-        content: Content,
+        content: FileContent,
         from: Option<(usize, usize)>,
         parse: impl FnOnce(&Arc<String>) -> Result<SceneDocument, Diagnostic>,
     ) -> Self {
         let (text, document, mistake) = match content {
-            Content::Garbled(text, mistake) => (Arc::new(text), None, Some(mistake)),
-            Content::Text(text) => {
+            FileContent::Garbled(text, mistake) => (Arc::new(text), None, Some(mistake)),
+            FileContent::Text(text) => {
                 let text = Arc::new(text);
                 match parse(&text) {
                     Ok(document) => (text, Some(document), None),

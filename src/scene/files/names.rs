@@ -10,8 +10,8 @@ use crate::scene::validate::Problems;
 /// The names visible in a file: its own, the names given to its includes, and all names in its unnamed includes.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Names<'a> {
-    pub(super) entities: Table<'a, Meaning<'a>>,
-    pub(super) materials: Table<'a, &'a MaterialDocument>,
+    pub(super) entities: NameTable<'a, Meaning<'a>>,
+    pub(super) materials: NameTable<'a, &'a MaterialDocument>,
     /// True if some names are unknown, because a file could not be read or because there are too many names.
     pub(super) incomplete: bool,
     pub(super) clashes: Clashes<'a>,
@@ -44,18 +44,18 @@ pub(super) enum Meaning<'a> {
 
 /// A table of names in document order.
 #[derive(Debug)]
-pub(super) struct Table<'a, T> {
+pub(super) struct NameTable<'a, T> {
     pub(super) names: Vec<&'a str>,
     entries: HashMap<&'a str, (Origin, T)>,
 }
 
-impl<T> Default for Table<'_, T> {
+impl<T> Default for NameTable<'_, T> {
     fn default() -> Self {
         Self { names: Vec::new(), entries: HashMap::new() }
     }
 }
 
-impl<'a, T> Table<'a, T> {
+impl<'a, T> NameTable<'a, T> {
     /// Reserves space for `count` more names.
     fn reserve(&mut self, count: usize) {
         self.names.reserve(count);

@@ -9,7 +9,7 @@ use crate::scene::suggest_file::nearby;
 
 /// The content of a file.
 #[derive(Debug)]
-pub(super) enum Content {
+pub(super) enum FileContent {
     Text(String),
     /// Text that is not UTF-8, decoded lossily, with the diagnostic of its first invalid byte.
     Garbled(String, Diagnostic),
@@ -24,19 +24,19 @@ pub(super) struct Refusal {
 }
 
 /// Reads a scene file, or standard input.
-pub(super) fn read(path: &Path) -> Result<Content, Refusal> {
+pub(super) fn read(path: &Path) -> Result<FileContent, Refusal> {
     content(path, path, InputKind::Accepted)
 }
 
 /// Reads a file that is included as `written`. Streams are rejected, because they cannot be read again.
-pub(super) fn read_included(path: &Path, written: &Path) -> Result<Content, Refusal> {
+pub(super) fn read_included(path: &Path, written: &Path) -> Result<FileContent, Refusal> {
     content(path, written, InputKind::Refused)
 }
 
-fn content(path: &Path, written: &Path, offered: InputKind) -> Result<Content, Refusal> {
+fn content(path: &Path, written: &Path, offered: InputKind) -> Result<FileContent, Refusal> {
     let bytes =
         input::read(path, offered, LARGEST_FILE).map_err(|error| Refusal::of(&error, path, written))?;
-    Ok(String::from_utf8(bytes).map_or_else(|error| garbled(&error), Content::Text))
+    Ok(String::from_utf8(bytes).map_or_else(|error| garbled(&error), FileContent::Text))
 }
 
 impl Refusal {
@@ -71,7 +71,7 @@ impl Refusal {
     }
 }
 
-fn garbled(error: &std::string::FromUtf8Error) -> Content {
+fn garbled(error: &std::string::FromUtf8Error) -> FileContent {
     let valid = error.utf8_error().valid_up_to();
     let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
     let byte = error.as_bytes()[valid];
@@ -81,5 +81,5 @@ fn garbled(error: &std::string::FromUtf8Error) -> Content {
         Some("save the file as UTF-8; is it really a scene?".to_owned()),
         Some(valid..valid + char::REPLACEMENT_CHARACTER.len_utf8()),
     );
-    Content::Garbled(text, diagnostic)
+    FileContent::Garbled(text, diagnostic)
 }

@@ -39,10 +39,10 @@ pub(super) enum Asked {
         count: usize,
     },
     /// The content in parentheses after a word.
-    Content {
+    VariantContent {
         of: &'static str,
         word: String,
-        content: Content,
+        content: VariantContent,
     },
     /// A value with several notations, as described by the type that reads it.
     Any {
@@ -52,7 +52,7 @@ pub(super) enum Asked {
 
 /// The content in parentheses after a word.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Content {
+pub(super) enum VariantContent {
     One,
     Several(usize),
     Fields(&'static [&'static str]),
@@ -298,12 +298,12 @@ impl<'t, 'de, A: EnumAccess<'de>> EnumAccess<'de> for Watched<'t, A> {
 
 impl<A> Watched<'_, A> {
     /// Returns the request for the content in parentheses after the last word.
-    fn content(&self, content: Content) -> Asked {
+    fn content(&self, content: VariantContent) -> Asked {
         let of = match self.trail.open.borrow().last() {
             Some(Asked::Choice { name, .. }) => name,
             _ => "",
         };
-        Asked::Content { of, word: self.trail.word.borrow().clone(), content }
+        Asked::VariantContent { of, word: self.trail.word.borrow().clone(), content }
     }
 }
 
@@ -315,12 +315,12 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Watched<'_, A> {
     }
 
     fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, A::Error> {
-        let asked = self.content(Content::One);
+        let asked = self.content(VariantContent::One);
         self.trail.ask(asked, || self.inner.newtype_variant_seed(self.trail.watch(seed)))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, A::Error> {
-        let asked = self.content(Content::Several(count));
+        let asked = self.content(VariantContent::Several(count));
         self.trail.ask(asked, || self.inner.tuple_variant(count, self.trail.watch(visitor)))
     }
 
@@ -329,7 +329,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Watched<'_, A> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, A::Error> {
-        let asked = self.content(Content::Fields(fields));
+        let asked = self.content(VariantContent::Fields(fields));
         self.trail.ask(asked, || self.inner.struct_variant(fields, self.trail.watch(visitor)))
     }
 }

@@ -1,7 +1,7 @@
 //! Descriptions of expected values.
 
 use super::examples::{self, Example};
-use super::expectations::{Asked, Content};
+use super::expectations::{Asked, VariantContent};
 use super::token_context::Around;
 use crate::scene::quote::short;
 use crate::scene::suggest::nearest;
@@ -48,7 +48,7 @@ impl Wanted {
                 None => Self::new(reader.as_str(), "the scene reference says how it is written"),
             },
             Asked::Choice { name, count } => choice(examples::of(name), *count, found),
-            Asked::Content { of, word, content } => self::content(examples::of(of), word, content),
+            Asked::VariantContent { of, word, content } => self::content(examples::of(of), word, content),
         }
     }
 
@@ -74,11 +74,11 @@ fn choice(example: Example, count: usize, found: &str) -> Wanted {
     Wanted::new(example.noun, format!("write {all}{forms}{quotes}"))
 }
 
-fn content(example: Example, word: &str, content: &Content) -> Wanted {
+fn content(example: Example, word: &str, content: &VariantContent) -> Wanted {
     let what = match content {
-        Content::One => "1 value".to_owned(),
-        Content::Several(count) => counted(*count, "value"),
-        Content::Fields(_) => "its values by name".to_owned(),
+        VariantContent::One => "1 value".to_owned(),
+        VariantContent::Several(count) => counted(*count, "value"),
+        VariantContent::Fields(_) => "its values by name".to_owned(),
     };
     let help = match example.form(word) {
         Some(form) => format!("write it as {form}"),
@@ -93,7 +93,7 @@ fn field_name(of: Option<&Asked>, found: &str) -> Wanted {
         Some(Asked::Fields { fields, .. }) => {
             (*fields, format!("write each value after its name, as {}", bracketed(fields)))
         }
-        Some(Asked::Content { of, word, content: Content::Fields(fields) }) => {
+        Some(Asked::VariantContent { of, word, content: VariantContent::Fields(fields) }) => {
             let form = examples::of(of).form(word);
             (*fields, form.map_or_else(|| bracketed(fields), |form| format!("write it as {form}")))
         }

@@ -7,7 +7,7 @@ use ron::error::SpannedError;
 
 use super::characters::{is_known, strange};
 use super::examples;
-use super::expectations::{Asked, Content, Trail};
+use super::expectations::{Asked, Trail, VariantContent};
 use super::expected::{Wanted, counted, is_word};
 use super::token_context::Around;
 use super::whole::read_whole;
@@ -127,7 +127,7 @@ impl Case<'_> {
         }
         let (word, fields) = self.open.iter().rev().find_map(|asked| match asked {
             Asked::Fields { fields, .. } => Some(("", fields.to_vec())),
-            Asked::Content { of, word, content: Content::Fields(fields) } => {
+            Asked::VariantContent { of, word, content: VariantContent::Fields(fields) } => {
                 Some((word.as_str(), examples::of(of).ordered(word, fields)))
             }
             _ => None,
@@ -343,7 +343,7 @@ impl Case<'_> {
             help = format!("write it as {named}");
         }
         let lacks_bracket =
-            matches!(asked, Asked::Content { .. }) && matches!(self.code, Error::ExpectedStructLike);
+            matches!(asked, Asked::VariantContent { .. }) && matches!(self.code, Error::ExpectedStructLike);
         match &around.previous {
             Some(word) if lacks_bracket => told(message, "without brackets", help, word.clone()),
             _ => told(message, format!("found {}", around.in_words()), help, around.value()),

@@ -135,10 +135,10 @@ impl<'de> Plain<'de> {
     fn enclosed<T>(
         &mut self,
         [open, close]: [u8; 2],
-        read: impl FnOnce(&mut Items<'_, 'de>) -> Result<T>,
+        read: impl FnOnce(&mut BracketItems<'_, 'de>) -> Result<T>,
     ) -> Result<T> {
         self.expect(open)?;
-        let mut items = Items { plain: self, close, is_first: true };
+        let mut items = BracketItems { plain: self, close, is_first: true };
         let value = read(&mut items)?;
         if items.is_next()? { Err(NotPlain) } else { self.expect(close).map(|()| value) }
     }
@@ -153,13 +153,13 @@ impl<'de> Plain<'de> {
 }
 
 /// The remaining values in brackets.
-struct Items<'a, 'de> {
+struct BracketItems<'a, 'de> {
     plain: &'a mut Plain<'de>,
     close: u8,
     is_first: bool,
 }
 
-impl Items<'_, '_> {
+impl BracketItems<'_, '_> {
     /// Advances to the next value. Returns `false` if there is none.
     fn is_next(&mut self) -> Result<bool> {
         let is_first = std::mem::replace(&mut self.is_first, false);
@@ -173,7 +173,7 @@ impl Items<'_, '_> {
     }
 }
 
-impl<'de> SeqAccess<'de> for &mut Items<'_, 'de> {
+impl<'de> SeqAccess<'de> for &mut BracketItems<'_, 'de> {
     type Error = NotPlain;
 
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>> {
@@ -181,7 +181,7 @@ impl<'de> SeqAccess<'de> for &mut Items<'_, 'de> {
     }
 }
 
-impl<'de> MapAccess<'de> for &mut Items<'_, 'de> {
+impl<'de> MapAccess<'de> for &mut BracketItems<'_, 'de> {
     type Error = NotPlain;
 
     fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>> {
@@ -200,9 +200,9 @@ impl<'de> MapAccess<'de> for &mut Items<'_, 'de> {
 }
 
 /// An enum variant, and its content in parentheses if it has any.
-struct Choice<'a, 'de>(&'a mut Plain<'de>);
+struct EnumVariant<'a, 'de>(&'a mut Plain<'de>);
 
-impl<'de> EnumAccess<'de> for Choice<'_, 'de> {
+impl<'de> EnumAccess<'de> for EnumVariant<'_, 'de> {
     type Error = NotPlain;
     type Variant = Self;
 
@@ -212,7 +212,7 @@ impl<'de> EnumAccess<'de> for Choice<'_, 'de> {
     }
 }
 
-impl<'de> VariantAccess<'de> for Choice<'_, 'de> {
+impl<'de> VariantAccess<'de> for EnumVariant<'_, 'de> {
     type Error = NotPlain;
 
     fn unit_variant(self) -> Result<()> {
@@ -296,7 +296,7 @@ impl<'de> Deserializer<'de> for &mut Plain<'de> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value> {
-        visitor.visit_enum(Choice(self))
+        visitor.visit_enum(EnumVariant(self))
     }
 
     /// Reads a string, a number without an exponent, or a tuple whose first value is a number.

@@ -43,7 +43,7 @@ const MARK: &str = "those of other parts";
 /// A list of entities and nothing else.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Part {
+struct EntityList {
     entities: Vec<Arc<EntityDocument>>,
 }
 
@@ -79,7 +79,7 @@ fn part(text: &str, range: Range<usize>, start: usize) -> Option<Vec<Arc<EntityD
     let is_first = range.start == start;
     let before = if is_first { "" } else { "()" };
     let part = format!("(entities: [{before}{},(name: {MARK:?})])", text.get(range)?);
-    let Part { mut entities } = read_plain(&part).or_else(|_| options().from_str(&part)).ok()?;
+    let EntityList { mut entities } = read_plain(&part).or_else(|_| options().from_str(&part)).ok()?;
     entities.pop().filter(is_mark)?;
     if !is_first {
         entities.drain(..1);

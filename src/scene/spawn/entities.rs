@@ -19,7 +19,7 @@ use crate::scene::document::{
 
 /// The components that a material of the file adds to entities.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Surface {
+pub(super) struct MaterialComponents {
     material: Material,
     specular: Option<Specular>,
     reflective: Option<Reflective>,
@@ -33,13 +33,13 @@ pub(super) struct Links<'a> {
     pub(super) parents: HashMap<usize, Entity>,
     pub(super) channels: HashMap<Entity, Vec<Channel>>,
     /// The surfaces, by material name.
-    pub(super) surfaces: HashMap<&'a str, Surface>,
+    pub(super) surfaces: HashMap<&'a str, MaterialComponents>,
 }
 
 /// An entity, identified by its document index, with its surface.
 struct Member<'a> {
     place: usize,
-    surface: Option<&'a Surface>,
+    surface: Option<&'a MaterialComponents>,
 }
 
 /// The optional components of an entity, as flags.
@@ -120,7 +120,7 @@ fn fill<T: Component>(batch: &ColumnBatchBuilder, values: impl Iterator<Item = T
 
 impl Types {
     /// Returns the types of the components of a surface.
-    fn of_surface(surface: Option<&Surface>) -> Self {
+    fn of_surface(surface: Option<&MaterialComponents>) -> Self {
         Self {
             material: surface.is_some(),
             specular: surface.is_some_and(|surface| surface.specular.is_some()),
@@ -154,7 +154,7 @@ impl Types {
     }
 }
 
-pub(super) fn surface(document: &MaterialDocument, transfer: Transfer) -> Surface {
+pub(super) fn surface(document: &MaterialDocument, transfer: Transfer) -> MaterialComponents {
     let material = Material {
         k_a: single(document.k_a),
         k_d: single(document.k_d),
@@ -174,7 +174,7 @@ pub(super) fn surface(document: &MaterialDocument, transfer: Transfer) -> Surfac
     let checker = document
         .checker
         .map(|checker| Checker { color: transfer.decode(checker.color.0), size: checker.size });
-    Surface { material, specular, reflective, refractive, checker }
+    MaterialComponents { material, specular, reflective, refractive, checker }
 }
 
 fn transform(document: &TransformDocument) -> Transform {

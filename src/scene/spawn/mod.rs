@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3, Vec3};
 use hashbrown::{HashMap, HashSet};
 use hecs::{Entity, EntityBuilder, World};
 
-use self::entities::{Links, Surface, surface};
+use self::entities::{Links, MaterialComponents, surface};
 use super::document::{
     AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, FilmDocument, KeyDocument,
     NoiseDocument, NormDocument, QualityDocument, RotationDocument, SamplingDocument, ScaleDocument,
@@ -71,7 +71,7 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     let named = named.enumerate().filter_map(|(entity, parent)| Some((entity, parent?)));
     let unnamed = parents.iter().map(|(entity, parent)| (*entity, entities[*parent]));
     let parents: HashMap<usize, Entity> = named.chain(unnamed).collect();
-    let surfaces: HashMap<&str, Surface> = document
+    let surfaces: HashMap<&str, MaterialComponents> = document
         .materials
         .0
         .iter()

@@ -1,7 +1,7 @@
 //! Checks that animated entities, materials and cameras have the animated property.
 
 use super::{At, Named, Problems};
-use crate::components::{Part, Property};
+use crate::components::{Property, Requirement};
 use crate::scene::document::{
     AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, LightDocument,
     MaterialDocument, SceneDocument, ShapeDocument,
@@ -85,66 +85,66 @@ fn material_target(
 }
 
 /// Returns a description of the scene if it lacks the part.
-fn lack_of_scene(document: &SceneDocument, part: Part) -> Option<&'static str> {
+fn lack_of_scene(document: &SceneDocument, part: Requirement) -> Option<&'static str> {
     let flat = matches!(document.background, BackgroundDocument::Flat(_));
     let (fits, otherwise) = match part {
-        Part::AmbientLight => return None,
-        Part::FlatBackground => (flat, "a background of two colours"),
-        Part::Gradient => (!flat, "a background of one colour"),
-        Part::Fog => (document.fog.is_some(), "a scene without `fog`"),
+        Requirement::AmbientLight => return None,
+        Requirement::FlatBackground => (flat, "a background of two colours"),
+        Requirement::Gradient => (!flat, "a background of one colour"),
+        Requirement::Fog => (document.fog.is_some(), "a scene without `fog`"),
         _ => (false, "the scene"),
     };
     (!fits).then_some(otherwise)
 }
 
 /// Returns a description of the camera if it lacks the part.
-fn lack_of_camera(camera: &CameraDocument, part: Part) -> Option<&'static str> {
+fn lack_of_camera(camera: &CameraDocument, part: Requirement) -> Option<&'static str> {
     let screen = camera.screen.as_ref();
     let (fits, otherwise) = match part {
-        Part::Camera => return None,
-        Part::View => (camera.look_at.is_none(), "a camera with `look_at`"),
-        Part::FieldOfView => (screen.is_none(), "a camera with a `screen`"),
-        Part::Screen => (screen.is_some(), "a camera without a `screen`"),
-        Part::ScreenWidth if screen.is_none() => (false, "a camera without a `screen`"),
-        Part::ScreenWidth => {
+        Requirement::Camera => return None,
+        Requirement::View => (camera.look_at.is_none(), "a camera with `look_at`"),
+        Requirement::FieldOfView => (screen.is_none(), "a camera with a `screen`"),
+        Requirement::Screen => (screen.is_some(), "a camera without a `screen`"),
+        Requirement::ScreenWidth if screen.is_none() => (false, "a camera without a `screen`"),
+        Requirement::ScreenWidth => {
             (screen.is_some_and(|screen| screen.width.is_some()), "a screen without a `width`")
         }
-        Part::Lens => (camera.lens.is_some(), "a camera without a `lens`"),
+        Requirement::Lens => (camera.lens.is_some(), "a camera without a `lens`"),
         _ => (false, "the camera"),
     };
     (!fits).then_some(otherwise)
 }
 
 /// Returns a description of the entity if it lacks the part.
-fn lack_of_entity(entity: KnownEntity<'_>, part: Part) -> Option<&'static str> {
+fn lack_of_entity(entity: KnownEntity<'_>, part: Requirement) -> Option<&'static str> {
     use ShapeDocument::{Box, Plane, Sphere};
     let lacks = |material: Option<&MaterialDocument>| material.is_none_or(|material| lacks(material, part));
     let (fits, otherwise) = match part {
-        Part::Transform => return None,
-        Part::Sphere => (matches!(entity.shape, Some(Sphere { .. })), "an entity that is no sphere"),
-        Part::Box => (matches!(entity.shape, Some(Box { .. })), "an entity that is no box"),
-        Part::Plane => (matches!(entity.shape, Some(Plane { .. })), "an entity that is no plane"),
-        Part::Material => (entity.shape.is_some(), "an entity without a shape"),
-        Part::Specular => (!lacks(entity.material), "an entity that is not specular"),
-        Part::Reflective => (!lacks(entity.material), "an entity that does not mirror"),
-        Part::Refractive => (!lacks(entity.material), "an entity that is not refractive"),
-        Part::Checker => (!lacks(entity.material), "an entity that is not chequered"),
+        Requirement::Transform => return None,
+        Requirement::Sphere => (matches!(entity.shape, Some(Sphere { .. })), "an entity that is no sphere"),
+        Requirement::Box => (matches!(entity.shape, Some(Box { .. })), "an entity that is no box"),
+        Requirement::Plane => (matches!(entity.shape, Some(Plane { .. })), "an entity that is no plane"),
+        Requirement::Material => (entity.shape.is_some(), "an entity without a shape"),
+        Requirement::Specular => (!lacks(entity.material), "an entity that is not specular"),
+        Requirement::Reflective => (!lacks(entity.material), "an entity that does not mirror"),
+        Requirement::Refractive => (!lacks(entity.material), "an entity that is not refractive"),
+        Requirement::Checker => (!lacks(entity.material), "an entity that is not chequered"),
         _ => return lack_of_light(entity.light, part),
     };
     (!fits).then_some(otherwise)
 }
 
 /// Returns a description of the entity if its light lacks the part.
-fn lack_of_light(light: Option<&LightDocument>, part: Part) -> Option<&'static str> {
+fn lack_of_light(light: Option<&LightDocument>, part: Requirement) -> Option<&'static str> {
     use AreaShapeDocument::{Rectangle, Sphere};
     use LightDocument::{Area, Directional, Point, Spot};
     let (fits, otherwise) = match part {
-        Part::Light => (light.is_some(), "an entity without a light"),
-        Part::DirectionalLight => {
+        Requirement::Light => (light.is_some(), "an entity without a light"),
+        Requirement::DirectionalLight => {
             (matches!(light, Some(Directional { .. })), "an entity without a directional light")
         }
-        Part::SpotLight => (matches!(light, Some(Spot { .. })), "an entity without a Spot light"),
-        Part::Falloff => {
+        Requirement::SpotLight => (matches!(light, Some(Spot { .. })), "an entity without a Spot light"),
+        Requirement::Falloff => {
             let weakens = matches!(
                 light,
                 Some(
@@ -155,11 +155,11 @@ fn lack_of_light(light: Option<&LightDocument>, part: Part) -> Option<&'static s
             );
             (weakens, "an entity without a light with `falloff`")
         }
-        Part::SphereLight => {
+        Requirement::SphereLight => {
             let is_sphere = matches!(light, Some(Area { shape: Sphere { .. }, .. }));
             (is_sphere, "an entity without an Area light of the shape Sphere")
         }
-        Part::RectangleLight => {
+        Requirement::RectangleLight => {
             let is_rectangle = matches!(light, Some(Area { shape: Rectangle { .. }, .. }));
             (is_rectangle, "an entity without an Area light of the shape Rectangle")
         }
@@ -168,34 +168,37 @@ fn lack_of_light(light: Option<&LightDocument>, part: Part) -> Option<&'static s
     (!fits).then_some(otherwise)
 }
 
-fn of_material(part: Part) -> bool {
-    use Part::{Checker, Material, Reflective, Refractive, Specular};
+fn of_material(part: Requirement) -> bool {
+    use Requirement::{Checker, Material, Reflective, Refractive, Specular};
     matches!(part, Material | Specular | Reflective | Refractive | Checker)
 }
 
-fn lacks(material: &MaterialDocument, part: Part) -> bool {
+fn lacks(material: &MaterialDocument, part: Requirement) -> bool {
     missing(material, part).is_some()
 }
 
 /// Returns message, label and help if the material lacks an optional part.
-fn missing(material: &MaterialDocument, part: Part) -> Option<(&'static str, &'static str, &'static str)> {
+fn missing(
+    material: &MaterialDocument,
+    part: Requirement,
+) -> Option<(&'static str, &'static str, &'static str)> {
     match part {
-        Part::Specular if material.specular.is_none() => Some((
+        Requirement::Specular if material.specular.is_none() => Some((
             "a material that is not specular has neither k_s nor shininess",
             "not specular",
             "add `specular: (k_s: .., shininess: ..)` to the material",
         )),
-        Part::Reflective if material.reflective.is_none() => Some((
+        Requirement::Reflective if material.reflective.is_none() => Some((
             "a material that does not mirror has no k_r",
             "not reflective",
             "add `reflective: (k_r: ..)` to the material",
         )),
-        Part::Refractive if material.refractive.is_none() => Some((
+        Requirement::Refractive if material.refractive.is_none() => Some((
             "a material that is not refractive has neither k_t, ior nor absorption",
             "not refractive",
             "add `refractive: (k_t: .., ior: ..)` to the material",
         )),
-        Part::Checker if material.checker.is_none() => Some((
+        Requirement::Checker if material.checker.is_none() => Some((
             "a material without squares has neither their colour nor their size",
             "not chequered",
             "add `checker: (color: .., size: ..)` to the material",
@@ -210,29 +213,31 @@ fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
 }
 
 /// Returns a description of the elements that have the part.
-fn home(part: Part) -> &'static str {
+fn home(part: Requirement) -> &'static str {
     match part {
-        Part::Transform => "entities have it; cameras have Position and Target",
-        Part::Sphere => "entities with the shape Sphere have it",
-        Part::Box => "entities with the shape Box have it",
-        Part::Plane => "entities with the shape Plane have it",
-        Part::Material | Part::Reflective => "materials have it, and entities with a shape",
-        Part::Specular => "materials that are specular have it, and entities made of them",
-        Part::Refractive => "materials that are refractive have it, and entities made of them",
-        Part::Checker => "materials with `checker` have it, and entities made of them",
-        Part::Light | Part::DirectionalLight => "entities with a light have it",
-        Part::SpotLight => "entities with a Spot light have it",
-        Part::Falloff => "lights with `falloff` have it: add `falloff: (1, 0, 0)` to the light",
-        Part::SphereLight => "entities with an Area light of the shape Sphere have it",
-        Part::RectangleLight => "entities with an Area light of the shape Rectangle have it",
-        Part::Camera | Part::View => "cameras have it: `target: \"camera\"`; entities have Translation",
-        Part::FieldOfView => "the camera has it where it has no `screen`",
-        Part::Screen => "the camera has it where it has a `screen`",
-        Part::ScreenWidth => "the camera has it where its `screen` has a `width`",
-        Part::Lens => "the camera has it where it has a `lens`",
-        Part::AmbientLight => "the scene has it: `target: \"scene\"`",
-        Part::FlatBackground => "the scene has it where its background is one colour",
-        Part::Gradient => "the scene has it where its background is `(bottom: .., top: ..)`",
-        Part::Fog => "the scene has it where it has `fog`",
+        Requirement::Transform => "entities have it; cameras have Position and Target",
+        Requirement::Sphere => "entities with the shape Sphere have it",
+        Requirement::Box => "entities with the shape Box have it",
+        Requirement::Plane => "entities with the shape Plane have it",
+        Requirement::Material | Requirement::Reflective => "materials have it, and entities with a shape",
+        Requirement::Specular => "materials that are specular have it, and entities made of them",
+        Requirement::Refractive => "materials that are refractive have it, and entities made of them",
+        Requirement::Checker => "materials with `checker` have it, and entities made of them",
+        Requirement::Light | Requirement::DirectionalLight => "entities with a light have it",
+        Requirement::SpotLight => "entities with a Spot light have it",
+        Requirement::Falloff => "lights with `falloff` have it: add `falloff: (1, 0, 0)` to the light",
+        Requirement::SphereLight => "entities with an Area light of the shape Sphere have it",
+        Requirement::RectangleLight => "entities with an Area light of the shape Rectangle have it",
+        Requirement::Camera | Requirement::View => {
+            "cameras have it: `target: \"camera\"`; entities have Translation"
+        }
+        Requirement::FieldOfView => "the camera has it where it has no `screen`",
+        Requirement::Screen => "the camera has it where it has a `screen`",
+        Requirement::ScreenWidth => "the camera has it where its `screen` has a `width`",
+        Requirement::Lens => "the camera has it where it has a `lens`",
+        Requirement::AmbientLight => "the scene has it: `target: \"scene\"`",
+        Requirement::FlatBackground => "the scene has it where its background is one colour",
+        Requirement::Gradient => "the scene has it where its background is `(bottom: .., top: ..)`",
+        Requirement::Fog => "the scene has it where it has `fog`",
     }
 }

@@ -5,11 +5,11 @@ mod limits;
 mod mistakes;
 mod values;
 
-use super::{Data, Language, ScriptContext, Stop};
+use super::{Data, Language, NoResult, ScriptContext};
 
-fn run(text: &str) -> Result<Data, Stop> {
+fn run(text: &str) -> Result<Data, NoResult> {
     let language = Language::new(0);
-    let script = language.compile(text).map_err(|error| Stop::Error(Box::new(error)))?;
+    let script = language.compile(text).map_err(|error| NoResult::Error(Box::new(error)))?;
     let mut context = ScriptContext::new(24.0, 5.0);
     context.turn_to(2.5, 60.0);
     context.belong(3, "ball", Data::from([1.0, 2.0, 3.0]));
@@ -28,7 +28,7 @@ fn number(text: &str) -> f64 {
 /// Returns the error message of a script, and the text that the error marks.
 fn mistake(text: &str) -> (String, String) {
     match run(text) {
-        Err(Stop::Error(error)) => (error.message.clone(), text[error.span.clone()].to_owned()),
+        Err(NoResult::Error(error)) => (error.message.clone(), text[error.span.clone()].to_owned()),
         other => panic!("{text}: {other:?}"),
     }
 }

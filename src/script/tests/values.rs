@@ -1,7 +1,7 @@
 //! Results of scripts.
 
 use super::{number, run};
-use crate::script::{Data, Language, Read, ScriptContext, SpawnBudget, Stop, run_spawning};
+use crate::script::{Data, Language, NoResult, Read, ScriptContext, SpawnBudget, run_spawning};
 
 #[test]
 fn division_is_that_of_real_numbers() {
@@ -144,11 +144,11 @@ fn others_are_read_when_they_are_known() {
         language.compile("let r = 0; try { r = value(\"ball\", \"Radius\"); } catch { } r * 2").unwrap();
     let mut context = ScriptContext::default();
     let read = Read { target: "ball".to_owned(), channel: "Radius".to_owned(), span: 21..26 };
-    assert_eq!(language.run(&script, &mut context), Err(Stop::Needs(read.clone())));
+    assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read.clone())));
     context.know(&read, Data::Number(1.5));
     assert_eq!(language.run(&script, &mut context), Ok(Data::Number(3.0)));
     context.turn_to(1.0, 24.0);
-    assert_eq!(language.run(&script, &mut context), Err(Stop::Needs(read)));
+    assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read)));
 }
 
 #[test]

@@ -17,7 +17,7 @@ const LARGEST: f64 = 1e150;
 /// Returns a shape in world space, or the cause for which it cannot be drawn. Shapes without extent or far out of range are rejected, since
 /// the squares of their coordinates would overflow or underflow.
 pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Result<PreparedShape, FaultCause> {
-    let map = Map::new(transform)?;
+    let map = ShapeTransform::new(transform)?;
     match *shape {
         Shape::Sphere { radius } => map.sphere(radius),
         Shape::Plane { normal } => map.plane(normal),
@@ -31,13 +31,13 @@ fn measurable(size: f64) -> bool {
 }
 
 /// A transform that can map shapes: finite, in range and not flat.
-struct Map<'a> {
+struct ShapeTransform<'a> {
     transform: &'a WorldTransform,
     /// The largest magnitude of the matrix entries.
     largest: f64,
 }
 
-impl<'a> Map<'a> {
+impl<'a> ShapeTransform<'a> {
     fn new(transform: &'a WorldTransform) -> Result<Self, FaultCause> {
         let entries = transform.affine.matrix3.to_cols_array();
         let map = Self {

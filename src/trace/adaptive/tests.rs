@@ -13,9 +13,9 @@ fn target(error: f64, convergence: Convergence) -> ErrorTarget {
 }
 
 /// Sums of grey samples: of themselves, and of their squares.
-struct Sums(Vec<(f64, f64)>);
+struct GreySums(Vec<(f64, f64)>);
 
-impl SampleSums for Sums {
+impl SampleSums for GreySums {
     fn have_alpha(&self) -> bool {
         false
     }
@@ -48,7 +48,7 @@ fn rendered(
             }
         }
     }
-    let (mut sums, mut counts) = (Sums(vec![(0.0, 0.0); COUNT]), vec![0; COUNT]);
+    let (mut sums, mut counts) = (GreySums(vec![(0.0, 0.0); COUNT]), vec![0; COUNT]);
     let mut portions = Vec::new();
     loop {
         for tile in Tile::all(SIZE) {

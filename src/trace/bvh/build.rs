@@ -44,7 +44,7 @@ struct Treelet {
 
 /// Scratch memory of one thread.
 #[derive(Debug, Default)]
-struct Scratch {
+struct BuildScratch {
     boxes: Vec<FrameBox>,
     order: Vec<u32>,
     keys: Vec<u64>,
@@ -79,7 +79,7 @@ impl Builder {
         let ends = morton::divide(boxes, order, TREELET_SIZE);
         treelets.resize_with(ends.len(), Treelet::default);
         runs(order, &ends).into_par_iter().zip(&mut *treelets).for_each_init(
-            Scratch::default,
+            BuildScratch::default,
             |scratch, ((first_leaf, members), treelet)| {
                 treelet.first_leaf = first_leaf;
                 treelet.build(scratch, boxes, round, members);
@@ -93,8 +93,8 @@ impl Builder {
 
 impl Treelet {
     /// Builds a tree over `members`, and sorts them into the order of its leaves.
-    fn build(&mut self, scratch: &mut Scratch, all: &[FrameBox], round: &[bool], members: &mut [u32]) {
-        let Scratch { boxes, order, keys, clusters, leaves } = scratch;
+    fn build(&mut self, scratch: &mut BuildScratch, all: &[FrameBox], round: &[bool], members: &mut [u32]) {
+        let BuildScratch { boxes, order, keys, clusters, leaves } = scratch;
         boxes.clear();
         boxes.extend(members.iter().map(|member| all[*member as usize]));
         order.clear();

@@ -20,7 +20,7 @@ use crate::trace::math::{LANES, bits16};
 const FARTHER: f32 = 1.0 + 1.0 / 1024.0;
 
 /// A shape's box, shrunk, as seen from the shaft's origin in the tree's frame.
-struct Seen {
+struct SeenBox {
     /// Depths at which the box begins and ends.
     near: f32,
     far: f32,
@@ -44,7 +44,7 @@ impl Shaft {
     }
 
     #[inline(always)]
-    fn covered_by<S: Simd>(&self, simd: S, bounds: &LeafBox, seen: &Seen, ends: &Ends) -> u32 {
+    fn covered_by<S: Simd>(&self, simd: S, bounds: &LeafBox, seen: &SeenBox, ends: &Ends) -> u32 {
         let mut covered = 0;
         for group in 0..GROUPS {
             let nearest = f32x16::load_array_ref(simd, &ends.nearest[group]);
@@ -62,7 +62,7 @@ impl Shaft {
     /// Returns a shape's box as seen from the origin. `None` if it is not ahead, or too small to be worth testing: a part is about an
     /// eighth as wide as the frustum.
     #[inline(always)]
-    fn seen(&self, bounds: &LeafBox) -> Option<Seen> {
+    fn seen(&self, bounds: &LeafBox) -> Option<SeenBox> {
         const NARROWEST: f32 = 1.0 / 8.0;
         let (frustum, planes) = (&self.frustum, &bounds.planes);
         let shrunk = 3.0 * frustum.slack;
@@ -70,7 +70,7 @@ impl Shaft {
         let [near, far] = frustum.depth.near_and_far();
         let (near, far) = (planes[near] - frustum.origin[w], planes[far] - frustum.origin[w]);
         let (near, far) = if frustum.depth.upwards { (near, far) } else { (-near, -far) };
-        let mut seen = Seen { near, far, end: far + shrunk, low: [0.0; 2], high: [0.0; 2] };
+        let mut seen = SeenBox { near, far, end: far + shrunk, low: [0.0; 2], high: [0.0; 2] };
         let mut worth = near > shrunk;
         for (side, across) in [u, v].into_iter().enumerate() {
             seen.low[side] = planes[across] - frustum.origin[across] + shrunk;
@@ -83,7 +83,7 @@ impl Shaft {
 
     /// Returns the parts whose slope ranges all pass through the near side or the far side of a box.
     #[inline(always)]
-    fn in_box<S: Simd>(&self, simd: S, seen: &Seen, group: usize) -> mask32x16<S> {
+    fn in_box<S: Simd>(&self, simd: S, seen: &SeenBox, group: usize) -> mask32x16<S> {
         let splat = |number: f32| f32x16::splat(simd, number);
         let (mut on_near, mut on_far) = (splat(0.0).simd_le(splat(0.0)), splat(0.0).simd_le(splat(0.0)));
         for side in 0..2 {

@@ -28,7 +28,7 @@ use glam::DVec3;
 use super::depth::Depth;
 use super::node::{LeafId, Link, Node, WIDTH};
 use super::slopes::SlopeRange;
-use super::traverse::{Pending, Stack};
+use super::traverse::{Stack, StackEntry};
 use super::{Tree, frame};
 use crate::trace::math::bits8;
 
@@ -110,7 +110,7 @@ impl Tree {
                 let child = mask.trailing_zeros() as usize % WIDTH;
                 mask &= mask - 1;
                 match node.children[child].read() {
-                    Link::Node(_) => stack.push(Pending::new(node.children[child], depths[child])),
+                    Link::Node(_) => stack.push(StackEntry::new(node.children[child], depths[child])),
                     Link::Leaf(_) if cancelled.load(Ordering::Relaxed) => return,
                     Link::Leaf(leaf) if depths[child] <= limit => {
                         let bounds = LeafBox { planes: node.bounds(child), round: node.is_round(child) };

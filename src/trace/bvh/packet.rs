@@ -30,16 +30,16 @@ use crate::trace::rays::RayPacket;
 type Floats = [f32; LANES];
 
 /// One value per axis and lane.
-type Ends = [Floats; 3];
+type AxisLanes = [Floats; 3];
 
 /// Rays in the frame, for culling only, and their limits.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct FramePacket {
-    inverse: Ends,
+    inverse: AxisLanes,
     /// The lower ends of the origins times `inverse`, by axis; `high` holds the upper ends.
-    low: Ends,
-    high: Ends,
+    low: AxisLanes,
+    high: AxisLanes,
     limits: Floats,
     /// The largest limit.
     farthest: f32,
@@ -53,7 +53,7 @@ pub(crate) struct FramePacket {
 /// The common bounds of the rays of a packet.
 #[derive(Clone, Copy, Debug)]
 enum Hull {
-    Shared(Shared),
+    SharedBounds(SharedBounds),
     /// A frustum, up to a depth.
     Frustum(Frustum, f32),
     Unknown,
@@ -61,7 +61,7 @@ enum Hull {
 
 /// Bounds of rays with the same direction sign along every axis.
 #[derive(Clone, Copy, Debug)]
-struct Shared {
+struct SharedBounds {
     lowest: [f32; 3],
     highest: [f32; 3],
     /// The smallest and the largest reciprocal of the directions.
@@ -71,11 +71,11 @@ struct Shared {
 
 /// Traversal stack. Reused between packets to avoid allocations.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PacketStack(Vec<Pending>);
+pub(crate) struct PacketStack(Vec<PendingPacket>);
 
 /// A child that rays in some lanes may enter, the first of them at distance `entry`.
 #[derive(Clone, Copy, Debug)]
-struct Pending {
+struct PendingPacket {
     entry: f32,
     child: Child,
     lanes: u32,
@@ -125,8 +125,8 @@ impl FramePacket {
             let at_lower = inverse.mul_sub(planes[axis], load(&self.high[axis]));
             let at_upper = inverse.mul_sub(planes[axis + 3], load(&self.low[axis]));
             let (near, far) = match &self.hull {
-                Hull::Shared(shared) if shared.downward[axis] => (at_upper, at_lower),
-                Hull::Shared(_) => (at_lower, at_upper),
+                Hull::SharedBounds(shared) if shared.downward[axis] => (at_upper, at_lower),
+                Hull::SharedBounds(_) => (at_lower, at_upper),
                 Hull::Frustum(..) | Hull::Unknown => (at_lower.min(at_upper), at_lower.max(at_upper)),
             };
             entry = entry.max(near);
@@ -136,11 +136,15 @@ impl FramePacket {
     }
 }
 
-impl Shared {
+impl SharedBounds {
     /// Computes the bounds of rays in some lanes from both ends of their origins and their reciprocals; `None` if their direction signs
     /// differ.
     #[inline(always)]
-    fn of<S: Simd>(simd: S, active: u32, (low, high, inverses): (&Ends, &Ends, &Ends)) -> Option<Self> {
+    fn of<S: Simd>(
+        simd: S,
+        active: u32,
+        (low, high, inverses): (&AxisLanes, &AxisLanes, &AxisLanes),
+    ) -> Option<Self> {
         let mask = mask16(simd, active);
         let load = |floats: &Floats| f32x16::load_array_ref(simd, floats);
         let least =
@@ -245,9 +249,8 @@ impl Tree {
             active,
             hull: match frustum {
                 Some((frustum, depth)) => Hull::Frustum(frustum, depth),
-                None => {
-                    Shared::of(simd, active, (&low, &high, &inverses)).map_or(Hull::Unknown, Hull::Shared)
-                }
+                None => SharedBounds::of(simd, active, (&low, &high, &inverses))
+                    .map_or(Hull::Unknown, Hull::SharedBounds),
             },
             scale: self.frame.scale(),
         }
@@ -270,7 +273,7 @@ impl Tree {
         loop {
             push_children::<S, V>(simd, node, packet, stack);
             loop {
-                let Some(Pending { entry, child, lanes }) = stack.pop() else { return };
+                let Some(PendingPacket { entry, child, lanes }) = stack.pop() else { return };
                 if entry > packet.farthest * Node::LENGTHEN || lanes & packet.active == 0 {
                     continue;
                 }
@@ -296,10 +299,10 @@ fn push_children<S: Simd, V: PacketVisitor<S>>(
     simd: S,
     node: &Node,
     packet: &FramePacket,
-    stack: &mut Vec<Pending>,
+    stack: &mut Vec<PendingPacket>,
 ) {
     let (candidates, entries) = match &packet.hull {
-        Hull::Shared(shared) => shared.entries(simd, node, packet.farthest),
+        Hull::SharedBounds(shared) => shared.entries(simd, node, packet.farthest),
         Hull::Frustum(frustum, depth) => frustum.meets(simd, node, *depth),
         Hull::Unknown => (node.used(), f32x8::splat(simd, 0.0)),
     };
@@ -313,14 +316,14 @@ fn push_children<S: Simd, V: PacketVisitor<S>>(
         }
         let entry = if !V::NEAREST_FIRST {
             0.0
-        } else if matches!(packet.hull, Hull::Shared(_)) {
+        } else if matches!(packet.hull, Hull::SharedBounds(_)) {
             entries[index]
         } else {
             let never = f32x16::splat(simd, f32::INFINITY);
             mask16(simd, lanes).select(lane_entries, never).reduce_min()
         };
         let mut place = stack.len();
-        stack.push(Pending { entry, child: node.children[index], lanes });
+        stack.push(PendingPacket { entry, child: node.children[index], lanes });
         while V::NEAREST_FIRST && place > base && stack[place - 1].entry < entry {
             stack.swap(place - 1, place);
             place -= 1;

@@ -14,9 +14,9 @@ use crate::trace::shapes::Bounds;
 #[derive(Clone, Debug)]
 pub(crate) struct Refitter {
     /// By node. The root's entry is unused.
-    node_parents: Vec<Parent>,
+    node_parents: Vec<ParentLink>,
     /// By leaf.
-    leaf_parents: Vec<Parent>,
+    leaf_parents: Vec<ParentLink>,
     /// Bit set of the nodes with children that have moved.
     dirty: Vec<u64>,
     /// The cost of the tree when it was built.
@@ -26,9 +26,9 @@ pub(crate) struct Refitter {
 
 /// The parent of a node or leaf, and its index among the parent's children.
 #[derive(Clone, Copy, Debug, Default)]
-struct Parent(u32);
+struct ParentLink(u32);
 
-impl Parent {
+impl ParentLink {
     fn new(node: usize, child: usize) -> Self {
         Self(to_u32(node * WIDTH + child))
     }
@@ -46,8 +46,8 @@ impl Refitter {
     /// Creates the links of a tree that was just built over this many shapes.
     pub(crate) fn new(tree: &Tree, leaves: usize) -> Self {
         let mut refitter = Self {
-            node_parents: vec![Parent::default(); tree.nodes.len()],
-            leaf_parents: vec![Parent::default(); leaves],
+            node_parents: vec![ParentLink::default(); tree.nodes.len()],
+            leaf_parents: vec![ParentLink::default(); leaves],
             dirty: vec![0; tree.nodes.len().div_ceil(64)],
             built_cost: 0.0,
             cost: 0.0,
@@ -55,7 +55,7 @@ impl Refitter {
         for (index, node) in tree.nodes.iter().enumerate() {
             for child in node.places() {
                 refitter.built_cost += f64::from(node.child_box(child).half_area());
-                let parent = Parent::new(index, child);
+                let parent = ParentLink::new(index, child);
                 match node.children[child].read() {
                     Link::Node(child) => refitter.node_parents[child] = parent,
                     Link::Leaf(leaf) => refitter.leaf_parents[leaf.index()] = parent,
@@ -104,7 +104,7 @@ impl Refitter {
         }
     }
 
-    fn refit_child(&mut self, tree: &mut Tree, parent: Parent, bounds: &FrameBox) {
+    fn refit_child(&mut self, tree: &mut Tree, parent: ParentLink, bounds: &FrameBox) {
         let node: &mut Node = &mut tree.nodes[parent.node()];
         let before = node.child_box(parent.child()).half_area();
         node.set_box(parent.child(), bounds);

@@ -8,14 +8,14 @@ use crate::trace::rays::Ray;
 
 /// Traversal stack. Reused between rays to avoid allocations.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Stack(Vec<Pending>);
+pub(crate) struct Stack(Vec<StackEntry>);
 
 /// An entry of the traversal stack: the bits of the distance at which the ray may enter a child, an `f32` that is not negative, and below
 /// them the child. Entries sort by distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Pending(u64);
+pub(super) struct StackEntry(u64);
 
-impl Pending {
+impl StackEntry {
     #[inline]
     pub(super) fn new(child: Child, entry: f32) -> Self {
         Self(u64::from(entry.to_bits()) << 32 | u64::from(child.word()))
@@ -35,7 +35,7 @@ impl Pending {
 
 impl Stack {
     /// Clears the stack and returns it.
-    pub(super) fn cleared(&mut self) -> &mut Vec<Pending> {
+    pub(super) fn cleared(&mut self) -> &mut Vec<StackEntry> {
         self.0.clear();
         &mut self.0
     }
@@ -66,7 +66,7 @@ impl Tree {
             while mask != 0 {
                 let index = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
-                stack.push(Pending::new(node.children[index], entries[index]));
+                stack.push(StackEntry::new(node.children[index], entries[index]));
             }
             farther_first(&mut stack[base..]);
             loop {
@@ -120,7 +120,7 @@ impl Tree {
                 let child = node.children[mask.trailing_zeros() as usize];
                 mask &= mask - 1;
                 match child.read() {
-                    Link::Node(_) => stack.push(Pending::new(child, 0.0)),
+                    Link::Node(_) => stack.push(StackEntry::new(child, 0.0)),
                     Link::Leaf(_) if cancelled.load(Ordering::Relaxed) => return None,
                     Link::Leaf(leaf) if found(leaf) => return Some(leaf),
                     Link::Leaf(_) => {}
@@ -136,7 +136,7 @@ impl Tree {
 
 /// Sorts a few entries by insertion: farther ones below, nearer ones on top.
 #[inline]
-pub(super) fn farther_first(pushed: &mut [Pending]) {
+pub(super) fn farther_first(pushed: &mut [StackEntry]) {
     for from in 1..pushed.len() {
         let mut place = from;
         while place > 0 && pushed[place - 1] < pushed[place] {

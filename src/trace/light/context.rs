@@ -23,11 +23,11 @@ pub(crate) struct RenderContext<'a> {
     pub(crate) pixel_centers: PixelCenters,
     /// Those that are on, with their indices in document order.
     pub(crate) lights: Vec<(usize, &'a Light)>,
-    start: Start,
+    start: StartMedia,
 }
 
 /// The clear solids that camera rays may start inside of, outer ones first.
-struct Start(Vec<ShapeId>);
+struct StartMedia(Vec<ShapeId>);
 
 impl<'a> RenderContext<'a> {
     pub(crate) fn new(
@@ -38,7 +38,7 @@ impl<'a> RenderContext<'a> {
     ) -> Self {
         let lights = scene.lights.iter().enumerate();
         let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
-        let (radiance_bound, start) = (RadianceBound::of(scene), Start::new(scene, camera));
+        let (radiance_bound, start) = (RadianceBound::of(scene), StartMedia::new(scene, camera));
         let pixel_centers = PixelCenters::of(camera);
         Self { scene, camera, sampling, effects, radiance_bound, pixel_centers, lights, start }
     }
@@ -70,7 +70,7 @@ impl<'a> RenderContext<'a> {
     }
 }
 
-impl Start {
+impl StartMedia {
     fn new(scene: &PreparedScene, camera: &Camera) -> Self {
         let (eye, reach) = camera.eye();
         let near = |id: &ShapeId| {

@@ -80,7 +80,7 @@ struct Aim {
 #[inline(always)]
 fn aim<S: Simd>(
     simd: S,
-    target: &Target,
+    target: &LightPosition,
     lit: &ShadingPacket<'_>,
     light_samples: &mut LightSamplePacket,
 ) -> Aim {
@@ -132,7 +132,7 @@ fn lit_point<'a>(
 }
 
 /// Where light comes from.
-enum Target {
+enum LightPosition {
     /// From here.
     Place(DVec3),
     /// From the places of the lanes.
@@ -150,15 +150,15 @@ fn target<S: Simd>(
     lit: &ShadingPacket<'_>,
     sample: u32,
     light_samples: &mut LightSamplePacket,
-) -> Option<Target> {
+) -> Option<LightPosition> {
     match light.source {
-        LightSource::Point(place) | LightSource::Spot(place, _) => Some(Target::Place(place)),
-        LightSource::Directional(direction) => Some(Target::Direction(scaled(direction)?.0)),
+        LightSource::Point(place) | LightSource::Spot(place, _) => Some(LightPosition::Place(place)),
+        LightSource::Directional(direction) => Some(LightPosition::Direction(scaled(direction)?.0)),
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
             let asked = (lit.surfaces.lanes, sample);
             lit.places.find(simd, &light.source, &lit.surfaces.points, asked, &mut light_samples.places);
-            Some(Target::Places)
+            Some(LightPosition::Places)
         }
     }
 }
@@ -167,14 +167,14 @@ fn target<S: Simd>(
 #[inline(always)]
 fn way<S: Simd>(
     simd: S,
-    target: &Target,
+    target: &LightPosition,
     point: F64s3<S>,
     (light_samples, half): (&LightSamplePacket, usize),
 ) -> (F64s3<S>, F64s<S>, Mask<S>) {
     let place = match *target {
-        Target::Place(place) => splat3(simd, place),
-        Target::Places => light_samples.places.load(simd, half),
-        Target::Direction(direction) => {
+        LightPosition::Place(place) => splat3(simd, place),
+        LightPosition::Places => light_samples.places.load(simd, half),
+        LightPosition::Direction(direction) => {
             return (splat3(simd, direction), splat(simd, f64::INFINITY), finite3(simd, point));
         }
     };

@@ -16,7 +16,7 @@ use crate::trace::scene::{self, PreparedScene};
 
 /// The shares of light that clear surfaces refract, lane by lane, and where that goes.
 #[derive(Clone, Debug)]
-pub(super) struct Refraction {
+pub(super) struct RefractionPacket {
     pub(super) transmitted: [f32; LANES],
     /// The directions of refracted rays, of any length but zero.
     pub(super) directions: Vectors,
@@ -65,7 +65,7 @@ impl MediumBoundary {
     }
 }
 
-impl Refraction {
+impl RefractionPacket {
     /// At surfaces in some lanes, all of them clear. What they mirror besides is added to the shares that they reflect.
     #[inline(always)]
     pub(super) fn at<S: Simd>(

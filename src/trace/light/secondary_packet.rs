@@ -4,7 +4,7 @@ use fearless_simd::{f32x16, prelude::*};
 
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
-use super::refraction_packet::Refraction;
+use super::refraction_packet::RefractionPacket;
 use super::secondary::TreeRay;
 use crate::trace::math::{
     F64s3, LANES, Scaled, bits, bits16, dot, finite3, half_of, lanes, scaled_lanes, subtract, times,
@@ -49,9 +49,9 @@ pub(crate) fn branch_lanes<S: Simd>(
     if let Some(branches) = refracted {
         let at = (hits, surfaces);
         let refraction =
-            Refraction::at(simd, (scene, media), (rays, paths), at, clear & !unusual, &mut reflected);
+            RefractionPacket::at(simd, (scene, media), (rays, paths), at, clear & !unusual, &mut reflected);
         unusual |= refraction.unusual;
-        let Refraction { transmitted, directions, beyond, lanes, .. } = refraction;
+        let RefractionPacket { transmitted, directions, beyond, lanes, .. } = refraction;
         let sent = carry(simd, paths, (&transmitted, &beyond, 1), lanes & !unusual, branches);
         let mut usual = 0;
         for half in (0..2).filter(|half| half_of(sent, *half) != 0) {

@@ -95,7 +95,11 @@ impl PixelSamples {
     #[inline(always)]
     pub(super) fn keys(&self, dimension: Dimension) -> ScramblingKeys {
         let key = dimension.hashed_into(self.key);
-        ScramblingKeys { order: Key(key), first: Key(mixed(key, 1)), second: Key(mixed(key, 2)) }
+        ScramblingKeys {
+            order: ScrambleKey(key),
+            first: ScrambleKey(mixed(key, 1)),
+            second: ScrambleKey(mixed(key, 2)),
+        }
     }
 
     /// One number in 0..1: the first of the [pair](Self::pair). Any 2^m that start at a multiple of 2^m have one in each
@@ -108,16 +112,16 @@ impl PixelSamples {
 
 /// The keys of a dimension's points: of their order, and of both coordinates.
 pub(super) struct ScramblingKeys {
-    pub(super) order: Key,
-    pub(super) first: Key,
-    pub(super) second: Key,
+    pub(super) order: ScrambleKey,
+    pub(super) first: ScrambleKey,
+    pub(super) second: ScrambleKey,
 }
 
 /// The key of a scrambling.
 #[derive(Clone, Copy)]
-pub(super) struct Key(u64);
+pub(super) struct ScrambleKey(u64);
 
-impl Key {
+impl ScrambleKey {
     /// What is added to the digits.
     #[inline(always)]
     pub(super) fn summand(self) -> u32 {
@@ -148,7 +152,7 @@ impl Key {
 pub(crate) fn stratum(index: u32, bits: u32) -> u32 {
     // The index is the point's digits in reverse: van der Corput's sequence.
     let repeated = index & ((1 << bits) - 1);
-    let digits = Key(mixed(0, 3)).scrambled(repeated).reverse_bits();
+    let digits = ScrambleKey(mixed(0, 3)).scrambled(repeated).reverse_bits();
     if bits == 0 { 0 } else { digits >> (32 - bits) }
 }
 

@@ -52,13 +52,13 @@ fn find<S: Simd>(
         return true;
     }
     let farthest = packets.limits.farthest(simd);
-    let mut visitor = Visitor { packets, shaft: &shaft, farthest, tests: 0 };
+    let mut visitor = BundleVisitor { packets, shaft: &shaft, farthest, tests: 0 };
     scene.tree.visit_frustum(simd, &shaft.frustum, farthest, stack, cancelled, &mut visitor);
     true
 }
 
 /// A bundle on its way through the tree.
-struct Visitor<'a, F> {
+struct BundleVisitor<'a, F> {
     packets: TilePackets<'a, F>,
     shaft: &'a Shaft,
     /// The depth up to which shapes are of interest to any part.
@@ -66,7 +66,7 @@ struct Visitor<'a, F> {
     tests: usize,
 }
 
-impl<S: Simd, F: Fn(f64) -> f32> FrustumVisitor<S> for Visitor<'_, F> {
+impl<S: Simd, F: Fn(f64) -> f32> FrustumVisitor<S> for BundleVisitor<'_, F> {
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
         let parts = self.shaft.parts(simd, bounds, &self.packets.limits);

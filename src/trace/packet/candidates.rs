@@ -227,7 +227,7 @@ fn search<S: Simd>(
     (stack, cancelled): (&mut Stack, &AtomicBool),
 ) {
     let (farthest, frustum) = (limits.farthest(simd), *bundles.frustum());
-    let mut visitor = Visitor { scene, occluders, bundles, candidates, limits, farthest, visits: 0 };
+    let mut visitor = CandidateVisitor { scene, occluders, bundles, candidates, limits, farthest, visits: 0 };
     scene.tree.visit_frustum(simd, &frustum, farthest, stack, cancelled, &mut visitor);
 }
 
@@ -298,7 +298,7 @@ fn may_part<'a, S: Simd>(
     false
 }
 
-struct Visitor<'a> {
+struct CandidateVisitor<'a> {
     scene: &'a PreparedScene,
     occluders: Occluders,
     bundles: Bundles<'a>,
@@ -308,7 +308,7 @@ struct Visitor<'a> {
     visits: usize,
 }
 
-impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
+impl<S: Simd> FrustumVisitor<S> for CandidateVisitor<'_> {
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
         self.visits += 1;
@@ -343,7 +343,7 @@ impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
     }
 }
 
-impl Visitor<'_> {
+impl CandidateVisitor<'_> {
     /// Returns the parts that a shape hides the light from altogether.
     #[inline(always)]
     fn hidden<S: Simd>(&self, simd: S, leaf: LeafId, bounds: &LeafBox) -> u32 {

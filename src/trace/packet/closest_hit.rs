@@ -34,18 +34,18 @@ pub(crate) fn closest_hits(
     let reciprocals = &mut reciprocals[0];
     reciprocals.forget();
     let asking = PacketIntersector { rays, reciprocals };
-    let mut search = Search { scene, asking, hits };
+    let mut search = ClosestHitSearch { scene, asking, hits };
     dispatch!(scene.simd.level(), simd => search.run(simd, active, stack, cancelled));
 }
 
 /// A packet on its way.
-pub(super) struct Search<'a> {
+pub(super) struct ClosestHitSearch<'a> {
     pub(super) scene: &'a PreparedScene,
     pub(super) asking: PacketIntersector<'a>,
     pub(super) hits: &'a mut HitPacket,
 }
 
-impl Search<'_> {
+impl ClosestHitSearch<'_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, active: u32, stack: &mut PacketStack, cancelled: &AtomicBool) {
         let scene = self.scene;
@@ -76,7 +76,7 @@ impl Search<'_> {
     }
 }
 
-impl<S: Simd> PacketVisitor<S> for Search<'_> {
+impl<S: Simd> PacketVisitor<S> for ClosestHitSearch<'_> {
     const NEAREST_FIRST: bool = true;
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::leaves::Rays;
+use super::leaves::HalfRays;
 use super::refine::refine_one;
 use super::shape_query::{ShapeQuery, exit};
 use crate::trace::math::{F64s, Numbers, Vectors, bits, dot, half_lanes, half_of, mask, splat};
@@ -164,7 +164,7 @@ fn find<S: Simd>(
         if enters == 0 {
             continue;
         }
-        let from_there = Rays { origin: surfaces.points.load(simd, half), direction };
+        let from_there = HalfRays { origin: surfaces.points.load(simd, half), direction };
         let Some(out) = exit(simd, &from_there, shape) else { continue };
         let t = surfaces.ts.load(simd, half) + out.t;
         let before = t.simd_lt(limits.load(simd, half)) & out.hit;

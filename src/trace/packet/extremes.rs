@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::tests::scene;
 use super::{PacketScratch, closest_hits, refine};
 use crate::trace::math::{SimdLevel, lanes};
-use crate::trace::query::{CastRay, Hit, HitPacket, Scratch, SurfacePacket, SurfacePoint, closest};
+use crate::trace::query::{CastRay, HitPacket, Scratch, ShapeHit, SurfacePacket, SurfacePoint, closest};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::{PreparedScene, PreparedShape};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
@@ -122,7 +122,7 @@ fn agree(
         let ray = packet.get(lane);
         scratch.tied_hits.clear();
         let single = scene.closest(scene.geometry(), &ray, &mut scratch);
-        let place = |hit: Hit| (hit.root.t(), hit.id, hit.far);
+        let place = |hit: ShapeHit| (hit.root.t(), hit.id, hit.far);
         prop_assert_eq!(
             hits.get(lane).map(|found| place(found.hit)),
             single.map(|found| place(found.hit)),

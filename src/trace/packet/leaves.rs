@@ -12,7 +12,7 @@ use crate::trace::shapes::{
 
 /// Half of a packet's rays.
 #[derive(Clone, Copy)]
-pub(super) struct Rays<S: Simd> {
+pub(super) struct HalfRays<S: Simd> {
     pub(super) origin: F64s3<S>,
     pub(super) direction: F64s3<S>,
 }
@@ -20,7 +20,7 @@ pub(super) struct Rays<S: Simd> {
 /// What they have to do with a shape.
 pub(super) type PacketIntersection<S> = Verdict<F64s<S>>;
 
-impl<S: Simd> Rays<S> {
+impl<S: Simd> HalfRays<S> {
     #[inline(always)]
     pub(super) fn load(simd: S, packet: &RayPacket, half: usize) -> Self {
         Self { origin: packet.origins.load(simd, half), direction: packet.directions.load(simd, half) }
@@ -32,7 +32,7 @@ impl<S: Simd> Rays<S> {
 #[inline(always)]
 pub(super) fn sphere<S: Simd>(
     simd: S,
-    rays: &Rays<S>,
+    rays: &HalfRays<S>,
     inverse_square: F64s<S>,
     sphere: &Sphere,
 ) -> Option<PacketIntersection<S>> {
@@ -44,7 +44,7 @@ pub(super) fn sphere<S: Simd>(
 #[inline(always)]
 pub(super) fn sphere_image<S: Simd>(
     simd: S,
-    rays: &Rays<S>,
+    rays: &HalfRays<S>,
     image: &SphereImage,
 ) -> Option<PacketIntersection<S>> {
     simd.vectorize(
@@ -59,7 +59,7 @@ pub(super) fn sphere_image<S: Simd>(
 
 /// The ways from rays' origins to the center of an ellipsoid, and their directions, in the sphere's own space.
 #[inline(always)]
-fn taken_back<S: Simd>(simd: S, rays: &Rays<S>, image: &SphereImage) -> (F64s3<S>, F64s3<S>) {
+fn taken_back<S: Simd>(simd: S, rays: &HalfRays<S>, image: &SphereImage) -> (F64s3<S>, F64s3<S>) {
     let (translation, inverse) = image.back();
     let [x, y, z] = image_of(simd, inverse, subtract(rays.origin, splat3(simd, translation)));
     ([-x, -y, -z], image_of(simd, inverse, rays.direction))
@@ -75,7 +75,7 @@ pub(super) fn image_of<S: Simd>(simd: S, matrix: &DMat3, [x, y, z]: F64s3<S>) ->
 
 /// Where rays come out of a sphere that they leave inwards: [`Sphere::exit`].
 #[inline(always)]
-pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> PacketIntersection<S> {
+pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &HalfRays<S>, sphere: &Sphere) -> PacketIntersection<S> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
     far_root(to_center, rays.direction, sphere.radius, U)
 }
@@ -84,7 +84,7 @@ pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &Rays<S>, sphere: &Sphere) -> 
 #[inline(always)]
 pub(super) fn sphere_image_exit<S: Simd>(
     simd: S,
-    rays: &Rays<S>,
+    rays: &HalfRays<S>,
     image: &SphereImage,
 ) -> PacketIntersection<S> {
     simd.vectorize(
@@ -122,7 +122,7 @@ pub(super) fn aligned_box<S: Simd>(
 
 /// Where rays come out of a box that they leave inwards: [`AlignedBox::exit`].
 #[inline(always)]
-pub(super) fn box_exit<S: Simd>(simd: S, rays: &Rays<S>, shape: &AlignedBox) -> PacketIntersection<S> {
+pub(super) fn box_exit<S: Simd>(simd: S, rays: &HalfRays<S>, shape: &AlignedBox) -> PacketIntersection<S> {
     let zero = splat(simd, 0.0);
     let (min, max) = (splat3(simd, shape.min), splat3(simd, shape.max));
     let mut nearest = splat(simd, f64::INFINITY);
@@ -140,7 +140,7 @@ pub(super) fn box_exit<S: Simd>(simd: S, rays: &Rays<S>, shape: &AlignedBox) -> 
 
 /// Where rays meet a plane: [`Plane::intersect`].
 #[inline(always)]
-pub(super) fn plane<S: Simd>(simd: S, rays: &Rays<S>, plane: &Plane) -> PacketIntersection<S> {
+pub(super) fn plane<S: Simd>(simd: S, rays: &HalfRays<S>, plane: &Plane) -> PacketIntersection<S> {
     let plane = (splat3(simd, plane.point()), splat3(simd, plane.normal()));
     only_root(plane, (rays.origin, rays.direction))
 }

@@ -24,12 +24,12 @@ const MOST: usize = PACKETS * LANES;
 pub(crate) struct LensCandidates {
     beam: Option<Beam>,
     /// Nearest first.
-    shapes: Vec<Candidate>,
+    shapes: Vec<LensCandidate>,
 }
 
 /// A shape that rays may meet.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct LensCandidate {
     leaf: LeafId,
     /// Bundles that may meet it, as a bit mask.
     parts: u32,
@@ -111,7 +111,7 @@ struct Gathering<'a> {
     beam: &'a Beam,
     limits: Limits,
     farthest: f32,
-    shapes: &'a mut Vec<Candidate>,
+    shapes: &'a mut Vec<LensCandidate>,
 }
 
 impl<S: Simd> FrustumVisitor<S> for Gathering<'_> {
@@ -119,7 +119,7 @@ impl<S: Simd> FrustumVisitor<S> for Gathering<'_> {
     fn visit(&mut self, simd: S, leaf: LeafId, bounds: &LeafBox) -> f32 {
         let parts = self.beam.parts(simd, bounds, &self.limits);
         if parts != 0 {
-            self.shapes.push(Candidate { leaf, parts, near: self.beam.nearest(bounds) });
+            self.shapes.push(LensCandidate { leaf, parts, near: self.beam.nearest(bounds) });
         }
         if self.shapes.len() > MOST { f32::NEG_INFINITY } else { self.farthest }
     }
@@ -150,13 +150,13 @@ pub(crate) fn lens_hits(
 fn meet_all<S: Simd>(
     simd: S,
     packets: &mut TilePackets<'_, impl Fn(f64) -> f32>,
-    shapes: &[Candidate],
+    shapes: &[LensCandidate],
     cancelled: &AtomicBool,
 ) {
     if !packets.meet_beside(simd, cancelled) {
         return;
     }
-    for Candidate { leaf, parts, near } in shapes {
+    for LensCandidate { leaf, parts, near } in shapes {
         let parts = parts & packets.limits.reaching(simd, *near);
         if parts == 0 {
             continue;

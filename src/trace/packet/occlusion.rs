@@ -61,12 +61,12 @@ pub(crate) fn occluded(
     // What is tied with others is left in as many senses as there are.
     let found = Occlusion { hidden: 0, open: rays.tied };
     crossed.clear();
-    let mut search = Search { scene, shadow, asking, found, last_occluder, crossing, crossed };
+    let mut search = OcclusionSearch { scene, shadow, asking, found, last_occluder, crossing, crossed };
     dispatch!(scene.simd.level(), simd => search.run(simd, stack, cancelled));
     search.found
 }
 
-struct Search<'a> {
+struct OcclusionSearch<'a> {
     scene: &'a PreparedScene,
     shadow: &'a ShadowPacket<'a>,
     asking: PacketIntersector<'a>,
@@ -76,7 +76,7 @@ struct Search<'a> {
     crossed: &'a mut Vec<CrossedPacket>,
 }
 
-impl Search<'_> {
+impl OcclusionSearch<'_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, stack: &mut PacketStack, cancelled: &AtomicBool) {
         // Where there are lists, they are short.
@@ -195,7 +195,7 @@ impl Search<'_> {
     }
 }
 
-impl<S: Simd> PacketVisitor<S> for Search<'_> {
+impl<S: Simd> PacketVisitor<S> for OcclusionSearch<'_> {
     const NEAREST_FIRST: bool = false;
 
     #[inline(always)]

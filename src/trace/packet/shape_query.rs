@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::leaves::{self, PacketIntersection, Rays};
+use super::leaves::{self, HalfRays, PacketIntersection};
 use super::reciprocals::Reciprocals;
 use super::slabs;
 use crate::trace::bvh::LeafId;
@@ -70,7 +70,7 @@ impl PacketIntersector<'_> {
         let exit = if half_of(inward, half) == 0 {
             None
         } else {
-            exit(simd, &Rays::load(simd, self.rays, half), shape.shape)
+            exit(simd, &HalfRays::load(simd, self.rays, half), shape.shape)
         };
         let Some(exit) = exit else {
             let verdicts = verdicts?;
@@ -92,7 +92,7 @@ impl PacketIntersector<'_> {
 
     #[inline(always)]
     fn near<S: Simd>(&mut self, simd: S, shape: ShapeRef<'_>, half: usize) -> Option<PacketIntersection<S>> {
-        let rays = Rays::load(simd, self.rays, half);
+        let rays = HalfRays::load(simd, self.rays, half);
         match shape {
             ShapeRef::Sphere(sphere) => {
                 let inverse_square = self.reciprocals.of_squares(simd, self.rays, half);
@@ -115,7 +115,11 @@ impl PacketIntersector<'_> {
 
 /// Where half of a packet's rays come out of a shape that they leave inwards. `None` where they never do.
 #[inline(always)]
-pub(super) fn exit<S: Simd>(simd: S, rays: &Rays<S>, shape: ShapeRef<'_>) -> Option<PacketIntersection<S>> {
+pub(super) fn exit<S: Simd>(
+    simd: S,
+    rays: &HalfRays<S>,
+    shape: ShapeRef<'_>,
+) -> Option<PacketIntersection<S>> {
     match shape {
         ShapeRef::Sphere(sphere) => Some(leaves::sphere_exit(simd, rays, sphere)),
         ShapeRef::Plane(_) => None,

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::leaves::{PacketIntersection, Rays};
+use super::leaves::{HalfRays, PacketIntersection};
 use crate::trace::math::{F64s, F64s3, Mask, dot, splat, splat3, subtract};
 use crate::trace::shapes::{AlignedBox, BoxImage, U};
 
@@ -119,7 +119,7 @@ fn absolute<S: Simd>([x, y, z]: F64s3<S>) -> F64s3<S> {
 impl<S: Simd> SlabRoots<S> {
     /// Of rays with a box.
     #[inline(always)]
-    pub(super) fn new(simd: S, rays: &Rays<S>, image: &BoxImage) -> Self {
+    pub(super) fn new(simd: S, rays: &HalfRays<S>, image: &BoxImage) -> Self {
         let from_center = subtract(rays.origin, splat3(simd, image.center()));
         let zero = splat(simd, 0.0);
         let nothing = RootLanes { t: zero, error: zero };
@@ -197,7 +197,7 @@ impl<S: Simd> SlabRoots<S> {
 
 /// Where rays meet a box: [`BoxImage::intersect`].
 #[inline(always)]
-pub(super) fn box_image<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> PacketIntersection<S> {
+pub(super) fn box_image<S: Simd>(simd: S, rays: &HalfRays<S>, image: &BoxImage) -> PacketIntersection<S> {
     simd.vectorize(
         #[inline(always)]
         || SlabRoots::new(simd, rays, image).first(simd),
@@ -206,7 +206,11 @@ pub(super) fn box_image<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> P
 
 /// Where rays come out of a box that they leave inwards: [`BoxImage::exit`].
 #[inline(always)]
-pub(super) fn box_image_exit<S: Simd>(simd: S, rays: &Rays<S>, image: &BoxImage) -> PacketIntersection<S> {
+pub(super) fn box_image_exit<S: Simd>(
+    simd: S,
+    rays: &HalfRays<S>,
+    image: &BoxImage,
+) -> PacketIntersection<S> {
     simd.vectorize(
         #[inline(always)]
         || SlabRoots::new(simd, rays, image).last(simd),

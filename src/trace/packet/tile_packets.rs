@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::prelude::*;
 
-use super::closest_hit::{Search, latest};
+use super::closest_hit::{ClosestHitSearch, latest};
 use super::reciprocals::Reciprocals;
 use super::shape_query::{PacketIntersector, ShapeQuery};
 use crate::trace::bvh::{Depth, Limits, PACKETS};
@@ -65,7 +65,7 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
     fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: ShapeQuery<'_>) -> bool {
         let rays = &self.rays[packet];
         let asking = PacketIntersector { rays, reciprocals: &mut self.reciprocals[packet] };
-        let mut search = Search { scene: self.scene, asking, hits: &mut self.hits[packet] };
+        let mut search = ClosestHitSearch { scene: self.scene, asking, hits: &mut self.hits[packet] };
         search.meet(simd, shape, lanes & rays.lanes)
     }
 

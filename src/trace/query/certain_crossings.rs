@@ -2,7 +2,7 @@
 //! sphere without absorption then needs no other query.
 
 use crate::trace::rays::{Ray, RayView, ShadowLimit, ShapeId};
-use crate::trace::scene::{Geometry, Kind, Location};
+use crate::trace::scene::{Geometry, ShapeKind, ShapeLocation};
 use crate::trace::shapes::Sphere;
 
 /// 2^-32: crossings closer to a light than this, relative to its distance, are uncertain.
@@ -56,7 +56,7 @@ impl Geometry {
         ray: &RayView<'_>,
         limit: &ShadowLimit,
     ) -> Option<u32> {
-        let Location { kind: Kind::Sphere, index } = self.locations[id.index()] else {
+        let ShapeLocation { kind: ShapeKind::Sphere, index } = self.locations[id.index()] else {
             return None;
         };
         if ray.left_normal(id).is_some() {

@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use super::escalations::Escalations;
-use super::hit::{ClosestHit, Hit, SurfacePoint};
+use super::hit::{ClosestHit, ShapeHit, SurfacePoint};
 use super::intersector::Intersector;
 use super::nearest::Nearest;
 use super::scratch::Scratch;
@@ -85,15 +85,15 @@ impl PreparedScene {
         closest: &ClosestHit,
         Scratch { escalations, ties, tied_hits, .. }: &mut Scratch<'_>,
     ) -> SurfacePoint {
-        let mut met: Vec<Hit> = tied_hits
+        let mut met: Vec<ShapeHit> = tied_hits
             .of(closest.tied)
             .iter()
             .chain([&closest.hit])
-            .map(|hit| Hit { id: self.first_equal(hit.id), ..*hit })
+            .map(|hit| ShapeHit { id: self.first_equal(hit.id), ..*hit })
             .collect();
         met.sort_unstable_by_key(|hit| hit.id.0);
         met.dedup_by_key(|hit| hit.id);
-        let mut seen_as = |hit: Hit| {
+        let mut seen_as = |hit: ShapeHit| {
             let first_equal = self.first_equal(hit.id);
             let others = met.iter().filter(|other| other.id != first_equal).map(|tied| {
                 let normal = shapes.refine(ray, tied, escalations).normal;
@@ -106,7 +106,7 @@ impl PreparedScene {
         if seen.from_outside || self.material(closest.hit.id).refraction.is_none() {
             return seen;
         }
-        let opaque = met.iter().filter_map(|hit| Some(Hit { id: self.first_opaque(hit.id)?, ..*hit }));
+        let opaque = met.iter().filter_map(|hit| Some(ShapeHit { id: self.first_opaque(hit.id)?, ..*hit }));
         opaque.min_by_key(|hit| self.order().rank(hit.id)).map_or(seen, seen_as)
     }
 
@@ -123,7 +123,7 @@ impl PreparedScene {
 fn surface_at(
     shapes: &impl Intersector,
     ray: &Ray,
-    hit: Hit,
+    hit: ShapeHit,
     (first_equal, ties): (ShapeId, CoincidentHits),
     escalations: &mut Escalations,
 ) -> SurfacePoint {

@@ -1,7 +1,7 @@
 //! Crossings of shadow rays with the surfaces of transparent shapes.
 
 use super::escalations::Escalations;
-use super::hit::Hit;
+use super::hit::ShapeHit;
 use super::intersector::Intersector;
 use crate::trace::rays::{RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::PreparedScene;
@@ -13,7 +13,7 @@ pub(crate) enum Crossed {
     /// The number of crossings with its surface. Their positions are not computed.
     Times(ShapeId, u32),
     /// The first hit, which lies before the light.
-    At(Hit),
+    At(ShapeHit),
 }
 
 /// A crossing of a shadow ray with a transparent shape's surface.
@@ -58,7 +58,7 @@ impl Crossed {
     pub(crate) fn by(self, id: ShapeId) -> Self {
         match self {
             Self::Times(_, times) => Self::Times(id, times),
-            Self::At(hit) => Self::At(Hit { id, ..hit }),
+            Self::At(hit) => Self::At(ShapeHit { id, ..hit }),
         }
     }
 
@@ -81,9 +81,9 @@ impl Crossed {
         let hit = match self {
             Self::At(hit) => Some(*hit),
             // The ray refers to equal shapes by the first of them.
-            Self::Times(id, _) => {
-                shapes.intersect(scene.first_equal(*id), ray, escalations).map(|hit| Hit { id: *id, ..hit })
-            }
+            Self::Times(id, _) => shapes
+                .intersect(scene.first_equal(*id), ray, escalations)
+                .map(|hit| ShapeHit { id: *id, ..hit }),
         };
         let Some(hit) = hit else { return };
         let RefinedHit { t, point, normal } = shapes.refine(ray, &hit, escalations);

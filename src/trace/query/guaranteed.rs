@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::escalations::Escalations;
-use super::hit::Hit;
+use super::hit::ShapeHit;
 use super::intersector::Intersector;
 use crate::trace::math::{BoundedT, Compensated, Double, Double3, Exact3};
 use crate::trace::rays::{FAR, Ray, RayView, ShadowLimit, ShapeId};
@@ -39,7 +39,7 @@ impl Intersector for Geometry {
     /// Excludes the shape that the ray leaves, except for its far side, which the ray can hit from inside. The same applies to every other
     /// shape whose surface coincides with it at the ray's origin, each with its own orientation.
     #[inline]
-    fn intersect(&self, id: ShapeId, ray: &RayView<'_>, escalations: &mut Escalations) -> Option<Hit> {
+    fn intersect(&self, id: ShapeId, ray: &RayView<'_>, escalations: &mut Escalations) -> Option<ShapeHit> {
         if let Some(exclusion) = ray.exclusion() {
             if id == exclusion.id {
                 return if exclusion.outward { None } else { self.exit(id, ray, escalations) };
@@ -56,7 +56,13 @@ impl Intersector for Geometry {
     }
 
     #[inline]
-    fn compare(&self, ray: &Ray, hit: &Hit, other: &Hit, escalations: &mut Escalations) -> Ordering {
+    fn compare(
+        &self,
+        ray: &Ray,
+        hit: &ShapeHit,
+        other: &ShapeHit,
+        escalations: &mut Escalations,
+    ) -> Ordering {
         if !hit.root.may_equal(&other.root) {
             return hit.root.t().total_cmp(&other.root.t());
         }
@@ -71,7 +77,13 @@ impl Intersector for Geometry {
     }
 
     #[inline]
-    fn is_before(&self, hit: &Hit, ray: &Ray, limit: &ShadowLimit, escalations: &mut Escalations) -> bool {
+    fn is_before(
+        &self,
+        hit: &ShapeHit,
+        ray: &Ray,
+        limit: &ShadowLimit,
+        escalations: &mut Escalations,
+    ) -> bool {
         let (nearer, farther) = (limit.t() * (1.0 - NEAR), limit.t() * (1.0 + NEAR));
         if hit.root.latest() < nearer || hit.root.earliest() > farther {
             return hit.root.latest() < nearer;
@@ -81,7 +93,7 @@ impl Intersector for Geometry {
     }
 
     #[inline(always)]
-    fn refine(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
+    fn refine(&self, ray: &Ray, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
         if t < FAR
             && !hit.root.is_rounded()
@@ -102,7 +114,7 @@ impl Intersector for Geometry {
 impl Geometry {
     /// Refines a hit whose `t` has more than a few rounding errors, or that is near an edge.
     #[cold]
-    fn refine_specially(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
+    fn refine_specially(&self, ray: &Ray, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit {
         let mut refined = if hit.root.t() < FAR {
             self.refine_precisely(ray, hit, escalations)
         } else {
@@ -116,7 +128,7 @@ impl Geometry {
         refined
     }
 
-    fn refine_precisely(&self, ray: &Ray, hit: &Hit, escalations: &mut Escalations) -> RefinedHit {
+    fn refine_precisely(&self, ray: &Ray, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
         if hit.root.is_rough() && !hit.root.is_rounded() {
             escalations.rough += 1;
@@ -137,7 +149,7 @@ impl Geometry {
 
     /// Refines a hit at [`FAR`] or beyond, in coordinates scaled down so far that no product overflows. If the point itself overflows, it is
     /// not finite.
-    fn refine_far(&self, ray: &Ray, hit: &Hit) -> RefinedHit {
+    fn refine_far(&self, ray: &Ray, hit: &ShapeHit) -> RefinedHit {
         /// 2^-600
         const SMALLER: f64 = f64::from_bits((1023 - 600) << 52);
         let (origin, direction) = (ray.origin(), ray.direction());
@@ -167,7 +179,7 @@ impl Geometry {
 
     /// Returns whether a hit at [`FAR`] or beyond has a finite point at a finite distance.
     #[cold]
-    fn is_reached(&self, ray: &Ray, hit: &Hit) -> bool {
+    fn is_reached(&self, ray: &Ray, hit: &ShapeHit) -> bool {
         let distance = hit.root.t() * ray.direction().length();
         distance.is_finite() && self.refine(ray, hit, &mut Escalations::default()).point.is_finite()
     }
@@ -183,7 +195,7 @@ impl Geometry {
     #[must_use]
     pub(crate) fn far_side(&self, id: ShapeId, point: DVec3, direction: DVec3) -> Option<f64> {
         match ask!(self, id, shape => shape.exit(point, direction)) {
-            Intersection::Hit(root) => Some(root.t()),
+            Intersection::ShapeHit(root) => Some(root.t()),
             Intersection::Miss => None,
             Intersection::Ambiguous => {
                 let exit = ask!(self, id, shape => shape.exit_exactly(point, &direction.into()))?;
@@ -193,14 +205,14 @@ impl Geometry {
     }
 
     #[inline]
-    fn near_hit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit> {
+    fn near_hit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<ShapeHit> {
         // Each kind of shape reads the ray itself: a copy here would go through memory a second time.
         let verdict = ask!(self, id, shape => shape.intersect(ray));
         self.decided(verdict, id, false, ray, escalations)
     }
 
     #[cold]
-    fn exit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<Hit> {
+    fn exit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<ShapeHit> {
         let verdict = ask!(self, id, shape => shape.exit(ray.origin(), ray.direction()));
         self.decided(verdict, id, true, ray, escalations)
     }
@@ -213,16 +225,16 @@ impl Geometry {
         far: bool,
         ray: &Ray,
         escalations: &mut Escalations,
-    ) -> Option<Hit> {
+    ) -> Option<ShapeHit> {
         let root = match verdict {
-            Intersection::Hit(root) => root,
+            Intersection::ShapeHit(root) => root,
             Intersection::Miss => return None,
             Intersection::Ambiguous => {
                 escalations.ambiguous += 1;
                 BoundedT::rounded(self.exactly(id, far, ray)?.t.rounded())
             }
         };
-        let hit = Hit { root, id, far };
+        let hit = ShapeHit { root, id, far };
         (root.t() < FAR || self.is_reached(ray, &hit)).then_some(hit)
     }
 
@@ -241,8 +253,8 @@ impl Geometry {
     }
 
     /// Returns whether both hits lie in the same plane, as on flush faces. They then need not be compared.
-    fn meet_one_plane(&self, hit: &Hit, other: &Hit, ray: &Ray) -> bool {
-        let facet = |hit: &Hit| {
+    fn meet_one_plane(&self, hit: &ShapeHit, other: &ShapeHit, ray: &Ray) -> bool {
+        let facet = |hit: &ShapeHit| {
             let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
             ask!(self, hit.id, shape => shape.facet(origin, direction, t, hit.far))
         };
@@ -252,7 +264,7 @@ impl Geometry {
     /// Returns whether the shape lies between the ray's origin and the light's exact position, which the ray misses by the rounding of its
     /// direction. A shape on which the light lies, within the rounding of its position, does not.
     #[cold]
-    fn exactly_before(&self, hit: &Hit, ray: &Ray, limit: &ShadowLimit) -> bool {
+    fn exactly_before(&self, hit: &ShapeHit, ray: &Ray, limit: &ShadowLimit) -> bool {
         let (id, origin) = (hit.id, ray.origin());
         let exact_way = Double3::difference(limit.place(), origin);
         let way = exact_way.rounded();

@@ -7,7 +7,7 @@ use crate::trace::rays::{CoincidentHits, FAR, Ray, ShapeId, SurfaceExclusion};
 
 /// An intersection of a ray with a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct ShapeHit {
     /// The ray parameter, with its error bound.
     pub root: BoundedT,
     /// The shape.
@@ -20,7 +20,7 @@ pub struct Hit {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ClosestHit {
     /// The hit.
-    pub(crate) hit: Hit,
+    pub(crate) hit: ShapeHit,
     /// The other hits at the same `t`.
     pub(crate) tied: TiedHits,
 }
@@ -45,7 +45,7 @@ impl TiedHits {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// The hit that was refined to this point.
-    pub hit: Hit,
+    pub hit: ShapeHit,
     /// The first in document order of the shape and all shapes equal to it.
     pub(crate) first_equal: ShapeId,
     /// The other coincident shapes at the point, none of them equal to it.

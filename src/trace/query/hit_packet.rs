@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use glam::DVec3;
 
-use super::hit::{ClosestHit, Hit, SurfacePoint, TiedHits};
+use super::hit::{ClosestHit, ShapeHit, SurfacePoint, TiedHits};
 use crate::trace::math::{BoundedT, Double, F64s, LANES, Mask, Numbers, Vectors, moderate, moderate3};
 use crate::trace::rays::{CoincidentHits, RayPacket, ShapeIds};
 
@@ -72,7 +72,7 @@ impl HitPacket {
         let bit = 1 << lane;
         let id = self.ids.get(lane)?;
         let root = BoundedT::within(self.ts.get(lane), self.errors.get(lane));
-        let hit = Hit { root, id, far: self.far & bit != 0 };
+        let hit = ShapeHit { root, id, far: self.far & bit != 0 };
         let tied = if self.tied & bit == 0 { TiedHits::NONE } else { self.ties[lane] };
         Some(ClosestHit { hit, tied })
     }

@@ -1,6 +1,6 @@
 //! The closest hit by a test of every shape: the oracle of the tree.
 
-use super::hit::{ClosestHit, Hit};
+use super::hit::{ClosestHit, ShapeHit};
 use super::intersector::Intersector;
 use super::nearest::Nearest;
 use super::scratch::Scratch;
@@ -17,7 +17,7 @@ pub(crate) fn closest(scene: &PreparedScene, ray: &Ray, scratch: &mut Scratch<'_
     for id in geometry.ids() {
         // A ray that leaves a shape also leaves all shapes equal to it.
         if let Some(hit) = geometry.intersect(scene.first_equal(id), ray, escalations) {
-            nearest.consider(Hit { id, ..hit }, geometry, ray, escalations);
+            nearest.consider(ShapeHit { id, ..hit }, geometry, ray, escalations);
         }
     }
     nearest.closest()

@@ -20,7 +20,7 @@ pub(crate) use closest_hit::with_intersector;
 pub(crate) use crossings::{Crossed, Crossing, Look};
 pub use escalations::Escalations;
 pub(crate) use guaranteed::NEAR;
-pub use hit::{Hit, SurfacePoint};
+pub use hit::{ShapeHit, SurfacePoint};
 pub(crate) use hit_packet::{HitPacket, SurfacePacket};
 pub(crate) use intersector::Intersector;
 pub(crate) use linear_scan::closest;

@@ -3,18 +3,18 @@
 use std::cmp::Ordering;
 
 use super::escalations::Escalations;
-use super::hit::{ClosestHit, Hit, TiedHits};
+use super::hit::{ClosestHit, ShapeHit, TiedHits};
 use super::intersector::Intersector;
 use crate::trace::rays::{RayView, ShapeId};
 use crate::trace::scene::DocumentOrder;
 
 /// Lists of the hits at the same `t` as the closest hits of rays, one list after another.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct TiedHitLists(Vec<Hit>);
+pub(crate) struct TiedHitLists(Vec<ShapeHit>);
 
 /// The closest hit of one ray so far. Other hits at the same `t` are at the end of the lists.
 pub(crate) struct Nearest<'a> {
-    best: Option<Hit>,
+    best: Option<ShapeHit>,
     order: &'a DocumentOrder,
     lists: &'a mut TiedHitLists,
     start: usize,
@@ -22,7 +22,7 @@ pub(crate) struct Nearest<'a> {
 
 impl TiedHitLists {
     /// Returns a list, in no particular order. The first of equal shapes in document order represents all of them.
-    pub(crate) fn of(&self, tied: TiedHits) -> &[Hit] {
+    pub(crate) fn of(&self, tied: TiedHits) -> &[ShapeHit] {
         let TiedHits { start, count } = tied;
         if count == 0 { &[] } else { &self.0[start as usize..][..count as usize] }
     }
@@ -58,7 +58,7 @@ impl<'a> Nearest<'a> {
     #[inline(always)]
     pub(crate) fn consider(
         &mut self,
-        hit: Hit,
+        hit: ShapeHit,
         shapes: &impl Intersector,
         ray: &RayView<'_>,
         escalations: &mut Escalations,

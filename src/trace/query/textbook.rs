@@ -9,11 +9,11 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::escalations::Escalations;
-use super::hit::Hit;
+use super::hit::ShapeHit;
 use super::intersector::Intersector;
 use crate::trace::math::{BoundedT, Double};
 use crate::trace::rays::{FAR, Ray, RayView, ShadowLimit, ShapeId};
-use crate::trace::scene::{Geometry, Kind, Location};
+use crate::trace::scene::{Geometry, ShapeKind, ShapeLocation};
 use crate::trace::shapes::RefinedHit;
 
 /// `f64` or `f32`.
@@ -130,7 +130,7 @@ impl<T: Number> Back<T> {
 
 /// All shapes of a scene, in one number type.
 pub(crate) struct Textbook<T> {
-    locations: Vec<Location>,
+    locations: Vec<ShapeLocation>,
     spheres: Vec<(Vector<T>, T)>,
     planes: Vec<(Vector<T>, Vector<T>)>,
     boxes: Vec<[Vector<T>; 2]>,
@@ -241,22 +241,22 @@ fn face_normal(min: DVec3, max: DVec3, point: DVec3) -> DVec3 {
 
 impl<T: Number> Intersector for Textbook<T> {
     #[inline]
-    fn intersect(&self, id: ShapeId, ray: &RayView<'_>, _guards: &mut Escalations) -> Option<Hit> {
+    fn intersect(&self, id: ShapeId, ray: &RayView<'_>, _guards: &mut Escalations) -> Option<ShapeHit> {
         let (origin, direction) = (Vector::<T>::new(ray.origin()), Vector::<T>::new(ray.direction()));
         let least = if ray.exclusion().is_some() { T::AHEAD } else { T::ZERO };
-        let Location { kind, index } = self.locations[id.index()];
+        let ShapeLocation { kind, index } = self.locations[id.index()];
         let index = index as usize;
         let t = match kind {
-            Kind::Sphere => {
+            ShapeKind::Sphere => {
                 let (center, radius) = self.spheres[index];
                 sphere(center, radius, origin, direction, least)
             }
-            Kind::Plane => {
+            ShapeKind::Plane => {
                 let (point, normal) = self.planes[index];
                 plane(point, normal, origin, direction, least)
             }
-            Kind::AlignedBox => slabs(&self.boxes[index], origin, direction, least),
-            Kind::SphereImage => {
+            ShapeKind::AlignedBox => slabs(&self.boxes[index], origin, direction, least),
+            ShapeKind::SphereImage => {
                 let (back, radius) = &self.sphere_images[index];
                 sphere(
                     Vector::new(DVec3::ZERO),
@@ -266,44 +266,48 @@ impl<T: Number> Intersector for Textbook<T> {
                     least,
                 )
             }
-            Kind::BoxImage => {
+            ShapeKind::BoxImage => {
                 let (back, own) = &self.box_images[index];
                 slabs(own, back.point(origin), back.direction(direction), least)
             }
         }?;
         let point = || origin.along(direction, t).value();
         let t = t.value();
-        (t < FAR || point().is_finite()).then_some(Hit { root: BoundedT::within(t, 0.0), id, far: false })
+        (t < FAR || point().is_finite()).then_some(ShapeHit {
+            root: BoundedT::within(t, 0.0),
+            id,
+            far: false,
+        })
     }
 
     #[inline]
-    fn compare(&self, _ray: &Ray, hit: &Hit, other: &Hit, _guards: &mut Escalations) -> Ordering {
+    fn compare(&self, _ray: &Ray, hit: &ShapeHit, other: &ShapeHit, _guards: &mut Escalations) -> Ordering {
         hit.root.t().total_cmp(&other.root.t())
     }
 
     #[inline]
-    fn is_before(&self, hit: &Hit, _ray: &Ray, limit: &ShadowLimit, _guards: &mut Escalations) -> bool {
+    fn is_before(&self, hit: &ShapeHit, _ray: &Ray, limit: &ShadowLimit, _guards: &mut Escalations) -> bool {
         hit.root.t() < limit.t()
     }
 
     #[inline]
-    fn refine(&self, ray: &Ray, hit: &Hit, _guards: &mut Escalations) -> RefinedHit {
+    fn refine(&self, ray: &Ray, hit: &ShapeHit, _guards: &mut Escalations) -> RefinedHit {
         let t = hit.root.t();
         let point = Vector::<T>::new(ray.origin()).along(Vector::new(ray.direction()), T::new(t));
-        let Location { kind, index } = self.locations[hit.id.index()];
+        let ShapeLocation { kind, index } = self.locations[hit.id.index()];
         let index = index as usize;
         let normal = match kind {
-            Kind::Sphere => point.minus(self.spheres[index].0).value(),
-            Kind::Plane => self.planes[index].1.value(),
-            Kind::AlignedBox => {
+            ShapeKind::Sphere => point.minus(self.spheres[index].0).value(),
+            ShapeKind::Plane => self.planes[index].1.value(),
+            ShapeKind::AlignedBox => {
                 let [min, max] = self.boxes[index];
                 face_normal(min.value(), max.value(), point.value())
             }
-            Kind::SphereImage => {
+            ShapeKind::SphereImage => {
                 let (back, _) = &self.sphere_images[index];
                 back.normal(back.point(point).value())
             }
-            Kind::BoxImage => {
+            ShapeKind::BoxImage => {
                 let (back, [min, max]) = &self.box_images[index];
                 back.normal(face_normal(min.value(), max.value(), back.point(point).value()))
             }

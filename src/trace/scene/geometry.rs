@@ -36,7 +36,7 @@ pub(crate) enum ShapeRef<'a> {
 /// The shapes in one array per kind, and a table of their locations by id.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    pub(crate) locations: Vec<Location>,
+    pub(crate) locations: Vec<ShapeLocation>,
     order: DocumentOrder,
     pub(crate) spheres: Vec<Sphere>,
     pub(crate) planes: Vec<Plane>,
@@ -47,13 +47,13 @@ pub struct Geometry {
 
 /// The location of a shape: its array, and the index in it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Location {
-    pub(crate) kind: Kind,
+pub(crate) struct ShapeLocation {
+    pub(crate) kind: ShapeKind,
     pub(crate) index: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum ShapeKind {
     Sphere,
     Plane,
     AlignedBox,
@@ -71,16 +71,18 @@ impl Geometry {
     ///
     /// With more than [`Self::LARGEST_COUNT`] shapes.
     pub fn push(&mut self, shape: PreparedShape) -> ShapeId {
-        fn store<T>(list: &mut Vec<T>, kind: Kind, shape: T) -> Location {
+        fn store<T>(list: &mut Vec<T>, kind: ShapeKind, shape: T) -> ShapeLocation {
             list.push(shape);
-            Location { kind, index: to_index(list.len() - 1) }
+            ShapeLocation { kind, index: to_index(list.len() - 1) }
         }
         let location = match shape {
-            PreparedShape::Sphere(shape) => store(&mut self.spheres, Kind::Sphere, shape),
-            PreparedShape::Plane(shape) => store(&mut self.planes, Kind::Plane, shape),
-            PreparedShape::AlignedBox(shape) => store(&mut self.boxes, Kind::AlignedBox, shape),
-            PreparedShape::SphereImage(shape) => store(&mut self.sphere_images, Kind::SphereImage, shape),
-            PreparedShape::BoxImage(shape) => store(&mut self.box_images, Kind::BoxImage, shape),
+            PreparedShape::Sphere(shape) => store(&mut self.spheres, ShapeKind::Sphere, shape),
+            PreparedShape::Plane(shape) => store(&mut self.planes, ShapeKind::Plane, shape),
+            PreparedShape::AlignedBox(shape) => store(&mut self.boxes, ShapeKind::AlignedBox, shape),
+            PreparedShape::SphereImage(shape) => {
+                store(&mut self.sphere_images, ShapeKind::SphereImage, shape)
+            }
+            PreparedShape::BoxImage(shape) => store(&mut self.box_images, ShapeKind::BoxImage, shape),
         };
         self.locations.push(location);
         let id = ShapeId(to_index(self.locations.len() - 1));
@@ -91,28 +93,28 @@ impl Geometry {
     /// Returns a shape.
     #[inline(always)]
     pub(crate) fn shape(&self, id: ShapeId) -> ShapeRef<'_> {
-        let Location { kind, index } = self.locations[id.index()];
+        let ShapeLocation { kind, index } = self.locations[id.index()];
         let index = index as usize;
         match kind {
-            Kind::Sphere => ShapeRef::Sphere(&self.spheres[index]),
-            Kind::Plane => ShapeRef::Plane(&self.planes[index]),
-            Kind::AlignedBox => ShapeRef::AlignedBox(&self.boxes[index]),
-            Kind::SphereImage => ShapeRef::SphereImage(&self.sphere_images[index]),
-            Kind::BoxImage => ShapeRef::BoxImage(&self.box_images[index]),
+            ShapeKind::Sphere => ShapeRef::Sphere(&self.spheres[index]),
+            ShapeKind::Plane => ShapeRef::Plane(&self.planes[index]),
+            ShapeKind::AlignedBox => ShapeRef::AlignedBox(&self.boxes[index]),
+            ShapeKind::SphereImage => ShapeRef::SphereImage(&self.sphere_images[index]),
+            ShapeKind::BoxImage => ShapeRef::BoxImage(&self.box_images[index]),
         }
     }
 
     /// Replaces a shape by another of the same kind. Returns `false`, and does nothing, if the kinds differ.
     #[must_use]
     pub fn replace(&mut self, id: ShapeId, shape: PreparedShape) -> bool {
-        let Location { kind, index } = self.locations[id.index()];
+        let ShapeLocation { kind, index } = self.locations[id.index()];
         let index = index as usize;
         match (kind, shape) {
-            (Kind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] = shape,
-            (Kind::Plane, PreparedShape::Plane(shape)) => self.planes[index] = shape,
-            (Kind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] = shape,
-            (Kind::SphereImage, PreparedShape::SphereImage(shape)) => self.sphere_images[index] = shape,
-            (Kind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] = shape,
+            (ShapeKind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] = shape,
+            (ShapeKind::Plane, PreparedShape::Plane(shape)) => self.planes[index] = shape,
+            (ShapeKind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] = shape,
+            (ShapeKind::SphereImage, PreparedShape::SphereImage(shape)) => self.sphere_images[index] = shape,
+            (ShapeKind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] = shape,
             _ => return false,
         }
         true
@@ -248,10 +250,18 @@ impl Geometry {
     pub(crate) fn append(&mut self, other: &mut Self) {
         let first = to_index(self.len());
         to_index(self.len() + other.len());
-        let starts = [Kind::Sphere, Kind::Plane, Kind::AlignedBox, Kind::SphereImage, Kind::BoxImage]
-            .map(|kind| to_index(self.count(kind)));
-        let moved =
-            |Location { kind, index }: Location| Location { kind, index: starts[kind as usize] + index };
+        let starts = [
+            ShapeKind::Sphere,
+            ShapeKind::Plane,
+            ShapeKind::AlignedBox,
+            ShapeKind::SphereImage,
+            ShapeKind::BoxImage,
+        ]
+        .map(|kind| to_index(self.count(kind)));
+        let moved = |ShapeLocation { kind, index }: ShapeLocation| ShapeLocation {
+            kind,
+            index: starts[kind as usize] + index,
+        };
         self.locations.extend(other.locations.drain(..).map(moved));
         self.order.extend((first..to_index(self.locations.len())).map(ShapeId));
         other.order.clear();
@@ -262,22 +272,22 @@ impl Geometry {
         self.box_images.append(&mut other.box_images);
     }
 
-    fn count(&self, kind: Kind) -> usize {
+    fn count(&self, kind: ShapeKind) -> usize {
         match kind {
-            Kind::Sphere => self.spheres.len(),
-            Kind::Plane => self.planes.len(),
-            Kind::AlignedBox => self.boxes.len(),
-            Kind::SphereImage => self.sphere_images.len(),
-            Kind::BoxImage => self.box_images.len(),
+            ShapeKind::Sphere => self.spheres.len(),
+            ShapeKind::Plane => self.planes.len(),
+            ShapeKind::AlignedBox => self.boxes.len(),
+            ShapeKind::SphereImage => self.sphere_images.len(),
+            ShapeKind::BoxImage => self.box_images.len(),
         }
     }
 
     /// Returns whether a shape has [bounds](Self::bounds).
     pub(super) fn is_bounded(&self, id: ShapeId) -> bool {
         match self.locations[id.index()].kind {
-            Kind::Sphere | Kind::AlignedBox => true,
-            Kind::Plane => false,
-            Kind::SphereImage | Kind::BoxImage => self.bounds(id).is_some(),
+            ShapeKind::Sphere | ShapeKind::AlignedBox => true,
+            ShapeKind::Plane => false,
+            ShapeKind::SphereImage | ShapeKind::BoxImage => self.bounds(id).is_some(),
         }
     }
 

@@ -29,12 +29,12 @@ pub struct MaterialSummary {
     /// True if a material has a checker pattern.
     pub checkered: bool,
     /// Upper bounds of the coefficients; materials with about the same share of continuing light are merged.
-    answers: BTreeMap<u32, Answer>,
+    answers: BTreeMap<u32, CoefficientBounds>,
 }
 
 /// Upper bounds of the coefficients of some materials.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Answer {
+pub(crate) struct CoefficientBounds {
     /// Ambient colour.
     pub(crate) ambient: Rgb,
     /// Diffuse colour.
@@ -45,7 +45,7 @@ pub(crate) struct Answer {
     pub(crate) followed: f32,
 }
 
-impl Answer {
+impl CoefficientBounds {
     fn of(material: &SurfaceMaterial) -> Self {
         let transmitted = material.refraction.map_or(0.0, |refraction| refraction.transmitted);
         let second = |color: fn(&Checker) -> Rgb| material.checker.as_deref().map_or(Rgb::ZERO, color);
@@ -77,7 +77,7 @@ impl MaterialSummary {
     pub(super) fn of(materials: &MaterialTable) -> Self {
         let mut all = Self::default();
         for material in materials.distinct() {
-            let answer = Answer::of(material);
+            let answer = CoefficientBounds::of(material);
             all.answers.entry(answer.key()).or_default().widen(&answer);
             if let Some(refraction) = &material.refraction {
                 all.absorbs |= refraction.absorption.max_element() > 0.0;
@@ -103,7 +103,7 @@ impl MaterialSummary {
     }
 
     /// Returns upper bounds of the coefficients of all materials. There are at most some hundreds, regardless of the number of surfaces.
-    pub(crate) fn answers(&self) -> impl Iterator<Item = &Answer> {
+    pub(crate) fn answers(&self) -> impl Iterator<Item = &CoefficientBounds> {
         self.answers.values()
     }
 }

@@ -26,7 +26,7 @@ pub(crate) use environment::transmittance;
 pub use environment::{Attenuation, Background, Fog};
 pub(crate) use equal_shapes::EqualGroup;
 pub use geometry::{Geometry, PreparedShape};
-pub(crate) use geometry::{Kind, Location, ShapeRef};
+pub(crate) use geometry::{ShapeKind, ShapeLocation, ShapeRef};
 pub use light::{Cone, Falloff, Light, LightSource};
 pub use material::{Checker, Refraction, SurfaceMaterial};
 pub use material_summary::MaterialSummary;

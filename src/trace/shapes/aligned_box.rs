@@ -21,7 +21,7 @@ pub struct AlignedBox {
 pub(crate) const SLOWEST: f64 = 1e-300;
 
 /// A ray in a space of its own that it was taken into, and by how much each coordinate may be off.
-pub(crate) struct Inexact {
+pub(crate) struct LocalRay {
     pub(crate) origin: DVec3,
     pub(crate) direction: DVec3,
     pub(crate) origin_error: DVec3,
@@ -40,7 +40,7 @@ enum Along {
     Open,
 }
 
-impl Inexact {
+impl LocalRay {
     #[inline]
     fn slab(&self, axis: usize, min: f64, max: f64) -> Along {
         let (o, d) = (self.origin[axis], self.direction[axis]);
@@ -152,12 +152,12 @@ impl AlignedBox {
         }
         // Adding zero makes a negative zero positive.
         let t = if entry >= 0.0 { entry } else { exit } + 0.0;
-        Intersection::Hit(BoundedT::within(t, 4.0 * U * t))
+        Intersection::ShapeHit(BoundedT::within(t, 4.0 * U * t))
     }
 
     /// As [`AlignedBox::intersect`], for a ray that is known within bounds.
     #[inline]
-    pub(crate) fn first_crossing(&self, ray: &Inexact) -> Intersection {
+    pub(crate) fn first_crossing(&self, ray: &LocalRay) -> Intersection {
         let (mut entry, mut exit) =
             (BoundedT::within(f64::NEG_INFINITY, 0.0), BoundedT::within(f64::INFINITY, 0.0));
         for axis in 0..3 {
@@ -176,9 +176,9 @@ impl AlignedBox {
         } else if entry.latest() >= exit.earliest() {
             Intersection::Ambiguous
         } else if entry.earliest() > 0.0 {
-            Intersection::Hit(entry)
+            Intersection::ShapeHit(entry)
         } else if entry.latest() < 0.0 && exit.earliest() > 0.0 {
-            Intersection::Hit(exit)
+            Intersection::ShapeHit(exit)
         } else {
             Intersection::Ambiguous
         }
@@ -235,7 +235,7 @@ impl AlignedBox {
 
     /// The face that a ray certainly meets at `t`, or, if it is inside already, at which it certainly comes out.
     #[inline]
-    pub(crate) fn clear_face(&self, ray: &Inexact, t: f64, inside: bool) -> Option<Face> {
+    pub(crate) fn clear_face(&self, ray: &LocalRay, t: f64, inside: bool) -> Option<Face> {
         let never = |t: f64| (BoundedT::within(t, 0.0), Face::default());
         let (mut nears, mut fars) = ([never(f64::NEG_INFINITY); 3], [never(f64::INFINITY); 3]);
         for axis in 0..3 {
@@ -290,11 +290,11 @@ impl AlignedBox {
             }
         }
         let t = nearest.max(0.0);
-        Intersection::Hit(BoundedT::within(t, 4.0 * U * t))
+        Intersection::ShapeHit(BoundedT::within(t, 4.0 * U * t))
     }
 
     /// The same for a ray that is known within bounds.
-    pub(crate) fn rough_exit(&self, ray: &Inexact) -> Intersection {
+    pub(crate) fn rough_exit(&self, ray: &LocalRay) -> Intersection {
         let mut exit = BoundedT::within(f64::INFINITY, 0.0);
         for axis in 0..3 {
             match ray.slab(axis, self.min[axis], self.max[axis]) {
@@ -303,7 +303,7 @@ impl AlignedBox {
                 Along::Open => return Intersection::Ambiguous,
             }
         }
-        if exit.earliest() > 0.0 { Intersection::Hit(exit) } else { Intersection::Ambiguous }
+        if exit.earliest() > 0.0 { Intersection::ShapeHit(exit) } else { Intersection::Ambiguous }
     }
 
     /// The meeting at `t` with a face: the point has the face's own coordinate.

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::aligned_box::{AlignedBox, Inexact, Slab, cross_exactly, exit_exactly};
+use super::aligned_box::{AlignedBox, LocalRay, Slab, cross_exactly, exit_exactly};
 use super::bounds::Bounds;
 use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit};
 use super::sphere::{U, newton_step};
@@ -117,14 +117,14 @@ impl BoxImage {
     /// The ray by its heights above the planes through the center that are parallel to the slabs. A difference, three products and
     /// their sum are rounded by less than 5 u, the slabs as seen from the center by u.
     #[inline]
-    fn seen(&self, origin: DVec3, direction: DVec3) -> Inexact {
+    fn seen(&self, origin: DVec3, direction: DVec3) -> LocalRay {
         let from_center = origin - self.center;
         let across = |vector: DVec3| DVec3::from_array(self.rows.map(|row| row.dot(vector)));
         let sizes = |vector: DVec3| {
             let vector = vector.abs();
             DVec3::from_array(self.rows.map(|row| row.abs().dot(vector)))
         };
-        Inexact {
+        LocalRay {
             origin: across(from_center),
             direction: across(direction),
             origin_error: sizes(from_center) * (8.0 * U) + self.near_error,

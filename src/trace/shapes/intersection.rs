@@ -21,7 +21,7 @@ pub struct RefinedHit {
 #[derive(Clone, Copy, Debug)]
 pub enum Intersection {
     /// It does.
-    Hit(BoundedT),
+    ShapeHit(BoundedT),
     /// It does not.
     Miss,
     /// Too close to call.
@@ -43,7 +43,7 @@ impl From<Verdict<f64>> for Intersection {
     #[inline(always)]
     fn from(verdict: Verdict<f64>) -> Self {
         if verdict.hit {
-            Self::Hit(BoundedT::within(verdict.t, verdict.error))
+            Self::ShapeHit(BoundedT::within(verdict.t, verdict.error))
         } else if verdict.open {
             Self::Ambiguous
         } else {
@@ -118,7 +118,7 @@ impl Intersection {
         exact: impl FnOnce() -> Option<ExactCrossing>,
     ) -> Option<f64> {
         match self {
-            Self::Hit(root) => {
+            Self::ShapeHit(root) => {
                 let ray = Ray::new(glam::DVec3::ZERO, direction)?;
                 Some(root.t() * ray.direction().abs().max_element() / direction.abs().max_element())
             }

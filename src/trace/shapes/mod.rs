@@ -33,6 +33,6 @@ pub use intersection::{Intersection, RefinedHit};
 pub use plane::Plane;
 pub(crate) use plane::{only_root, stepped_to_plane};
 pub use sphere::Sphere;
-pub(crate) use sphere::{Stepped, U, far_root, first_root, newton_step, sphere_step, stepped, unit};
+pub(crate) use sphere::{RefinedStep, U, far_root, first_root, newton_step, sphere_step, stepped, unit};
 pub use sphere_image::SphereImage;
 pub(crate) use sphere_image::inverse;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side, Verdict};
-use super::sphere::{Stepped, U, newton_step};
+use super::sphere::{RefinedStep, U, newton_step};
 use crate::trace::math::{
     Compensated, Double, Double3, Exact3, ExactRoot, Real, absolute, dot, exact_dot, scaled, subtract, times,
 };
@@ -44,11 +44,11 @@ pub(crate) fn stepped_to_plane<R: Real>(
     (point, normal): ([R; 3], [R; 3]),
     (origin, direction): ([R; 3], [R; 3]),
     t: R,
-) -> Stepped<R> {
+) -> RefinedStep<R> {
     let place = Compensated::along(origin, direction, t);
     let from_point = place.minus(point);
     let step = newton_step(from_point.dot(normal).rounded(), dot(direction, normal));
-    Stepped {
+    RefinedStep {
         t: Double::sum(t, step),
         from_shape: from_point.rounded(),
         point: place.moved(times(direction, step)),
@@ -112,7 +112,7 @@ impl Plane {
     #[inline(always)]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
         let plane = (self.point.into(), self.normal.into());
-        let Stepped { t, point, .. } = stepped_to_plane(plane, (origin.into(), direction.into()), t);
+        let RefinedStep { t, point, .. } = stepped_to_plane(plane, (origin.into(), direction.into()), t);
         Some(RefinedHit { t, point: point.into(), normal: self.unit_normal })
     }
 

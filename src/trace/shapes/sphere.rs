@@ -130,7 +130,7 @@ pub(crate) fn unit<R: Real>(vector: [R; 3]) -> ([R; 3], R::Mask) {
 }
 
 /// A step from near a sphere or a plane to it.
-pub(crate) struct Stepped<R> {
+pub(crate) struct RefinedStep<R> {
     pub(crate) t: Double<R>,
     /// The place before the step, from the centre or from the point of a plane.
     pub(crate) from_shape: [R; 3],
@@ -145,12 +145,12 @@ pub(crate) fn stepped<R: Real>(
     (center, radius): ([R; 3], R),
     (origin, direction): ([R; 3], [R; 3]),
     t: R,
-) -> Stepped<R> {
+) -> RefinedStep<R> {
     let place = Compensated::along(origin, direction, t);
     let from_center = place.minus(center);
     let step = sphere_step(from_center, direction, radius);
     let way = times(direction, step);
-    Stepped {
+    RefinedStep {
         t: Double::sum(t, step),
         from_shape: from_center.rounded(),
         point: place.moved(way),
@@ -194,7 +194,7 @@ impl Sphere {
     #[inline(always)]
     fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> RefinedHit {
         let sphere = (self.center.into(), self.radius);
-        let Stepped { t, point, outwards, .. } = stepped(sphere, (origin.into(), direction.into()), t);
+        let RefinedStep { t, point, outwards, .. } = stepped(sphere, (origin.into(), direction.into()), t);
         RefinedHit { t, point: point.into(), normal: normal(outwards) }
     }
 

@@ -13,13 +13,13 @@ use crate::trace::rays::Ray;
 /// A sphere under an affine map: an ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereImage {
-    map: Map,
+    map: AffineMap,
     sphere: Sphere,
 }
 
 /// An invertible affine map with its inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Map {
+struct AffineMap {
     forward: DAffine3,
     /// The inverse of the linear part; the translation is subtracted first, which keeps more digits.
     inverse: DMat3,
@@ -29,7 +29,7 @@ struct Map {
     condition: f64,
 }
 
-impl Map {
+impl AffineMap {
     fn new(forward: DAffine3) -> Self {
         let DMat3 { x_axis, y_axis, z_axis } = forward.matrix3;
         Self {
@@ -118,7 +118,7 @@ impl SphereImage {
     /// The image of an origin-centred sphere. The map must be invertible.
     #[must_use]
     pub fn new(forward: DAffine3, radius: f64) -> Self {
-        Self { map: Map::new(forward), sphere: Sphere { center: DVec3::ZERO, radius } }
+        Self { map: AffineMap::new(forward), sphere: Sphere { center: DVec3::ZERO, radius } }
     }
 
     /// The map.

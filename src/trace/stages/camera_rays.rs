@@ -6,7 +6,7 @@ use super::buffers::TileBuffers;
 use super::slots::Sample;
 use super::tile::{PACKETS, PIXELS};
 use super::tile_sampler::TileSampler;
-use super::wavefront::{Start, Wavefront};
+use super::wavefront::{RayOrigin, Wavefront};
 use crate::trace::light::PathPacket;
 use crate::trace::math::lanes;
 
@@ -17,7 +17,7 @@ pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wavefront, spread, scratch, .. } = &mut *buffers;
     // A single sample passes through the centre of the lens.
     let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
-    wavefront.start = if pinhole { Start::Eye(context.camera.position()) } else { Start::Lens };
+    wavefront.start = if pinhole { RayOrigin::Eye(context.camera.position()) } else { RayOrigin::Lens };
     if context.sampling.samples > 1 {
         spread.find(context, (tile, slots), &mut scratch.search);
     }

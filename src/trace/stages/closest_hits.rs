@@ -2,7 +2,7 @@
 
 use super::buffers::TileBuffers;
 use super::tile::PACKETS;
-use super::wavefront::Start;
+use super::wavefront::RayOrigin;
 use crate::trace::light::RenderContext;
 use crate::trace::math::lanes;
 use crate::trace::packet::{bundle_hits, closest_hits as packet_hits, lens_hits};
@@ -21,7 +21,7 @@ pub(super) fn closest_hits(
     let (scene, search) = (context.scene, &mut scratch.search);
     search.tied_hits.clear();
     // Camera rays use all packets of a tile, though some may be empty.
-    let count = if matches!(wavefront.start, Start::Anywhere) { wavefront.count } else { PACKETS };
+    let count = if matches!(wavefront.start, RayOrigin::Anywhere) { wavefront.count } else { PACKETS };
     let (rays, hits) = (&wavefront.rays[..count], &mut hits[..count]);
     if scene.precision != Precision::Guaranteed {
         for (rays, hits) in rays.iter().zip(&mut *hits) {
@@ -29,9 +29,9 @@ pub(super) fn closest_hits(
             hits.open = rays.lanes;
         }
     } else if !match wavefront.start {
-        Start::Eye(eye) => bundle_hits(scene, eye, rays, hits, (search, packet_scratch)),
-        Start::Lens => lens_hits(scene, &spread.candidates, rays, hits, packet_scratch, search.cancelled),
-        Start::Anywhere => false,
+        RayOrigin::Eye(eye) => bundle_hits(scene, eye, rays, hits, (search, packet_scratch)),
+        RayOrigin::Lens => lens_hits(scene, &spread.candidates, rays, hits, packet_scratch, search.cancelled),
+        RayOrigin::Anywhere => false,
     } {
         for (rays, hits) in rays.iter().zip(&mut *hits) {
             packet_hits(scene, rays, hits, packet_scratch, search.cancelled);

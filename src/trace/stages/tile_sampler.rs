@@ -11,7 +11,7 @@ use crate::trace::scene::{Precision, SpreadKeys};
 /// The sampling keys and lens candidates of a tile's slots, reused while batches have the same pixels in the same slots.
 #[derive(Debug)]
 pub(super) struct TileSampler {
-    known: Option<Known>,
+    known: Option<KnownSlots>,
     /// By packet: the sampling keys of its slots.
     pub(super) keys: Box<[SpreadKeys; PACKETS]>,
     /// The shapes that rays through the lens can hit.
@@ -20,7 +20,7 @@ pub(super) struct TileSampler {
 
 /// The slots that keys were computed for.
 #[derive(Debug, PartialEq, Eq)]
-struct Known {
+struct KnownSlots {
     tile: Tile,
     pixels: [[u32; LANES]; PACKETS],
     lanes: [u32; PACKETS],
@@ -57,11 +57,11 @@ impl TileSampler {
                 self.candidates.mix_packets();
             }
         }
-        self.known = Some(Known { tile, pixels: *slots.pixels, lanes: slots.lanes });
+        self.known = Some(KnownSlots { tile, pixels: *slots.pixels, lanes: slots.lanes });
     }
 }
 
-impl Known {
+impl KnownSlots {
     /// Returns whether keys were computed for these slots. The last batch of a tile may leave some slots empty.
     fn serves(&self, tile: Tile, slots: &Slots) -> bool {
         let covers = |(known, asked): (&u32, &u32)| asked & !known == 0;

@@ -18,12 +18,12 @@ pub(super) struct Wavefront {
     pub(super) paths: Box<[PathPacket; PACKETS]>,
     /// The slots of the camera rays from which they descend.
     pub(super) slots: Box<[[u32; LANES]; PACKETS]>,
-    pub(super) start: Start,
+    pub(super) start: RayOrigin,
 }
 
 /// The common origin of a wavefront's rays.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Start {
+pub(super) enum RayOrigin {
     /// A single point.
     Eye(DVec3),
     /// The camera's lens.
@@ -39,13 +39,13 @@ impl Wavefront {
             rays: Box::new([const { RayPacket::EMPTY }; PACKETS]),
             paths: Box::new([const { PathPacket::AT_CAMERA }; PACKETS]),
             slots: Box::new([[0; LANES]; PACKETS]),
-            start: Start::Anywhere,
+            start: RayOrigin::Anywhere,
         }
     }
 
     /// Removes all rays.
     pub(super) fn clear(&mut self) {
-        (self.count, self.start) = (0, Start::Anywhere);
+        (self.count, self.start) = (0, RayOrigin::Anywhere);
     }
 
     /// Adds a packet of rays with their slots.

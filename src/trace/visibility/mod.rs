@@ -36,7 +36,7 @@ use crate::trace::rays::ShapeId;
 use crate::trace::scene::{Camera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use hidden::{Image, hidden_images};
-use outline::{Covers, Outline, Rays, Squares, where_less};
+use outline::{Covers, Outline, Squares, TileRays, where_less};
 
 /// The smallest thing that samples of a pixel can miss.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -104,11 +104,11 @@ impl TileFeatures {
 /// The memory of the search.
 #[derive(Debug, Default)]
 pub(crate) struct FeatureScratch {
-    seen: Vec<Seen>,
+    seen: Vec<SeenShape>,
 }
 
 #[derive(Debug)]
-struct Seen {
+struct SeenShape {
     id: ShapeId,
     outline: Outline,
     /// Half of the side of the square that a pixel sees of it.
@@ -137,7 +137,7 @@ pub(crate) fn features(
         ids.map(|id| see(scene, camera, &rays, id, &mut scratch.seen)).fold(true, |all, one| all & one);
     let whole = !camera.has_lens()
         && dispatch!(scene.simd.level(), simd => {
-            let visitor = &mut Visitor { scene, camera, rays: &rays, seen: &mut scratch.seen, known: true };
+            let visitor = &mut FeatureVisitor { scene, camera, rays: &rays, seen: &mut scratch.seen, known: true };
             let whole = visit(simd, visitor, tile, stack, cancelled);
             known &= visitor.known;
             whole
@@ -175,12 +175,12 @@ fn unknown() -> TileFeatures {
 }
 
 /// Returns the rays of a tile. `None` if they are not finite.
-fn tile_rays(camera: &Camera, tile: &Tile) -> Option<Rays> {
+fn tile_rays(camera: &Camera, tile: &Tile) -> Option<TileRays> {
     let first = camera.through(f64::from(tile.i), f64::from(tile.j));
     let steps = camera.steps();
     let middle = first + (steps[0] + steps[1]) * MIDDLE;
     let eye = camera.position();
-    (eye.is_finite() && middle.is_finite() && middle.length_squared() > 0.0).then_some(Rays {
+    (eye.is_finite() && middle.is_finite() && middle.length_squared() > 0.0).then_some(TileRays {
         eye,
         middle,
         steps,
@@ -190,14 +190,20 @@ fn tile_rays(camera: &Camera, tile: &Tile) -> Option<Rays> {
 /// From the centre of a tile's first pixel to the tile's middle, in pixels along either side.
 const MIDDLE: f64 = (TILE as f64 - 1.0) / 2.0;
 
-/// From a pixel's centre to beyond its edge, farther than that of [`Rays::may_meet`].
+/// From a pixel's centre to beyond its edge, farther than that of [`TileRays::may_meet`].
 const WIDER: f64 = 0.5 + 1e-5;
 
 /// Half of a pixel, and a little more than what rounding moves samples by.
 const HALF: f64 = 0.5 + 1e-9;
 
 /// Adds what is seen of a shape through the tile. Returns `false` if that is not known.
-fn see(scene: &PreparedScene, camera: &Camera, rays: &Rays, id: ShapeId, seen: &mut Vec<Seen>) -> bool {
+fn see(
+    scene: &PreparedScene,
+    camera: &Camera,
+    rays: &TileRays,
+    id: ShapeId,
+    seen: &mut Vec<SeenShape>,
+) -> bool {
     if let Some(bounds) = scene.geometry().bounds(id).filter(|_| !camera.has_lens())
         && !rays.may_meet(&bounds)
     {
@@ -215,7 +221,7 @@ fn see(scene: &PreparedScene, camera: &Camera, rays: &Rays, id: ShapeId, seen: &
         let blocks = dispatch!(scene.simd.level(), _simd => outline.covers(&BLOCKS.widened(half)));
         if blocks.seen != 0 {
             let radiance = most_radiance(scene, scene.material(id));
-            seen.push(Seen { id, outline, half, radiance, blocks });
+            seen.push(SeenShape { id, outline, half, radiance, blocks });
         }
     }
     true
@@ -237,15 +243,15 @@ fn confusion(scene: &PreparedScene, camera: &Camera, id: ShapeId) -> f64 {
 }
 
 /// Shapes of the tree on their way into the list.
-struct Visitor<'a> {
+struct FeatureVisitor<'a> {
     scene: &'a PreparedScene,
     camera: &'a Camera,
-    rays: &'a Rays,
-    seen: &'a mut Vec<Seen>,
+    rays: &'a TileRays,
+    seen: &'a mut Vec<SeenShape>,
     known: bool,
 }
 
-impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
+impl<S: Simd> FrustumVisitor<S> for FeatureVisitor<'_> {
     #[inline(always)]
     fn visit(&mut self, _: S, leaf: LeafId, _: &LeafBox) -> f32 {
         self.known &= see(self.scene, self.camera, self.rays, self.scene.leaves.id(leaf), self.seen);
@@ -257,7 +263,7 @@ impl<S: Simd> FrustumVisitor<S> for Visitor<'_> {
 #[inline(always)]
 fn visit<S: Simd>(
     simd: S,
-    visitor: &mut Visitor<'_>,
+    visitor: &mut FeatureVisitor<'_>,
     tile: &Tile,
     stack: &mut crate::trace::bvh::Stack,
     cancelled: &AtomicBool,
@@ -272,7 +278,7 @@ fn visit<S: Simd>(
     {
         corners.set(lane, camera.through(column, row));
     }
-    // The axis of [`Rays::may_meet`], so that both agree.
+    // The axis of [`TileRays::may_meet`], so that both agree.
     let depth = Depth::along(visitor.rays.middle);
     let slopes = SlopeRange::of(simd, (&corners, 0b1111), (depth, 1.0));
     let tree = &visitor.scene.tree;
@@ -306,9 +312,9 @@ const BLOCKS: Squares<PACKETS> = {
 /// behind a shape that covers one whole is not looked for in its pixels.
 fn resolve(
     scene: &PreparedScene,
-    rays: &Rays,
+    rays: &TileRays,
     (tile, is_open): (&Tile, bool),
-    seen: &[Seen],
+    seen: &[SeenShape],
 ) -> TileFeatures {
     let mut found = TileFeatures {
         features: [Feature::NONE; TILE_PIXELS],
@@ -369,7 +375,7 @@ impl<const N: usize> NearestCovers<N> {
 
     /// Takes a shape into account.
     #[inline(always)]
-    fn note(&mut self, shape: &Seen, cover: &Covers<N>) {
+    fn note(&mut self, shape: &SeenShape, cover: &Covers<N>) {
         for lane in 0..N {
             let (depth, id) = (cover.depth[0][lane], self.ids[lane]);
             // Of those as near, the order does not matter.
@@ -393,7 +399,7 @@ impl<const N: usize> NearestCovers<N> {
     }
 }
 
-impl Seen {
+impl SeenShape {
     /// Finds how the shape lies to the pixels of a packet.
     #[inline(always)]
     fn covers(&self, packet: usize, pixels: &Squares<LANES>) -> Covers<LANES> {
@@ -418,7 +424,7 @@ impl Seen {
     fn checkered(
         &self,
         scene: &PreparedScene,
-        rays: &Rays,
+        rays: &TileRays,
         pixels: u32,
         place: impl Fn(usize) -> DVec2,
     ) -> u32 {

@@ -23,7 +23,7 @@ const HALF_TILE: f64 = TILE as f64 / 2.0 + 1e-6;
 
 /// The camera rays of a tile.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rays {
+pub(super) struct TileRays {
     pub(super) eye: DVec3,
     /// The direction through the middle of the tile.
     pub(super) middle: DVec3,
@@ -85,7 +85,7 @@ pub(super) struct Covers<const N: usize> {
 }
 
 impl Quadratic {
-    fn linear(of: impl Fn(DVec3) -> f64, rays: &Rays) -> Self {
+    fn linear(of: impl Fn(DVec3) -> f64, rays: &TileRays) -> Self {
         let [right, down] = rays.steps;
         Self { constant: of(rays.middle), linear: DVec2::new(of(right), of(down)), quadratic: [0.0; 3] }
     }
@@ -154,7 +154,7 @@ fn greater(one: f64, other: f64) -> f64 {
 impl Outline {
     /// Finds the outline of a shape. `None` if no ray of the tile can hit it; with `Err` nothing is known of it: the eye is on its surface, or
     /// numbers are too large.
-    pub(super) fn of(shape: ShapeRef<'_>, rays: &Rays) -> Result<Option<Self>, Unknown> {
+    pub(super) fn of(shape: ShapeRef<'_>, rays: &TileRays) -> Result<Option<Self>, UnknownOutline> {
         let found = match shape {
             ShapeRef::Plane(plane) => {
                 let (normal, height) = (plane.normal(), plane.normal().dot(rays.eye - plane.point()));
@@ -183,9 +183,9 @@ impl Outline {
             }
         };
         match found {
-            Some(outline) if !outline.is_finite() => Err(Unknown),
+            Some(outline) if !outline.is_finite() => Err(UnknownOutline),
             Some(outline) => Ok(Some(outline)),
-            None => Err(Unknown),
+            None => Err(UnknownOutline),
         }
     }
 
@@ -203,7 +203,7 @@ impl Outline {
     }
 
     /// The outline of a sphere around the origin.
-    fn of_sphere(rays: &Rays, radius: f64) -> Option<Self> {
+    fn of_sphere(rays: &TileRays, radius: f64) -> Option<Self> {
         let (to_center, square) = (-rays.eye, radius * radius);
         let [x, y, z] = [rays.middle, rays.steps[0], rays.steps[1]];
         let crossed = [x, y, z].map(|direction| to_center.cross(direction));
@@ -227,7 +227,7 @@ impl Outline {
     }
 
     /// The outline of a box around the origin, along the axes.
-    fn of_box(rays: &Rays, half: DVec3) -> Option<Self> {
+    fn of_box(rays: &TileRays, half: DVec3) -> Option<Self> {
         let eye = rays.eye;
         // By axis and side: how far the eye is outside of the face.
         let outside = |axis: usize, side: f64| side * eye[axis] - half[axis];
@@ -283,7 +283,7 @@ impl Outline {
     }
 
     /// Returns where the ray through a place hits the shape.
-    pub(super) fn point(&self, rays: &Rays, DVec2 { x, y }: DVec2) -> DVec3 {
+    pub(super) fn point(&self, rays: &TileRays, DVec2 { x, y }: DVec2) -> DVec3 {
         let direction = rays.middle + rays.steps[0] * x + rays.steps[1] * y;
         let ([[depth], _], _) = self.depth.bounds(&Squares { x: [x], y: [y], half: 0.0 });
         rays.eye + direction / depth
@@ -350,7 +350,7 @@ pub(super) fn where_less<const N: usize>(numbers: &[f64; N], others: &[f64; N]) 
 
 /// Says that nothing is known of an outline.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Unknown;
+pub(super) struct UnknownOutline;
 
 impl Quadratic {
     /// Returns the area of the ellipse in which it is positive; infinite if it is none.
@@ -367,7 +367,7 @@ impl Quadratic {
     }
 }
 
-impl Rays {
+impl TileRays {
     /// Returns whether a ray of the tile may meet a box: `false` only if all lie on the same side of a plane through the eye, along an axis. The
     /// tree's frusta, which are rounded outwards, accept all of those boxes.
     pub(super) fn may_meet(&self, bounds: &Bounds) -> bool {

@@ -2,9 +2,9 @@
 
 use super::axis::Steps;
 use super::sample::Rates;
-use super::svg::{Anchor, Frame, PagePoint, Svg};
+use super::svg::{Anchor, DrawingArea, PagePoint, Svg};
 
-pub(super) fn draw(svg: &mut Svg, rates: &Rates, frame: Frame, title: &str) {
+pub(super) fn draw(svg: &mut Svg, rates: &Rates, frame: DrawingArea, title: &str) {
     let (from, to) = rates.span;
     let seconds = if to > from { to - from } else { 1.0 };
     let most = rates.range().1;

@@ -1,14 +1,14 @@
 //! Texts next to points, clear of each other and of the main lines.
 
-use super::svg::{Anchor, Frame, PagePoint, Svg};
+use super::svg::{Anchor, DrawingArea, PagePoint, Svg};
 
 /// The occupied parts of a frame.
 pub(super) struct Labels {
-    within: Frame,
+    within: DrawingArea,
     /// Points on the lines that texts must not cover.
     lines: Vec<PagePoint>,
     /// The frames of the placed texts.
-    taken: Vec<Frame>,
+    taken: Vec<DrawingArea>,
     /// The labelled points.
     places: Vec<PagePoint>,
 }
@@ -19,7 +19,7 @@ const HEIGHT: f64 = 12.0;
 const CHARACTER: f64 = 6.4;
 
 impl Labels {
-    pub(super) fn within(frame: Frame) -> Self {
+    pub(super) fn within(frame: DrawingArea) -> Self {
         Self { within: frame, lines: Vec::new(), taken: Vec::new(), places: Vec::new() }
     }
 
@@ -60,7 +60,7 @@ impl Labels {
         true
     }
 
-    fn is_free(&self, frame: &Frame) -> bool {
+    fn is_free(&self, frame: &DrawingArea) -> bool {
         self.within.holds(frame)
             && !self.taken.iter().any(|taken| taken.overlaps(frame))
             && !self.lines.iter().any(|place| frame.contains(*place))
@@ -80,7 +80,7 @@ fn sides(heading: Option<PagePoint>) -> Vec<PagePoint> {
 }
 
 /// Returns the frame of a text of the given width, at a distance from a point in the given direction.
-fn around([x, y]: PagePoint, [right, down]: PagePoint, width: f64, distance: f64) -> Frame {
+fn around([x, y]: PagePoint, [right, down]: PagePoint, width: f64, distance: f64) -> DrawingArea {
     let middle = [x + right * (distance + 0.5 * width), y + down * (distance + 0.5 * HEIGHT)];
-    Frame { left: middle[0] - 0.5 * width, top: middle[1] - 0.5 * HEIGHT, width, height: HEIGHT }
+    DrawingArea { left: middle[0] - 0.5 * width, top: middle[1] - 0.5 * HEIGHT, width, height: HEIGHT }
 }

@@ -20,7 +20,7 @@ use super::super::exit::Failure;
 use super::super::print;
 use super::super::write_file::{ensure_not_the_scene, write_file};
 use sample::CameraPath;
-use svg::{Anchor, Frame, Svg};
+use svg::{Anchor, DrawingArea, Svg};
 
 /// Draws the camera's path over these frames to a file and prints its length and speed.
 pub(super) fn draw(
@@ -43,20 +43,20 @@ fn drawing(path: &CameraPath, name: &str) -> String {
     svg.text("title", [20.0, 28.0], Anchor::Start, name);
     svg.text("note", [20.0, 48.0], Anchor::Start, &path.in_words());
     let frames = [
-        Frame { left: 56.0, top: 76.0, width: 410.0, height: 410.0 },
-        Frame { left: 526.0, top: 76.0, width: 410.0, height: 410.0 },
+        DrawingArea { left: 56.0, top: 76.0, width: 410.0, height: 410.0 },
+        DrawingArea { left: 526.0, top: 76.0, width: 410.0, height: 410.0 },
     ];
     view::draw(&mut svg, path, frames);
     chart::draw(
         &mut svg,
         &path.speeds(),
-        Frame { left: 56.0, top: 586.0, width: 880.0, height: 90.0 },
+        DrawingArea { left: 56.0, top: 586.0, width: 880.0, height: 90.0 },
         "speed, units per second",
     );
     chart::draw(
         &mut svg,
         &path.turn_rates(),
-        Frame { left: 56.0, top: 736.0, width: 880.0, height: 90.0 },
+        DrawingArea { left: 56.0, top: 736.0, width: 880.0, height: 90.0 },
         "turning, degrees per second",
     );
     svg.finish()

@@ -7,14 +7,14 @@ pub(super) type PagePoint = [f64; 2];
 
 /// A rectangle on the drawing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct DrawingArea {
     pub(super) left: f64,
     pub(super) top: f64,
     pub(super) width: f64,
     pub(super) height: f64,
 }
 
-impl Frame {
+impl DrawingArea {
     pub(super) fn right(&self) -> f64 {
         self.left + self.width
     }
@@ -146,16 +146,16 @@ impl Svg {
         ));
     }
 
-    pub(super) fn rectangle(&mut self, class: &str, frame: Frame) {
-        let Frame { left, top, .. } = frame;
+    pub(super) fn rectangle(&mut self, class: &str, frame: DrawingArea) {
+        let DrawingArea { left, top, .. } = frame;
         let (right, bottom) = (frame.right(), frame.bottom());
         self.lines(class, &[vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]]);
     }
 
     /// Clips everything drawn until [`Svg::unclip`] to a frame.
-    pub(super) fn clip(&mut self, frame: Frame) {
+    pub(super) fn clip(&mut self, frame: DrawingArea) {
         self.clips += 1;
-        let (index, Frame { left, top, width, height }) = (self.clips, frame);
+        let (index, DrawingArea { left, top, width, height }) = (self.clips, frame);
         self.write(format_args!(
             "<clipPath id=\"frame{index}\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/></clipPath>"
         ));

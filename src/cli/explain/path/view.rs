@@ -6,15 +6,15 @@ use super::axis::Steps;
 use super::chart::thinned;
 use super::labels::Labels;
 use super::sample::{CameraPath, CameraSample};
-use super::svg::{Anchor, Frame, PagePoint, Svg};
+use super::svg::{Anchor, DrawingArea, PagePoint, Svg};
 use super::things::Thing;
 
 /// An orthographic view along a coordinate axis.
-struct View {
+struct OrthographicView {
     name: &'static str,
     /// The indices of the coordinates to the right, upwards, and along the line of sight.
     axes: [usize; 3],
-    frame: Frame,
+    frame: DrawingArea,
     /// World point at the centre of the frame.
     center: DVec3,
     /// Pixels per scene unit.
@@ -22,14 +22,14 @@ struct View {
 }
 
 /// Draws the path from above and from the side, at the same scale.
-pub(super) fn draw(svg: &mut Svg, journey: &CameraPath, [left, right]: [Frame; 2]) {
+pub(super) fn draw(svg: &mut Svg, journey: &CameraPath, [left, right]: [DrawingArea; 2]) {
     /// Width of the margin at each side, as a fraction of the frame.
     const MARGIN: f64 = 0.08;
     let (least, most) = bounds(journey);
     let size = (most - least).max_element();
     let scale = (1.0 - 2.0 * MARGIN) * left.width / if size > 0.0 { size } else { 10.0 };
     let center = 0.5 * least + 0.5 * most;
-    let view = |name, axes, frame| View { name, axes, frame, center, scale };
+    let view = |name, axes, frame| OrthographicView { name, axes, frame, center, scale };
     let views = [
         view("from above: x to the right, z upwards", [0, 2, 1], left),
         view("from the side: z to the right, y upwards", [2, 1, 0], right),
@@ -62,7 +62,7 @@ fn bounds(journey: &CameraPath) -> (DVec3, DVec3) {
     (least, most)
 }
 
-impl View {
+impl OrthographicView {
     /// Projects a point of the world onto the page.
     fn project(&self, point: DVec3) -> PagePoint {
         let [right, up] = self.across(point - self.center);
@@ -102,7 +102,7 @@ impl View {
     }
 
     fn grid(&self, svg: &mut Svg) {
-        let Frame { left, top, width, .. } = self.frame;
+        let DrawingArea { left, top, width, .. } = self.frame;
         let half = 0.5 * width / self.scale;
         let steps = Steps::over(2.0 * half, 7.0);
         let [right, up] = self.across(self.center);
@@ -123,7 +123,8 @@ impl View {
     fn thing(&self, svg: &mut Svg, thing: &Thing) {
         if let Some((middle, radius)) = thing.extent() {
             let ([x, y], reach) = (self.project(middle), radius * self.scale);
-            let around = Frame { left: x - reach, top: y - reach, width: 2.0 * reach, height: 2.0 * reach };
+            let around =
+                DrawingArea { left: x - reach, top: y - reach, width: 2.0 * reach, height: 2.0 * reach };
             if !self.frame.overlaps(&around) || reach > 20.0 * self.frame.width {
                 return;
             }

@@ -3,11 +3,11 @@
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::points::{Inexact, Points};
+use super::points::{Points, RefineInput};
 use crate::trace::math::{
     Compensated, Double, F64s3, Mask, dot, moderate, moderate3, select3, splat, splat3, times, two_sum,
 };
-use crate::trace::packet::leaves::{Rays, image_of};
+use crate::trace::packet::leaves::{HalfRays, image_of};
 use crate::trace::packet::slabs::{FaceLanes, SlabRoots};
 use crate::trace::scene::ShapeRef;
 use crate::trace::shapes::{BoxImage, SphereImage, newton_step, sphere_step, unit};
@@ -16,7 +16,7 @@ use crate::trace::shapes::{BoxImage, SphereImage, newton_step, sphere_step, unit
 #[inline(always)]
 pub(super) fn refine<S: Simd>(
     simd: S,
-    inexact: &Inexact<S>,
+    inexact: &RefineInput<S>,
     shape: ShapeRef<'_>,
     far: Mask<S>,
 ) -> Option<Points<S>> {
@@ -29,8 +29,8 @@ pub(super) fn refine<S: Simd>(
 
 /// `SphereImage::refine`.
 #[inline(always)]
-fn sphere_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &SphereImage) -> Points<S> {
-    let Inexact { origin, direction, t } = *inexact;
+fn sphere_image<S: Simd>(simd: S, inexact: &RefineInput<S>, image: &SphereImage) -> Points<S> {
+    let RefineInput { origin, direction, t } = *inexact;
     let (translation, inverse) = image.back();
     let place = Compensated::along(origin, direction, t);
     let from_translation = place.minus(splat3(simd, translation));
@@ -54,10 +54,10 @@ fn sphere_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &SphereImage) -> 
 
 /// `BoxImage::refine`, where the mask is true for rays that come from inside.
 #[inline(always)]
-fn box_image<S: Simd>(simd: S, inexact: &Inexact<S>, image: &BoxImage, far: Mask<S>) -> Points<S> {
-    let Inexact { origin, direction, t } = *inexact;
+fn box_image<S: Simd>(simd: S, inexact: &RefineInput<S>, image: &BoxImage, far: Mask<S>) -> Points<S> {
+    let RefineInput { origin, direction, t } = *inexact;
     let FaceLanes { at, upper, certain } =
-        SlabRoots::new(simd, &Rays { origin, direction }, image).faces(t, far);
+        SlabRoots::new(simd, &HalfRays { origin, direction }, image).faces(t, far);
     let [x, y, z] = image.slabs();
     let row = of_axis(simd, at, [x.0, y.0, z.0]);
     let [low, high, _] = of_axis(simd, at, [x.1, y.1, z.1].map(|[low, high]| DVec3::new(low, high, 0.0)));

@@ -7,13 +7,13 @@ mod world;
 
 use fearless_simd::prelude::*;
 
-use self::points::{Inexact, Points};
-use self::shapes::{ManyShapes, OneShape, Shape, Shapes};
+use self::points::{Points, RefineInput};
+use self::shapes::{ManyShapes, OneShape, ShapeParameters, Shapes};
 use self::world::{boxes, planes, spheres};
 use crate::trace::math::{bits, dot, half_lanes, half_of, lanes, mask, moderate, moderate3, splat};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};
-use crate::trace::scene::{Geometry, Kind, PreparedScene};
+use crate::trace::scene::{Geometry, PreparedScene, ShapeKind};
 
 /// Finds the surface points that hits in some lanes stand for, where one step from a `t` that is nearly right leads there. Returns
 /// the lanes of the others, which `PreparedScene::surface` finds one by one.
@@ -56,7 +56,7 @@ pub(super) fn refine_one<S: Simd>(
     (id, asked): (ShapeId, u32),
     surfaces: &mut SurfacePacket,
 ) -> u32 {
-    let shape = OneShape::new(simd, Shape::of(geometry, id), asked);
+    let shape = OneShape::new(simd, ShapeParameters::of(geometry, id), asked);
     asked & !refine_lanes(simd, geometry, (rays, hits), &shape, asked, surfaces)
 }
 
@@ -93,18 +93,18 @@ fn refine_half<S: Simd>(
     let rounded = error.simd_le(t * f64::EPSILON);
     let rough = error.simd_gt(t * (1.0 / 268_435_456.0));
     let direction = rays.directions.load(simd, half);
-    let inexact = Inexact { origin: rays.origins.load(simd, half), direction, t };
+    let inexact = RefineInput { origin: rays.origins.load(simd, half), direction, t };
     let moderate = moderate(simd, t) & moderate3(simd, direction);
     let mut points: Option<Points<S>> = None;
-    if half_of(shapes.lanes_of(Kind::Sphere) & asked, half) != 0 {
+    if half_of(shapes.lanes_of(ShapeKind::Sphere) & asked, half) != 0 {
         points = Some(spheres(simd, &inexact, shapes, half));
     }
-    if half_of(shapes.lanes_of(Kind::Plane) & asked, half) != 0 {
-        let these = mask(simd, shapes.lanes_of(Kind::Plane), half);
+    if half_of(shapes.lanes_of(ShapeKind::Plane) & asked, half) != 0 {
+        let these = mask(simd, shapes.lanes_of(ShapeKind::Plane), half);
         points = Some(Points::select(these, planes(simd, &inexact, shapes, half), points));
     }
-    if half_of(shapes.lanes_of(Kind::AlignedBox) & asked, half) != 0 {
-        let these = mask(simd, shapes.lanes_of(Kind::AlignedBox), half);
+    if half_of(shapes.lanes_of(ShapeKind::AlignedBox) & asked, half) != 0 {
+        let these = mask(simd, shapes.lanes_of(ShapeKind::AlignedBox), half);
         points = Some(Points::select(these, boxes(simd, &inexact, shapes, half), points));
     }
     let mut unknown = 0;

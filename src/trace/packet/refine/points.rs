@@ -18,7 +18,7 @@ pub(super) struct Points<S: Simd> {
 
 /// A ray each, and the inexact `t` of its hit.
 #[derive(Clone, Copy)]
-pub(super) struct Inexact<S: Simd> {
+pub(super) struct RefineInput<S: Simd> {
     pub(super) origin: F64s3<S>,
     pub(super) direction: F64s3<S>,
     pub(super) t: F64s<S>,

@@ -5,13 +5,13 @@ use glam::DVec3;
 
 use crate::trace::math::{F64s, F64s3, Mask, Numbers, Vectors, lanes, moderate, moderate3, splat, splat3};
 use crate::trace::rays::{ShapeId, ShapeIds};
-use crate::trace::scene::{Geometry, Kind, Location};
+use crate::trace::scene::{Geometry, ShapeKind, ShapeLocation};
 use crate::trace::shapes::{AlignedBox, Sphere};
 
 /// What a shape is made of.
 #[derive(Clone, Copy)]
-pub(super) struct Shape {
-    pub(super) kind: Kind,
+pub(super) struct ShapeParameters {
+    pub(super) kind: ShapeKind,
     /// A sphere's centre, a plane's point, or the lower corner of a box.
     place: DVec3,
     /// A plane's normal, or the upper corner of a box.
@@ -24,7 +24,7 @@ pub(super) struct Shape {
 /// Shapes in lanes.
 pub(super) trait Shapes {
     /// Lanes that have a shape of a kind that is no image.
-    fn lanes_of(&self, kind: Kind) -> u32;
+    fn lanes_of(&self, kind: ShapeKind) -> u32;
     /// Lanes that have an image of either kind.
     fn images(&self) -> u32;
     fn places<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
@@ -37,7 +37,7 @@ pub(super) trait Shapes {
 
 /// The same shape in some lanes.
 pub(super) struct OneShape {
-    shape: Shape,
+    shape: ShapeParameters,
     lanes: u32,
     moderate: bool,
 }
@@ -54,35 +54,35 @@ pub(super) struct ManyShapes {
     images: u32,
 }
 
-impl Shape {
+impl ShapeParameters {
     /// Of an image nothing but that it is one.
     #[inline(always)]
     pub(super) fn of(geometry: &Geometry, id: ShapeId) -> Self {
-        let Location { kind, index } = geometry.locations[id.index()];
+        let ShapeLocation { kind, index } = geometry.locations[id.index()];
         let index = index as usize;
         let none = Self { kind, place: DVec3::ZERO, other: DVec3::ONE, unit: DVec3::Y, radius: 1.0 };
         match kind {
-            Kind::Sphere => {
+            ShapeKind::Sphere => {
                 let Sphere { center, radius } = geometry.spheres[index];
                 Self { place: center, radius, ..none }
             }
-            Kind::Plane => {
+            ShapeKind::Plane => {
                 let plane = &geometry.planes[index];
                 let (place, other, unit) = (plane.point(), plane.normal(), plane.unit_normal());
                 Self { place, other, unit, ..none }
             }
-            Kind::AlignedBox => {
+            ShapeKind::AlignedBox => {
                 let AlignedBox { min, max } = geometry.boxes[index];
                 Self { place: min, other: max, ..none }
             }
-            Kind::SphereImage | Kind::BoxImage => none,
+            ShapeKind::SphereImage | ShapeKind::BoxImage => none,
         }
     }
 }
 
 impl OneShape {
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, shape: Shape, lanes: u32) -> Self {
+    pub(super) fn new<S: Simd>(simd: S, shape: ShapeParameters, lanes: u32) -> Self {
         let numbers = moderate3(simd, splat3(simd, shape.other)) & moderate(simd, splat(simd, shape.radius));
         Self { shape, lanes, moderate: numbers.all_true() }
     }
@@ -95,13 +95,13 @@ impl Shapes for OneShape {
     }
 
     #[inline(always)]
-    fn lanes_of(&self, kind: Kind) -> u32 {
+    fn lanes_of(&self, kind: ShapeKind) -> u32 {
         if self.shape.kind == kind { self.lanes } else { 0 }
     }
 
     #[inline(always)]
     fn images(&self) -> u32 {
-        self.lanes_of(Kind::SphereImage) | self.lanes_of(Kind::BoxImage)
+        self.lanes_of(ShapeKind::SphereImage) | self.lanes_of(ShapeKind::BoxImage)
     }
 
     #[inline(always)]
@@ -140,24 +140,24 @@ impl ManyShapes {
         };
         for lane in lanes(asked) {
             let Some(id) = ids.get(lane) else { continue };
-            let Shape { kind, place, other, unit, radius } = Shape::of(geometry, id);
+            let ShapeParameters { kind, place, other, unit, radius } = ShapeParameters::of(geometry, id);
             all.places.set(lane, place);
             let bit = 1 << lane;
             match kind {
-                Kind::Sphere => {
+                ShapeKind::Sphere => {
                     all.radii.set(lane, radius);
                     all.spheres |= bit;
                 }
-                Kind::Plane => {
+                ShapeKind::Plane => {
                     all.others.set(lane, other);
                     all.units.set(lane, unit);
                     all.planes |= bit;
                 }
-                Kind::AlignedBox => {
+                ShapeKind::AlignedBox => {
                     all.others.set(lane, other);
                     all.boxes |= bit;
                 }
-                Kind::SphereImage | Kind::BoxImage => all.images |= bit,
+                ShapeKind::SphereImage | ShapeKind::BoxImage => all.images |= bit,
             }
         }
         all
@@ -171,12 +171,12 @@ impl Shapes for ManyShapes {
     }
 
     #[inline(always)]
-    fn lanes_of(&self, kind: Kind) -> u32 {
+    fn lanes_of(&self, kind: ShapeKind) -> u32 {
         match kind {
-            Kind::Sphere => self.spheres,
-            Kind::Plane => self.planes,
-            Kind::AlignedBox => self.boxes,
-            Kind::SphereImage | Kind::BoxImage => 0,
+            ShapeKind::Sphere => self.spheres,
+            ShapeKind::Plane => self.planes,
+            ShapeKind::AlignedBox => self.boxes,
+            ShapeKind::SphereImage | ShapeKind::BoxImage => 0,
         }
     }
 

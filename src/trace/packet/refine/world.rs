@@ -2,22 +2,22 @@
 
 use fearless_simd::prelude::*;
 
-use super::points::{Inexact, Points};
+use super::points::{Points, RefineInput};
 use super::shapes::Shapes;
 use crate::trace::math::{Compensated, Double, F64s3, moderate, moderate3, quick_two_sum, splat, times};
-use crate::trace::shapes::{Stepped, U, stepped, stepped_to_plane, unit};
+use crate::trace::shapes::{RefinedStep, U, stepped, stepped_to_plane, unit};
 
 /// `Sphere::refine`.
 #[inline(always)]
 pub(super) fn spheres<S: Simd>(
     simd: S,
-    inexact: &Inexact<S>,
+    inexact: &RefineInput<S>,
     shapes: &impl Shapes,
     half: usize,
 ) -> Points<S> {
-    let Inexact { origin, direction, t } = *inexact;
+    let RefineInput { origin, direction, t } = *inexact;
     let sphere = (shapes.places(simd, half), shapes.radii(simd, half));
-    let Stepped { t, from_shape, point, outwards } = stepped(sphere, (origin, direction), t);
+    let RefinedStep { t, from_shape, point, outwards } = stepped(sphere, (origin, direction), t);
     let (normal, is_one) = unit(outwards);
     let found = shapes.moderate(simd, half) & moderate3(simd, from_shape) & is_one;
     Points { t: t.high, rest: t.low, point, normal, found }
@@ -25,20 +25,30 @@ pub(super) fn spheres<S: Simd>(
 
 /// `Plane::refine`.
 #[inline(always)]
-pub(super) fn planes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: usize) -> Points<S> {
-    let Inexact { origin, direction, t } = *inexact;
+pub(super) fn planes<S: Simd>(
+    simd: S,
+    inexact: &RefineInput<S>,
+    shapes: &impl Shapes,
+    half: usize,
+) -> Points<S> {
+    let RefineInput { origin, direction, t } = *inexact;
     let plane = (shapes.places(simd, half), shapes.others(simd, half));
-    let Stepped { t, from_shape, point, .. } = stepped_to_plane(plane, (origin, direction), t);
+    let RefinedStep { t, from_shape, point, .. } = stepped_to_plane(plane, (origin, direction), t);
     let found = shapes.moderate(simd, half) & moderate3(simd, from_shape);
     Points { t: t.high, rest: t.low, point, normal: shapes.units(simd, half), found }
 }
 
 /// `AlignedBox::refine`.
 #[inline(always)]
-pub(super) fn boxes<S: Simd>(simd: S, inexact: &Inexact<S>, shapes: &impl Shapes, half: usize) -> Points<S> {
+pub(super) fn boxes<S: Simd>(
+    simd: S,
+    inexact: &RefineInput<S>,
+    shapes: &impl Shapes,
+    half: usize,
+) -> Points<S> {
     /// Quotients of smaller numbers might lose digits.
     const TINY: f64 = 1e-140;
-    let Inexact { origin, direction, t } = *inexact;
+    let RefineInput { origin, direction, t } = *inexact;
     let (min, max) = (shapes.places(simd, half), shapes.others(simd, half));
     // The only face whose plane the ray is on at `t`.
     let none = t.simd_lt(t);
