@@ -1,4 +1,4 @@
-//! Pictures in the making, by the fast path.
+//! Render jobs of the fast path.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,20 +22,20 @@ use crate::trace::tile_accumulator::{NO_SUMS, TileAccumulator, TileSamples, Tile
 use crate::trace::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
 use crate::trace::visibility::{self, FeatureScratch};
 
-/// A picture being rendered: samples are added to it, instant after instant, and in the end it is resolved. An interrupted job can be
-/// continued later, to the same bits.
+/// A picture being rendered: samples are added instant by instant, then resolved to a film. An interrupted job can be continued later and
+/// yields the same bits.
 #[derive(Clone, Debug)]
 pub struct RenderJob<E: Encoding = Linear> {
     width: u32,
     height: u32,
     plan: SamplePlan,
-    /// The samples of pixels, if they take different numbers.
+    /// State of adaptive sampling, if pixels have different sample counts.
     adaptive: Option<Adaptive>,
-    /// The instants of this round that are done, and the one in hand.
+    /// Completed instants of this round, and the current instant.
     done: Vec<u32>,
     instant: u32,
     tiles: Vec<TileProgress>,
-    /// How the film keeps pixels in the end.
+    /// Encoding of the film's pixels.
     encoding: E,
     pixels: Pixels<E::Pixel>,
     stats: RenderStats,
@@ -44,57 +44,57 @@ pub struct RenderJob<E: Encoding = Linear> {
 /// The progress of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderProgress {
-    /// The mean number of samples that pixels have so far.
+    /// Mean sample count per pixel so far.
     pub samples: f64,
-    /// The share of all samples, from 0 to 1; `None` where pixels take as many as they need, so that their number is unknown.
+    /// Fraction of all samples, from 0 to 1; `None` with adaptive sampling, where the total count is unknown.
     pub share: Option<f64>,
 }
 
-/// The light of the pixels so far.
+/// The accumulated light of the pixels.
 #[derive(Clone, Debug)]
 enum Pixels<Pixel> {
-    /// Their only sample; `None` before the first comes.
+    /// The only sample of each pixel; `None` before the first.
     Picture(Option<Film<Pixel>>),
     /// The sums of all samples.
     Sums(Sums),
 }
 
-/// The sums of the samples of pixels, tile by tile, and in a tile packet by packet of its camera rays; every tile has room for a
-/// whole one.
+/// The sums of the samples of pixels, tile by tile. Each tile has space for all its packets of camera rays, even if it is cut off by the
+/// film's border.
 #[derive(Clone, Debug, Default)]
 struct Sums {
     all: Vec<Vectors>,
-    /// Of the squares of samples, and how many there are, where pixels take different numbers; else empty.
+    /// Sums of squared samples, and sample counts, if pixels have different sample counts; otherwise empty.
     squares: Vec<Vectors>,
     counts: Vec<Numbers>,
-    /// Of the samples in which the pixel is covered, if the picture is to have alpha; else empty.
+    /// Sums of the samples in which the scene covers the pixel, if the picture has alpha; otherwise empty.
     covered: Vec<Vectors>,
-    /// How many those are.
+    /// Counts of the samples in `covered`.
     covered_counts: Vec<Numbers>,
 }
 
-/// The samples of a picture, and what is kept of them.
+/// The samples of a picture, and the data to accumulate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SamplePlan {
-    /// The samples of every pixel or, with a target, the most of them.
+    /// Sample count of every pixel; with a target, the maximum count.
     pub(crate) samples: u32,
-    /// The number of instants.
+    /// Number of instants.
     pub(crate) instants: u32,
-    /// The error that ends sampling, if any does.
+    /// Error target that ends sampling, if any.
     pub(crate) target: Option<ErrorTarget>,
-    /// Whether each pixel begins with several samples, where there is a target.
+    /// True if every pixel starts with several samples. Applies only with a target.
     pub(crate) starts_wide: bool,
-    /// Whether it is to have alpha: it is then without the background.
+    /// True for a picture with alpha, which omits the background.
     pub(crate) alpha: bool,
 }
 
 impl SamplePlan {
-    /// Creates the plan of a picture in which every pixel has the same number of samples.
+    /// Creates the plan of a picture with the same sample count in every pixel.
     pub(crate) fn uniform(samples: u32, instants: u32) -> Self {
         Self { samples, instants, target: None, starts_wide: false, alpha: false }
     }
 
-    /// Creates the state of adaptive sampling, if there is a target.
+    /// Creates the state of adaptive sampling if there is a target.
     pub(crate) fn adaptive(&self, resolution: (u32, u32), memory: PixelMemory) -> Option<Adaptive> {
         let order = InstantOrder::new(self.instants > 1);
         self.target
@@ -105,11 +105,11 @@ impl SamplePlan {
 /// A finished picture.
 pub(crate) struct Developed<Pixel> {
     pub(crate) film: Film<Pixel>,
-    /// If it was to have any.
+    /// Alpha channel, if requested.
     pub(crate) alpha: Option<Film<f32>>,
 }
 
-/// The memory of a picture's samples, for the next one: it costs more to get it anew from the system than to use it.
+/// Sample memory kept for the next picture: allocating it again costs more than using it.
 #[derive(Debug, Default)]
 pub(crate) struct SampleMemory {
     sums: Sums,
@@ -117,14 +117,14 @@ pub(crate) struct SampleMemory {
 }
 
 impl SampleMemory {
-    /// Returns how many samples each pixel of the last picture took, row by row; nothing where all took the same.
+    /// Returns the sample count of each pixel of the last picture, row by row; empty if all counts were equal.
     pub(crate) fn counts(&self, resolution: (u32, u32)) -> Vec<u32> {
         self.pixels.counts(resolution)
     }
 }
 
 impl Sums {
-    /// Makes room for the sums of so many tiles without samples.
+    /// Resizes the sums for `tiles` tiles and clears them.
     fn clear(&mut self, tiles: usize, plan: &SamplePlan) {
         let packets = |asked| if asked { tiles * PACKETS } else { 0 };
         let vectors = [
@@ -144,7 +144,7 @@ impl Sums {
         }
     }
 
-    /// Goes through the sums of all tiles.
+    /// Iterates over the sums of all tiles.
     fn tiles_mut(&mut self) -> impl Iterator<Item = TileSums<'_>> {
         let mut squares = self.squares.chunks_mut(PACKETS);
         let mut counts = self.counts.chunks_mut(PACKETS);
@@ -161,15 +161,15 @@ impl Sums {
 }
 
 impl RenderJob {
-    /// Creates a picture without light, with this many samples in a pixel, and linear light in the end.
+    /// Creates an empty picture with linear pixels and `samples` samples per pixel.
     #[doc(hidden)]
     #[must_use]
     pub fn new(resolution: (u32, u32), samples: u32) -> Self {
         Self::encoded(Linear, resolution, SamplePlan::uniform(samples, 1), SampleMemory::default())
     }
 
-    /// Returns the picture so far, with its background: pixels are means of the samples that they have. Where they have none, another
-    /// picture of the same is seen, of any size.
+    /// Returns the picture so far, with its background. Each pixel is the mean of its samples. Tiles without samples show the same region
+    /// of `beneath`, which may have any size.
     #[must_use]
     pub fn resolve_over(&self, beneath: &Film) -> Film {
         let mut film = match &self.pixels {
@@ -193,7 +193,7 @@ impl RenderJob {
 }
 
 impl<E: Encoding> RenderJob<E> {
-    /// Creates a picture without light. Pixels are encoded in the end. It uses the memory of another.
+    /// Creates an empty picture, reusing the memory of another one. `encoding` applies to the final pixels.
     pub(crate) fn encoded(
         encoding: E,
         (columns, height): (u32, u32),
@@ -214,16 +214,16 @@ impl<E: Encoding> RenderJob<E> {
         Self { width: columns, height, plan, adaptive, done, instant: 0, tiles, encoding, pixels, stats }
     }
 
-    /// Returns the instants that this round's samples belong to, in the order of time.
+    /// Returns the instants of this round's samples in chronological order.
     pub(crate) fn instants(&self) -> Vec<u32> {
         self.adaptive.as_ref().map_or_else(|| (0..self.plan.instants).collect(), Adaptive::instants)
     }
 
-    /// Adds the present round's samples of an instant, those that are not there yet, on the current rayon pool's threads. The bits do
-    /// not depend on how many there are, nor on effects beyond those that the scene calls for. The camera's film must
-    /// be as large as this, and those of the instants before must be there.
+    /// Adds the missing samples of an instant of the current round, on the threads of the current rayon pool. The resulting bits depend
+    /// neither on the thread count, nor on effects beyond those that the scene requires. The camera's resolution must equal the size of the
+    /// picture, and earlier instants must be complete.
     ///
-    /// Returns `true` once all are added; else the same call continues.
+    /// Returns `true` once all samples are added; otherwise, calling it again with the same arguments continues.
     #[doc(hidden)]
     #[must_use]
     pub fn add(
@@ -245,7 +245,7 @@ impl<E: Encoding> RenderJob<E> {
         let context = RenderContext::new(scene, camera, sampling, effects);
         let whole = match scene.precision {
             Precision::Guaranteed => self.add_with(&context, scene.geometry(), signals),
-            // For comparisons: as it is.
+            // Naive arithmetic, for comparisons.
             Precision::TextbookF64 => {
                 self.add_with(&context, &Textbook::<f64>::new(scene.geometry()), signals)
             }
@@ -294,8 +294,8 @@ impl<E: Encoding> RenderJob<E> {
         whole
     }
 
-    /// Searches the features of all pixels at an instant, without samples: where the shutter is open, what moves may be where no sample is
-    /// taken.
+    /// Searches for the features of all pixels at an instant, without sampling: with an open shutter, moving shapes may lie where no sample
+    /// is taken.
     pub(crate) fn search(&mut self, scene: &PreparedScene, camera: &Camera, cancelled: &AtomicBool) {
         let Some(adaptive) = &mut self.adaptive else { return };
         let found: FoundFeatures = self
@@ -314,13 +314,12 @@ impl<E: Encoding> RenderJob<E> {
         }
     }
 
-    /// Returns whether all samples of the present round are there.
+    /// Returns whether all samples of the current round are added.
     pub(crate) fn is_round_done(&self) -> bool {
         self.instants().iter().all(|instant| self.done.contains(instant))
     }
 
-    /// Starts the next round after the present one, if the picture's error is not yet as small as it is meant to be. Returns whether there
-    /// is one.
+    /// Starts the next round unless the picture's error has reached its target. Returns whether there is a next round.
     pub(crate) fn next_round(&mut self, policy: Option<&SharedRoundPolicy>) -> bool {
         let (Some(adaptive), Pixels::Sums(sums)) = (&mut self.adaptive, &self.pixels) else {
             return false;
@@ -330,12 +329,12 @@ impl<E: Encoding> RenderJob<E> {
         adaptive.judge(sums, policy)
     }
 
-    /// Returns the estimate of the picture's error, if it is meant to have one.
+    /// Returns the estimate of the picture's error, if there is an error target.
     pub(crate) fn estimated_error(&self) -> Option<EstimatedError> {
         self.adaptive.as_ref()?.error()
     }
 
-    /// Returns the least gains of the rounds that a policy has chosen.
+    /// Returns the minimum gains chosen by the policy, one per round.
     pub(crate) fn rounds(&self) -> &[u32] {
         self.adaptive.as_ref().map_or(&[], Adaptive::rounds)
     }
@@ -354,13 +353,13 @@ impl<E: Encoding> RenderJob<E> {
         RenderProgress { samples, share: Some(samples / f64::from(self.plan.samples)) }
     }
 
-    /// Returns the share of its samples that is there, 0 to 1; where pixels take as many as they need, their mean number.
+    /// Returns the fraction of all samples that are added, from 0 to 1; with adaptive sampling, the mean sample count per pixel.
     pub(crate) fn share(&self) -> f64 {
         let RenderProgress { samples, share } = self.progress();
         share.unwrap_or(samples)
     }
 
-    /// Returns the picture, and what it took.
+    /// Returns the picture and its render statistics.
     #[doc(hidden)]
     #[must_use]
     pub fn resolve(self) -> (Film<E::Pixel>, RenderStats) {
@@ -368,7 +367,7 @@ impl<E: Encoding> RenderJob<E> {
         (film, stats)
     }
 
-    /// Returns the picture, what it took, and the memory of its samples.
+    /// Returns the picture, its render statistics, and the sample memory for reuse.
     pub(crate) fn finish(mut self) -> (Developed<E::Pixel>, RenderStats, SampleMemory) {
         let mut stats = self.stats;
         match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
@@ -388,7 +387,7 @@ impl<E: Encoding> RenderJob<E> {
         }
     }
 
-    /// Returns the means of sums, and how many had overflowed.
+    /// Returns the film of means of sums, and the number of pixels that overflowed.
     fn develop_sums(&self, sums: &Sums, light: &[Vectors]) -> (Film<E::Pixel>, u64) {
         let mut film = Film::black(self.encoding, self.width, self.height);
         let stored: Vec<_> = film.tiles_mut(self.encoding).collect();
@@ -410,7 +409,7 @@ impl<E: Encoding> RenderJob<E> {
         (film, overflowed)
     }
 
-    /// Returns the share of each pixel's samples that is covered.
+    /// Returns the fraction of each pixel's samples that the scene covers.
     fn develop_alpha(&self, sums: &Sums) -> Film<f32> {
         let mut alpha = Film::zeros(self.width, self.height);
         let across = self.width.div_ceil(TILE).max(1) as usize;
@@ -434,7 +433,7 @@ impl<E: Encoding> RenderJob<E> {
     }
 }
 
-/// Returns the number of samples of each pixel of a tile, at least one.
+/// Returns the sample count of each pixel of a tile, at least one.
 #[inline(always)]
 fn sample_counts(sums: &Sums, index: usize, progress: &TileProgress) -> [Numbers; PACKETS] {
     match sums.counts.get(index * PACKETS..(index + 1) * PACKETS) {

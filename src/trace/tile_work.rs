@@ -1,4 +1,4 @@
-//! The samples of tiles, over all threads.
+//! Sampling of tiles on all threads.
 
 use std::fmt;
 use std::ops::Range;
@@ -16,17 +16,18 @@ use super::tile_accumulator::{TileAccumulator, TileSamples};
 use super::visibility::{self, FeatureScratch, TileFeatures};
 use super::work_queue::WorkQueue;
 
-/// What may end tracing before all is traced.
+/// Signals that end tracing early.
 #[derive(Clone, Copy)]
 pub struct Signals<'a> {
-    /// Once it is true tracing ends at once: samples of tiles that are in hand are lost. It must stay true until then.
+    /// Set to end tracing at once; samples of tiles in progress are lost. Must stay true until tracing has ended.
     pub cancelled: &'a AtomicBool,
-    /// Asked from time to time: is it time to see what there is? Samples in hand are finished.
+    /// Polled before each batch of a tile. Returns `true` to pause tracing, for example to show the picture so far. Batches in progress are
+    /// finished.
     pub pause: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Signals<'a> {
-    /// Nothing else but `cancelled`.
+    /// Creates signals with `cancelled` only, without pauses.
     #[must_use]
     pub fn unless(cancelled: &'a AtomicBool) -> Self {
         Self { cancelled, pause: &|| false }
@@ -39,33 +40,33 @@ impl fmt::Debug for Signals<'_> {
     }
 }
 
-/// A tile, and how much of it is done.
+/// The progress of a tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TileProgress {
     pub(super) tile: Tile,
-    /// The samples of every pixel so far or, where pixels take different numbers, the batches of the instant in hand.
+    /// Samples per pixel so far or, with adaptive sampling, batches of the current instant.
     pub(super) batches: u32,
-    /// Whether it has any sample.
+    /// True if the tile has any sample.
     pub(super) is_seen: bool,
 }
 
-/// Samples to be added to tiles.
+/// Samples to add to tiles.
 pub(super) struct TileWork<'a, I> {
     pub(super) context: &'a RenderContext<'a>,
     pub(super) shapes: &'a I,
     pub(super) signals: Signals<'a>,
-    /// The samples of every pixel, unless pixels take different numbers.
+    /// Samples of every pixel, without adaptive sampling.
     pub(super) everywhere: Range<u32>,
     pub(super) adaptive: Option<&'a Adaptive>,
     pub(super) instant: u32,
     pub(super) finds_features: bool,
 }
 
-/// The features that were found, tile by tile.
+/// The features found, tile by tile.
 pub(super) type FoundFeatures = Vec<(Tile, Box<TileFeatures>)>;
 
 impl<I: Intersector> TileWork<'_, I> {
-    /// Adds samples of all tiles over all threads. Returns what they took, whether all are there, and the features that were found.
+    /// Adds samples to all tiles on all threads. Returns render statistics, whether all samples were added, and the features found.
     pub(super) fn add<'t, L: TileAccumulator>(
         &self,
         tiles: impl Iterator<Item = (&'t mut TileProgress, L)> + Send,
@@ -92,7 +93,7 @@ impl<I: Intersector> TileWork<'_, I> {
         total.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds samples of a tile. Returns whether all are there.
+    /// Adds samples to a tile. Returns whether all were added.
     fn add_to_tile(
         &self,
         progress: &mut TileProgress,
@@ -111,7 +112,7 @@ impl<I: Intersector> TileWork<'_, I> {
             });
             adaptive.portions(&tile, self.instant, tile_features.as_ref(), portions);
             if let Some(tile_features) = tile_features {
-                // While the shutter is open, covers are compared.
+                // With an open shutter, the covers of consecutive instants are compared even without features.
                 let matters = adaptive.is_open() || !tile_features.are_none();
                 if matters && !self.signals.cancelled.load(Ordering::Relaxed) {
                     found.push((tile, Box::new(tile_features)));

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
-use std::process::{Child, Output, SessionCommand, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -14,8 +14,8 @@ use crate::AT_MOST;
 use crate::ignored::interruption;
 use crate::session::scene;
 
-fn watch(folder: &Path, arguments: &[&str]) -> SessionCommand {
-    let mut command = SessionCommand::new(env!("CARGO_BIN_EXE_rayreel"));
+fn watch(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rayreel"));
     command.current_dir(folder).arg("watch").args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
@@ -32,7 +32,7 @@ fn until(what: &str, is: impl Fn() -> bool) {
 /// Returns the pixels that `render` writes for the current scene.
 fn rendered(folder: &Path, overrides: &[&str]) -> Option<Vec<u8>> {
     let arguments = ["render", "ball.ron", "--frames", "3", "--format", "ppm", "--out", "out"];
-    let mut command = SessionCommand::new(env!("CARGO_BIN_EXE_rayreel"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rayreel"));
     let command = command.current_dir(folder).args(arguments).args(overrides).output();
     assert!(command.unwrap().status.success());
     pixels(&folder.join("out/ball.0003.ppm"))
@@ -48,7 +48,7 @@ fn pixels(picture: &Path) -> Option<Vec<u8>> {
 #[cfg(unix)]
 fn interrupt(child: Child) -> Output {
     let (signal, code) = interruption();
-    SessionCommand::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+    Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stderr));
     output
@@ -101,7 +101,7 @@ fn address(child: &mut Child) -> String {
 #[cfg(target_os = "linux")]
 #[test]
 fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
-    let is_there = SessionCommand::new("prlimit").arg("--version").stdout(Stdio::null()).status();
+    let is_there = Command::new("prlimit").arg("--version").stdout(Stdio::null()).status();
     if !is_there.is_ok_and(|status| status.success()) {
         println!("there is no prlimit: it was not tried");
         return;
@@ -117,7 +117,7 @@ fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
         until("the first frame", || pixels(&path.join("now.ppm")) == first);
         let limit = |files: &str| {
             let arguments = ["--pid", &child.id().to_string(), &format!("--nofile={files}:")];
-            assert!(SessionCommand::new("prlimit").args(arguments).status().unwrap().success());
+            assert!(Command::new("prlimit").args(arguments).status().unwrap().success());
         };
         limit("3");
         fs::write(path.join("new"), scene(1.5, "")).unwrap();

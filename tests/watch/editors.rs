@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::process::{SessionCommand, Stdio};
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -13,8 +13,7 @@ use crate::session::{Stage, scene};
 
 /// Returns true if a program is installed. Otherwise prints a message, and its test does nothing.
 fn there_is(program: &str) -> bool {
-    let found =
-        SessionCommand::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let found = Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
     let there_is = found.is_ok_and(|status| status.success());
     if !there_is {
         println!("there is no {program}: it was not tried");
@@ -24,7 +23,7 @@ fn there_is(program: &str) -> bool {
 
 /// Runs a program in the scene's folder, without the settings of its user.
 fn run(program: &str, arguments: &[&str], folder: &Path) {
-    let status = SessionCommand::new(program)
+    let status = Command::new(program)
         .args(arguments)
         .current_dir(folder)
         .env("HOME", folder.join("home"))
@@ -117,7 +116,7 @@ fn nano() {
         return;
     }
     every_save_is_read_once("nano", |radius, folder| {
-        let mut child = SessionCommand::new("script")
+        let mut child = Command::new("script")
             .args(["--quiet", "--return", "--command", "nano --ignorercfiles ball.ron", "/dev/null"])
             .current_dir(folder)
             .env("TERM", "xterm")

@@ -1,5 +1,5 @@
-//! The square errors of pixels, from their samples and from what geometry knows of them. Loops go through the lanes of a packet, so that
-//! compilers make vectors of them.
+//! Estimates the squared errors of pixels from their samples and from geometric features. Loops run over the lanes of a packet, so that
+//! compilers vectorize them.
 
 use super::needs::Gain;
 use super::output_curve::OutputCurve;
@@ -11,95 +11,95 @@ use crate::trace::visibility::Feature;
 /// The sums of the samples of a packet's pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PacketSums {
-    /// The sums of samples, by channel.
+    /// Sums of the samples, by channel.
     pub(crate) all: [[f64; LANES]; 3],
-    /// The sums of their squares.
+    /// Sums of the squared samples, by channel.
     pub(crate) squares: [[f64; LANES]; 3],
-    /// The numbers of samples that the scene covers, if the picture has alpha.
+    /// Number of samples covered by the scene, if the picture has alpha.
     pub(crate) covered: Option<[f64; LANES]>,
 }
 
-/// The pixels of a packet: what is known of each. Masks have a bit for each lane.
+/// The sampling statistics of the pixels of a packet. Masks have one bit per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct PixelPacket {
-    /// By class: its pixels. Lanes beyond the film have none.
+    /// Pixels of each class. Lanes beyond the film belong to none.
     pub(super) classes: [u32; CLASSES],
-    /// Pixels that take samples in this round.
+    /// Pixels sampled in this round.
     pub(super) active: u32,
-    /// Pixels whose samples were doubled in the round before.
+    /// Pixels whose sample count was doubled in the previous round.
     pub(super) doubled: u32,
-    /// Pixels whose estimate is that of fewer samples or another feature.
+    /// Pixels whose estimate is outdated: its sample count or feature has changed.
     pub(super) changed: u32,
-    /// Pixels whose samples were taken without a reason, so that they stand for others.
+    /// Audited pixels: sampled independently of any estimate, so that they represent their neighbourhood.
     pub(super) audited: u32,
-    /// Samples taken.
+    /// Sample count so far.
     pub(super) taken: [u32; LANES],
-    /// Samples after this round.
+    /// Sample count after this round.
     pub(super) goal: [u32; LANES],
-    /// The means of the samples taken, by channel; no numbers beyond the film.
+    /// Mean of the samples, by channel; NaN beyond the film.
     mean: [[f32; LANES]; 3],
-    /// The share of them that the scene covers.
+    /// Fraction of the samples that the scene covers.
     alpha: [f32; LANES],
-    /// The variance of one sample in output values, as far as the mean of them all shows it.
+    /// Variance of one sample in output values, derived from the deviation of the mean of all samples.
     pub(super) variance: [f32; LANES],
-    /// The square of half the difference between the means of both halves of its samples, in output values; negative where unknown. Then
-    /// what it was before the samples were doubled.
+    /// Square of half the difference between the means of both halves of the samples, in output values; negative if unknown.
     pub(super) apart: [f32; LANES],
+    /// Value of `apart` before the last round that sampled the pixel.
     pub(super) apart_before: [f32; LANES],
-    /// The estimate of the square of its error.
+    /// Estimate of the squared error.
     pub(super) square: [f32; LANES],
-    /// Their features.
+    /// Area and radiance of each pixel's feature.
     area: [f32; LANES],
     radiance: [f32; LANES],
 }
 
-/// How a pixel's error is estimated.
+/// The error model of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Class {
-    /// A single smooth surface shows, as far as geometry knows: what varies is light, mirrors, glass.
+    /// A single smooth surface, according to geometry. Variation comes from light, mirrors and glass.
     Plain,
-    /// Larger surfaces meet.
+    /// Large surfaces meet.
     Edge,
-    /// Something shows that no sample may have met: what is small, moves, or is checkered.
+    /// A feature that all samples may have missed: small, moving, or checkered.
     Small,
 }
 
 /// The number of classes.
 pub(super) const CLASSES: usize = 3;
 
-/// Pixels of a packet in a row.
+/// Pixels in a row of a packet.
 const SIDE: usize = crate::trace::scene::SIDE as usize;
 
-/// One of so many plain pixels of one of so many tiles is audited in every round after the first: a few samples cost nearly as much in a tile
-/// as four times as many.
+/// In every round after the first, one in `AUDITED` plain pixels of one in `AUDITED_TILES` tiles is audited: a few samples in a tile cost
+/// nearly as much as four times as many.
 const AUDITED: u32 = 8;
 const AUDITED_TILES: u32 = 4;
 
-/// Fewer samples tell nothing of how they vary.
+/// Minimum sample count for a usable variance.
 pub(super) const FEWEST: u32 = 4;
 
-/// The part of a pixel on the other side of an edge that samples on one side leave possible, times their number. Of one sample and an edge
-/// anywhere, a part p is missed with the mean square p (1 - p), 1/6 = 0.41²; of more, as much less as the gaps between them.
+/// RMS fraction of a pixel beyond an edge that samples on one side may miss, times the sample count. For one sample and a uniformly placed
+/// edge, a part p is missed with mean square p (1 - p), on average 1/6 = 0.41²; for more samples it shrinks with the gaps between them.
 const MISSED: f32 = 0.41;
 
-/// The square error of the mean of n samples at an edge is that of independent ones over the root of n, times this: 0.3 to
-/// 0.7 in the scenes of `benches/hard.rs` with 8 to 64 samples a pixel. It is corrected as soon as samples were doubled.
+/// Squared error of the mean of n samples at an edge, relative to the squared error of independent samples divided by the square root of n:
+/// 0.3 to 0.7 in the scenes of `benches/hard.rs` with 8 to 64 samples per pixel. Corrected as soon as sample counts have doubled.
 const EDGES: f32 = 0.7;
 
-/// Model of square errors.
+/// Model of squared errors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ErrorModel {
     pub(super) curve: OutputCurve,
-    /// Errors fall as those of edges do.
+    /// True if errors fall as in `Convergence::Edges`.
     pub(super) edges: bool,
-    /// The error of alpha counts.
+    /// True if the error of alpha counts.
     pub(super) alpha: bool,
 }
 
 impl PixelPacket {
-    /// Creates the pixels in these lanes, which take so many samples in the first round, and one that is audited at least `first`. Its place
-    /// follows from the column and the row of the packet's first pixel.
+    /// Creates the pixels of the lanes in `inside`, with `goal` samples in the first round, and at least `first` samples in audited pixels.
+    /// The column and row of the packet's first pixel select the audited pixel.
     pub(super) fn new(inside: u32, goal: u32, first: u32, (column, row): (usize, usize)) -> Self {
         let number = |lane: usize| if inside >> lane & 1 == 1 { 0.0 } else { f32::NAN };
         let audited = 1 << (mixed_place((column / SIDE, row / SIDE)) as usize % LANES);
@@ -124,17 +124,17 @@ impl PixelPacket {
         }
     }
 
-    /// Returns the pixels of the film.
+    /// Returns the pixels inside the film.
     pub(super) fn inside(&self) -> u32 {
         self.classes.iter().fold(0, |all, class| all | class)
     }
 
-    /// Returns the pixels that more than one surface may show in.
+    /// Returns the pixels in which more than one surface may show.
     pub(super) fn featured(&self) -> u32 {
         self.classes[Class::Edge as usize] | self.classes[Class::Small as usize]
     }
 
-    /// Notes a feature of a pixel, which takes at least `first` samples in the first round then.
+    /// Adds a feature to a pixel. The pixel then takes at least `first` samples in the first round.
     pub(super) fn join(&mut self, lane: usize, feature: Feature, first: u32) {
         let before = Feature { area: self.area[lane], radiance: self.radiance[lane] };
         let mut joined = before;
@@ -146,7 +146,7 @@ impl PixelPacket {
             let class = if area == 0.0 { Class::Plain } else { class };
             self.classes.iter_mut().for_each(|pixels| *pixels &= !(1 << lane));
             self.classes[class as usize] |= 1 << lane;
-            // Its estimate was that of another class.
+            // The estimate belongs to another class.
             self.changed |= 1 << lane;
             if self.taken[lane] == 0 {
                 self.goal[lane] = self.goal[lane].max(first);
@@ -154,7 +154,7 @@ impl PixelPacket {
         }
     }
 
-    /// Takes the samples of a round into account. Those that were doubled before are forgotten already.
+    /// Updates the statistics with the samples of a round. `doubled` must have been cleared.
     #[inline(always)]
     pub(super) fn update(&mut self, curve: OutputCurve, sums: &PacketSums) {
         let (mut apart, mut variance) = ([0.0_f32; LANES], [0.0_f32; LANES]);
@@ -169,7 +169,7 @@ impl PixelPacket {
             of_others[lane] = 1.0 / (all - 1.0);
             part[lane] = single((all - old) * of_all[lane]);
         }
-        // Divisions are few and loops short, so that all of them become vectors.
+        // Few divisions and short loops, so that every loop is vectorized.
         for ((mean, sums), squares) in self.mean.iter_mut().zip(&sums.all).zip(&sums.squares) {
             let mut all = [0.0; LANES];
             for lane in 0..LANES {
@@ -177,7 +177,7 @@ impl PixelPacket {
             }
             if !is_first {
                 for lane in 0..LANES {
-                    // The mean moves by a part of the way to that of the new samples alone.
+                    // The old mean moves towards the mean of the new samples by the fraction of new samples.
                     let new = (sums[lane] - before[lane] * f64::from(mean[lane])) * of_new[lane];
                     let moved = part[lane] * (curve.value(single(new)) - curve.value(mean[lane]));
                     apart[lane] += moved * moved / 3.0;
@@ -199,7 +199,7 @@ impl PixelPacket {
             for lane in lanes(self.active) {
                 let share = covered[lane] / f64::from(self.goal[lane]);
                 let differs = single(255.0 * (share - f64::from(self.alpha[lane])));
-                // Half of the difference between the halves is what the mean has moved by.
+                // The change of the mean is half the difference between the halves.
                 apart[lane] = apart[lane].max(differs * differs);
                 variance[lane] = variance[lane].max(single(255.0 * 255.0 * share * (1.0 - share)));
                 self.alpha[lane] = single(share);
@@ -220,8 +220,8 @@ impl PixelPacket {
         self.active = 0;
     }
 
-    /// Returns the estimates of square errors, not scaled, where pixels with audits have this variance of one sample. The variance of one
-    /// sample in pixels of the same kind nearby counts half, as samples of one pixel may agree by chance.
+    /// Returns the estimates of squared errors, before scaling. `audited` is the variance of one sample in the audited pixels nearby. The
+    /// variance of similar pixels nearby has half the weight, as the samples of one pixel may agree by chance.
     #[inline(always)]
     pub(super) fn errors(
         &self,
@@ -245,7 +245,7 @@ impl PixelPacket {
         for (channel, mean) in self.mean.iter().enumerate() {
             let (least, most) = (&around.least[channel], &around.most[channel]);
             for lane in 0..LANES {
-                // A part becomes as its farthest neighbour.
+                // The missed fraction of the pixel has the colour of the neighbour that differs most.
                 let mean = mean[lane];
                 let farther = if most[lane] - mean > mean - least[lane] { most[lane] } else { least[lane] };
                 let change = curve.value(mean + MISSED / count[lane] * (farther - mean)) - curve.value(mean);
@@ -255,7 +255,7 @@ impl PixelPacket {
                 continue;
             }
             for lane in 0..LANES {
-                // What hides may be brighter or darker.
+                // The missed feature may be brighter or darker than the mean.
                 let (mean, radiance) = (mean[lane], self.radiance[lane]);
                 let part = missed_part(self.area[lane], count[lane]);
                 let brighter = curve.value(mean + part * (radiance - mean)) - curve.value(mean);
@@ -269,7 +269,8 @@ impl PixelPacket {
             let variance = 0.5 * (self.variance[lane] + around.variance[lane]);
             let falls = if edges { count * count.sqrt() / EDGES } else { count };
             let edge = (variance / falls).max(missed[lane]);
-            // Until samples have met it, they are as good as independent. It may lie across a corner of four pixels.
+            // Until samples hit the feature, they behave like independent samples. A feature may straddle the corner of four pixels, hence
+            // the quarter.
             let met = if edges { (0.25 * area * count).max(1.0) } else { 1.0 };
             let small = variance / (count * met.sqrt()) + hidden[lane].max(missed[lane]);
             let error = if radiance > 0.0 { small } else { edge };
@@ -279,7 +280,8 @@ impl PixelPacket {
         errors
     }
 
-    /// Scales estimates, by class. The scales are those of this round's pixels: others keep what they had, unless their neighbours show more.
+    /// Scales the estimates by the factor of each class. The factors are measured on the pixels of this round. Featured pixels without new
+    /// samples or features therefore keep their estimate; a higher estimate from their neighbours raises it, at most to twice its value.
     #[inline(always)]
     pub(super) fn scale(&mut self, errors: &[f32; LANES], factors: [f32; CLASSES]) {
         let kept = self.featured() & !self.changed;
@@ -304,7 +306,7 @@ impl PixelPacket {
         self.changed = 0;
     }
 
-    /// Returns the sum of the square errors of pixels.
+    /// Returns the sum of the squared errors of `pixels`.
     #[inline(always)]
     pub(super) fn sum_of_squares(&self, pixels: u32) -> f64 {
         if pixels == 0 {
@@ -315,7 +317,8 @@ impl PixelPacket {
         pairs.iter().sum()
     }
 
-    /// Returns pixels that have the same estimate and the same number of samples: most of those that were not audited.
+    /// Returns the pixels with the same estimate and sample count as the first pixel that is not audited: usually most of those not
+    /// audited.
     #[inline(always)]
     pub(super) fn alike(&self) -> u32 {
         let first = (!self.audited & WHOLE).trailing_zeros() as usize % LANES;
@@ -324,7 +327,7 @@ impl PixelPacket {
         self.inside() & (0..LANES).fold(0, |alike, lane| alike | u32::from(is_alike(lane)) << lane)
     }
 
-    /// Returns what more samples of pixels promise; of their chances, the column and the row of the first decide.
+    /// Returns the gains of sampling the pixels further. The column and row of the first pixel determine their random parts.
     #[inline(always)]
     pub(super) fn gains(&self, (column, row): (usize, usize), norm: ErrorNorm) -> [Gain; LANES] {
         std::array::from_fn(|lane| {
@@ -333,22 +336,22 @@ impl PixelPacket {
         })
     }
 
-    /// Returns what more samples of a pixel promise.
+    /// Returns the gain of sampling a pixel further.
     #[inline(always)]
     pub(super) fn gain(&self, lane: usize, norm: ErrorNorm, chance: u32) -> Gain {
         let count = if norm == ErrorNorm::Rms { single(f64::from(self.taken[lane].max(1))) } else { 1.0 };
         Gain::of(self.square[lane] / count, chance)
     }
 
-    /// Returns the pixels that more samples make better.
+    /// Returns the pixels that more samples can improve.
     #[inline(always)]
     pub(super) fn unfinished(&self, most: u32) -> u32 {
         let is = |lane: usize| self.taken[lane] < most && self.square[lane] > 0.0;
         (0..LANES).fold(0, |pixels, lane| pixels | u32::from(is(lane)) << lane)
     }
 
-    /// Chooses the pixels that take samples in the next round: those that promise enough, and some plain ones that were not audited yet.
-    /// Returns whether there is a reason for another round.
+    /// Chooses the pixels to sample in the next round: those with sufficient gain, and some plain pixels that were not audited yet. Returns
+    /// whether any pixel has sufficient gain.
     #[inline(always)]
     pub(super) fn choose(
         &mut self,
@@ -374,7 +377,7 @@ impl PixelPacket {
             let is_active = self.active >> lane & 1 == 1;
             let goal = next_goal(self.taken[lane], most);
             self.goal[lane] = if is_active { goal } else { self.goal[lane] };
-            // Those that have all samples take no more.
+            // Pixels at the maximum sample count take no more.
             self.active &= !(u32::from(is_active && goal <= self.taken[lane]) << lane);
         }
         self.audited |= audits & self.active;
@@ -382,34 +385,34 @@ impl PixelPacket {
     }
 }
 
-/// Returns how many samples a pixel has after a round in which it takes some, `most` at most: twice as many.
+/// Returns the sample count of a pixel after its next round: twice the current count, at most `most`.
 #[inline(always)]
 pub(super) fn next_goal(taken: u32, most: u32) -> u32 {
     taken.saturating_mul(2).max(FEWEST).min(most)
 }
 
-/// Returns the root of the mean square of the part of a pixel that a feature covers, missed by all of `count` samples, where the part is
-/// anything up to `area`: with z = area count, area² (2 - exp(-z) (z² + 2 z + 2)) / z³, up to 4 %.
+/// Returns the RMS fraction of a pixel covered by a feature that all `count` samples miss, for a fraction uniformly distributed up to
+/// `area`. With z = area count, the mean square is area² (2 - exp(-z) (z² + 2 z + 2)) / z³; the root is approximated within 5 %.
 #[inline(always)]
 fn missed_part(area: f32, count: f32) -> f32 {
     let z = area * count;
     area / (3.0 + z * (2.25 + 0.5 * z * z)).sqrt()
 }
 
-/// The neighbours of a packet's pixels, each with itself: the darkest and the brightest, by channel.
+/// The 3 by 3 neighbourhood of each pixel of a packet, including itself: the least and the greatest mean, by channel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surroundings {
     least: [[f32; LANES]; 3],
     most: [[f32; LANES]; 3],
-    /// The mean variance of one sample among those that more than one surface may show in.
+    /// Mean variance of one sample over the pixels in which more than one surface may show.
     variance: [f32; LANES],
 }
 
 impl Surroundings {
-    /// Returns those of a packet, given with the eight around it, row by row.
+    /// Computes the surroundings of a packet, given with its eight neighbours, row by row.
     #[inline(always)]
     pub(super) fn of(packets: [[Option<&PixelPacket>; 3]; 3]) -> Self {
-        // The packet and a border of a pixel: three means, then variances, and which of them count.
+        // The packet with a border of one pixel: three planes of means, one of variances, and one that is 1 where a variance counts.
         let mut patch = [[[f32::NAN; WIDE]; WIDE]; 5];
         let columns = [(0, 0..1, SIDE - 1..SIDE), (1, 1..WIDE - 1, 0..SIDE), (2, WIDE - 1..WIDE, 0..1)];
         for (row, down) in (0..WIDE).map(|row| (row, row + SIDE - 1)) {
@@ -427,7 +430,7 @@ impl Surroundings {
                 }
             }
         }
-        // No number is neither less nor more than another.
+        // Comparisons with NaN are false: pixels beyond the film are ignored.
         let least = |least: f32, number: f32| if number < least { number } else { least };
         let most = |most: f32, number: f32| if number > most { number } else { most };
         let sum = |sum: f32, number: f32| if number > 0.0 { sum + number } else { sum };
@@ -440,7 +443,7 @@ impl Surroundings {
     }
 }
 
-/// Folds the numbers of each pixel and its eight neighbours.
+/// Folds the values of each pixel and its eight neighbours.
 #[inline(always)]
 fn folded(patch: &[[f32; WIDE]; WIDE], first: f32, fold: impl Fn(f32, f32) -> f32) -> [f32; LANES] {
     let mut found = [first; LANES];
@@ -452,17 +455,17 @@ fn folded(patch: &[[f32; WIDE]; WIDE], first: f32, fold: impl Fn(f32, f32) -> f3
     found
 }
 
-/// Pixels of a packet and its border in a row.
+/// Pixels in a row of a packet with its border.
 const WIDE: usize = SIDE + 2;
 
-/// Returns a number that is any with equal chances, of a column and a row.
+/// Returns a uniformly distributed hash of a column and a row.
 #[inline(always)]
 fn mixed_place((column, row): (usize, usize)) -> u32 {
     #[expect(clippy::cast_possible_truncation, reason = "a film's columns and rows")]
     mixed((column as u32) ^ mixed(row as u32))
 }
 
-/// Returns a number that is any with equal chances, of another.
+/// Returns a uniformly distributed hash of a number.
 #[inline(always)]
 fn mixed(number: u32) -> u32 {
     let number = (number ^ number >> 16).wrapping_mul(0x7feb_352d);

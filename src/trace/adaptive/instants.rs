@@ -1,4 +1,4 @@
-//! The instants of an open shutter that samples belong to.
+//! Assignment of samples to instants of the shutter interval.
 
 use std::ops::Range;
 
@@ -6,9 +6,9 @@ use super::evidence::FEWEST;
 use crate::trace::math::stratum;
 use crate::trace::stages::Portion;
 
-/// The number of instants, a power of two, that adaptive frames divide an open shutter into. Few are visited: sample s belongs to stratum
-/// number `stratum(s)`, so that the first 2^m samples belong to 2^m instants spread evenly over the exposure, and twice as many samples
-/// add the instants in between.
+/// Binary logarithm of the number of instants into which adaptive frames divide the shutter interval. Few instants are rendered: sample s
+/// belongs to stratum number `stratum(s)`. The first 2^m samples thus belong to 2^m instants spread evenly over the exposure, and doubling
+/// the sample count adds the instants in between.
 const BITS: u32 = 8;
 
 /// The order in which samples visit the instants of a frame.
@@ -18,10 +18,10 @@ pub(crate) struct InstantOrder {
 }
 
 impl InstantOrder {
-    /// The most instants.
+    /// Maximum number of instants.
     pub(crate) const MOST: u32 = 1 << BITS;
 
-    /// Creates the order of a frame with one instant, or with all of them.
+    /// Creates the order for a frame: all instants if the shutter is open, otherwise one.
     pub(crate) fn new(is_open: bool) -> Self {
         Self { bits: if is_open { BITS } else { 0 } }
     }
@@ -31,7 +31,7 @@ impl InstantOrder {
         1 << self.bits
     }
 
-    /// Returns the instants that a range of samples belongs to, in the order of time.
+    /// Returns the instants of a range of samples, in chronological order.
     pub(crate) fn instants(self, samples: Range<u32>) -> Vec<u32> {
         let mut instants: Vec<u32> =
             samples.take(self.count() as usize).map(|sample| stratum(sample, self.bits)).collect();
@@ -44,7 +44,7 @@ impl InstantOrder {
         self.instants(0..FEWEST)
     }
 
-    /// Returns those of a pixel's samples that belong to an instant, given by one of its samples.
+    /// Returns the samples of a pixel, within the range `samples`, that belong to the same instant as `sample`.
     pub(super) fn portion(self, pixel: u32, samples: Range<u32>, sample: u32) -> Option<Portion> {
         let stride = self.count();
         let first = samples.start + (sample.wrapping_sub(samples.start) & (stride - 1));
@@ -52,7 +52,7 @@ impl InstantOrder {
         (count > 0).then_some(Portion { pixel, first, stride, count })
     }
 
-    /// Returns the first sample that belongs to each instant.
+    /// Returns the first sample of each instant.
     pub(super) fn first_samples(self) -> Vec<u32> {
         let mut samples = vec![0; self.count() as usize];
         (0..self.count()).for_each(|sample| samples[stratum(sample, self.bits) as usize] = sample);
@@ -60,7 +60,7 @@ impl InstantOrder {
     }
 }
 
-/// Returns the samples of an instant where all pixels take the same number: sample s of n belongs to instant floor(s count / n).
+/// Returns the samples of an instant if all pixels have the same sample count: sample s of n belongs to instant floor(s count / n).
 pub(crate) fn block(samples: u32, count: u32, instant: u32) -> Range<u32> {
     let start = |instant: u32| {
         let start = (u64::from(instant) * u64::from(samples)).div_ceil(u64::from(count.max(1)));

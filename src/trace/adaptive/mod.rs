@@ -1,30 +1,31 @@
-//! Adaptive sampling: pixels get samples until the estimated RMS error of the picture is at most a target.
+//! Adaptive sampling: adds samples per pixel until the estimated RMS error of the picture is at most a target.
 //!
 //! ```text
-//! take a first sample of every pixel, four where more than one surface can show, a lens or a shutter is open, or an audit is due
+//! take a first sample of every pixel; four if more than one surface can show, a lens or a shutter is open, or an audit is due
 //! loop:
-//!     estimate the square error of every pixel
-//!     stop when their mean is at most the target's square
-//!     find the least gain, square error per sample, that reaches the target when every pixel above it is doubled   (`needs`)
-//!     double the samples of the pixels above it, and audit some of the others
+//!     estimate the squared error of every pixel
+//!     stop when the mean is at most the squared target
+//!     find the least gain (squared error per sample) that reaches the target if every pixel above it is doubled   (`needs`)
+//!     double the sample count of the pixels above it; audit some of the others
 //! ```
 //!
-//! A frame decides by itself alone; nothing depends on threads, tiles or other frames. Estimates that follow from a pixel's own samples are
-//! biased where samples decide who gets more: pixels whose samples agree by chance would be given up. So:
+//! Each frame is sampled independently: the result does not depend on threads, tiles or other frames. Estimates from a pixel's own samples
+//! are biased if the same samples decide which pixels get more: pixels whose samples agree by chance would stop too early. Four measures
+//! counter this bias:
 //!
-//! 1. **Geometry** finds the pixels that more than one surface can show in ([`visibility`](super::visibility)). They carry the error that
-//!    their contrast and the size of the smallest feature leave possible, whatever their samples say (`evidence`).
-//! 2. **The variance of single samples**, not the difference of two halves, says how much a pixel varies: halves of well-spread
-//!    samples often agree at an edge, single samples on both sides never do.
-//! 3. **Pooled halves** say how errors fall with the number of samples. With e² the square error of the mean of n samples and q e² that of
-//!    2 n, the square of half the difference between the halves is (1 - q) e² on average. Summed over all pixels of a class, which were not
-//!    chosen by it, it corrects the scale of the class's estimates.
-//! 4. **An audit** takes samples of some plain pixels that nothing calls for, one of each 4 by 4 at first and others in every round. Their
-//!    variance stands for that of their neighbourhood: it finds reflections, penumbrae and sparks that no sample has met, and enters the
-//!    picture's error.
+//! 1. **Geometry** finds the pixels in which more than one surface can show ([`visibility`](super::visibility)). Their error estimate is at
+//!    least the error possible for their contrast and the size of the smallest feature, even if all samples agree (`evidence`).
+//! 2. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
+//!    well-distributed samples often agree at an edge, single samples on both sides never do.
+//! 3. **Pooled halves** measure how errors fall with the sample count. If e² is the squared error of the mean of n samples and q e² of 2 n
+//!    samples, the square of half the difference between the halves is (1 - q) e² on average. Summed over all pixels of a class, which were
+//!    not selected by this difference, it corrects the scale of the class's estimates.
+//! 4. **An audit** samples some plain pixels that no estimate selects: one in each 4 by 4 block at first, others in every round. Their
+//!    variance represents their neighbourhood. It finds reflections, penumbrae and fireflies that no other sample has hit, and enters the
+//!    error of the picture.
 //!
-//! Pixels are kept packet by packet, as the sums of their samples are, and loops go through the lanes of a packet: compilers make vectors of
-//! them, with the same numbers at every level.
+//! Pixels are stored packet by packet, like the sums of their samples, and loops run over the lanes of a packet. Compilers vectorize these
+//! loops, with identical results at every SIMD level.
 
 mod evidence;
 mod instants;
@@ -54,37 +55,37 @@ use output_curve::OutputCurve;
 pub use round_policy::{Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 use scale::{Halves, Scale};
 
-/// The error that a picture may have.
+/// The error target of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ErrorTarget {
-    /// In output values: steps of 8 bits. Greater than 0.
+    /// Target error in output values (8-bit levels), greater than 0.
     pub(crate) error: f64,
     pub(crate) norm: ErrorNorm,
-    /// The fewest samples of a pixel.
+    /// Minimum sample count per pixel.
     pub(crate) least: u32,
-    /// How light becomes output values.
+    /// The transfer function from light to output values.
     pub(crate) transfer: Transfer,
     pub(crate) convergence: Convergence,
 }
 
-/// How fast errors fall with the number n of samples, before it is measured.
+/// The assumed decrease of errors with the sample count n, until it is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Convergence {
-    /// As n^-3/4.
+    /// Errors fall as n^-3/4.
     Edges,
-    /// As n^-1/2.
+    /// Errors fall as n^-1/2.
     Effects,
 }
 
 impl Convergence {
-    /// Returns the convergence of a picture of a scene through a camera, whose shutter may be open.
+    /// Returns the convergence for a camera's view of a scene; `is_open` is true if the shutter is open.
     pub(crate) fn of(scene: &PreparedScene, camera: &Camera, is_open: bool) -> Self {
         let has_effects =
             is_open || camera.has_lens() || scene.lights.iter().any(|light| light.source.is_extended());
         if has_effects { Self::Effects } else { Self::Edges }
     }
 
-    /// By what a square error is multiplied when the number of samples is doubled.
+    /// Returns the factor of a squared error when the sample count is doubled.
     fn of_doubling(self) -> f64 {
         match self {
             Self::Edges => 0.353_553_390_593_273_8,
@@ -96,35 +97,35 @@ impl Convergence {
 /// The estimate of a picture's error, in output values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatedError {
-    /// In the norm of the target: the root of the mean square over pixels and channels, the largest, or the 99th percentile.
+    /// Error in the norm of the target: RMS over pixels and channels, maximum, or 99th percentile.
     pub value: f64,
-    /// Its standard deviation: how far the estimate may be off.
+    /// Standard deviation of the estimate.
     pub deviation: f64,
-    /// The root of the mean square of the errors that images of small shapes in mirrors and glass may make beside it, if they are where no
-    /// sample was taken: the expectation if all of them are in sight. 0 while samples are added.
+    /// Additional RMS error from images of small shapes in mirrors and glass that lie where no sample was taken: the expected value if all
+    /// of them are visible. 0 while samples are added.
     pub hidden: f64,
 }
 
-/// The part of the target that is aimed at: estimates scatter.
+/// The fraction of the target that sampling aims at, because estimates scatter.
 const AIM: f64 = 0.85;
-/// Estimates are to lie below the target by so many of their standard deviations: one normal number in fifteen lies farther out.
+/// Margin between the estimate and the target, in standard deviations of the estimate: one in fifteen normal variates exceeds it.
 const SURE: f64 = 1.5;
-/// The tiles whose squares are summed together.
+/// Number of tiles whose squared errors are summed together.
 const BAND: usize = 32;
-/// The weight of the whole picture's audit in every tile's, in pixels.
+/// Weight of the whole picture's mean audit variance in the estimate of each tile, in pixels.
 const SHARED: f64 = 4.0;
 
 /// Sums of samples, packet by packet.
 pub(crate) trait SampleSums: Sync {
-    /// Returns whether the picture has alpha.
+    /// Returns whether the picture has an alpha channel.
     fn have_alpha(&self) -> bool;
 
-    /// Returns the sums of a packet by its index: tile by tile, row by row, and in a tile as it has them. Its first pixel is in this column
-    /// and row.
+    /// Returns the sums of a packet by its index. Packets are numbered tile by tile, with tiles row by row and packets in the tile's order.
+    /// `first` is the column and row of the packet's first pixel.
     fn of(&self, packet: usize, first: (usize, usize)) -> PacketSums;
 }
 
-/// The memory of a picture's pixels.
+/// Reusable memory for the pixels of a picture.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PixelMemory {
     packets: Vec<PixelPacket>,
@@ -132,7 +133,7 @@ pub(crate) struct PixelMemory {
 }
 
 impl PixelMemory {
-    /// Returns how many samples each pixel of the last picture took, row by row; nothing if there was none of this size.
+    /// Returns the sample count of each pixel of the last picture, row by row; empty if no picture of this size was rendered.
     pub(crate) fn counts(&self, (columns, rows): (u32, u32)) -> Vec<u32> {
         let across = columns.div_ceil(TILE);
         if self.packets.len() != (across * rows.div_ceil(TILE)) as usize * PACKETS {
@@ -147,40 +148,40 @@ impl PixelMemory {
     }
 }
 
-/// The samples of a picture's pixels: how many each has, and which are next.
+/// The state of adaptive sampling: the sample count of each pixel, and the samples of the current round.
 #[derive(Clone, Debug)]
 pub(crate) struct Adaptive {
     target: ErrorTarget,
     curve: OutputCurve,
-    /// Pixels of the film, and tiles in a row and in a column.
+    /// Number of pixels of the film, and of tiles per row and per column.
     pixels: f64,
     tiles: (usize, usize),
-    /// The most samples of a pixel, and the fewest in the first round where they are to show how they vary.
+    /// Maximum sample count of a pixel, and minimum count in the first round where a variance is needed.
     most: u32,
     first: u32,
     order: InstantOrder,
-    /// By instant: the first sample that belongs to it.
+    /// First sample of each instant.
     first_samples: Vec<u32>,
     round: u32,
-    /// The samples that pixels take in this round are among these.
+    /// Range that holds all samples of the current round.
     range: Range<u32>,
-    /// Tile by tile.
+    /// Pixel packets, tile by tile.
     packets: Vec<PixelPacket>,
-    /// The estimates of square errors, not scaled.
+    /// Estimates of squared errors, before scaling.
     errors: Vec<[f32; LANES]>,
-    /// While the shutter is open: the shapes that covered pixels whole at the last instant that was searched.
+    /// With an open shutter: the shapes that fully covered each pixel at the last searched instant.
     covers: Vec<CoverPacket>,
-    /// By class: by what estimates are multiplied.
+    /// Correction of the estimates of each class.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
-    /// The sums of the squares of errors that images make if they are missed, by quarters of the powers of two of their areas.
+    /// Sums of squared errors from missed images, in quarter-octave bins of the image area.
     images: Option<BTreeMap<i32, f64>>,
-    /// The least gains of the rounds that a policy has chosen.
+    /// Minimum gains chosen by the policy, one per round.
     rounds: Vec<u32>,
 }
 
 impl Adaptive {
-    /// Creates the state before the first sample, in the memory of another picture.
+    /// Creates the state before the first sample, reusing the memory of another picture.
     pub(crate) fn new(
         (columns, rows): (u32, u32),
         (most, order, starts_wide): (u32, InstantOrder, bool),
@@ -228,27 +229,27 @@ impl Adaptive {
         PixelMemory { packets: self.packets, errors: self.errors }
     }
 
-    /// Returns the estimate of the picture's error; `None` before it is known.
+    /// Returns the estimate of the picture's error; `None` before the first estimate.
     pub(crate) fn error(&self) -> Option<EstimatedError> {
         self.error.map(|error| EstimatedError { hidden: self.hidden_square().sqrt(), ..error })
     }
 
-    /// Returns the least gains of the rounds that a policy has chosen.
+    /// Returns the minimum gains chosen by the policy, one per round.
     pub(crate) fn rounds(&self) -> &[u32] {
         &self.rounds
     }
 
-    /// Returns whether geometry is to be searched for the features of pixels in this round: while it shows new instants.
+    /// Returns whether this round needs a geometric search for pixel features: in the first round, and while samples add new instants.
     pub(crate) fn wants_features(&self) -> bool {
         self.round == 0 || (self.is_open() && self.range.end <= self.order.count())
     }
 
-    /// Returns whether images in mirrors and glass are to be searched.
+    /// Returns whether images in mirrors and glass have not been searched yet.
     pub(crate) fn wants_images(&self) -> bool {
         self.images.is_none()
     }
 
-    /// Notes the images in mirrors and glass that the picture may show.
+    /// Stores the images in mirrors and glass that the picture may show.
     pub(crate) fn note_images(&mut self, found: &[Image]) {
         let mut images = BTreeMap::new();
         for Image { area, radiance, count } in found {
@@ -260,7 +261,7 @@ impl Adaptive {
         self.images = Some(images);
     }
 
-    /// Returns the mean square of the errors of images that no sample may have met.
+    /// Returns the mean squared error from images that no sample may have hit.
     fn hidden_square(&self) -> f64 {
         let Some(images) = self.images.as_ref().filter(|images| !images.is_empty()) else { return 0.0 };
         let (mut pixels, mut samples) = (0.0, 0.0);
@@ -272,6 +273,7 @@ impl Adaptive {
         if pixels == 0.0 {
             return 0.0;
         }
+        // An image is missed with probability exp(-n), for n samples in its area on average.
         let missed = |(size, square): (&i32, &f64)| {
             let area = libm::exp2((f64::from(*size) + 0.5) / 4.0);
             square * libm::exp(-area * samples / pixels)
@@ -279,18 +281,18 @@ impl Adaptive {
         images.iter().map(missed).sum::<f64>() / self.pixels
     }
 
-    /// Returns whether the shutter is open: shapes may move through pixels.
+    /// Returns whether the shutter is open, so that shapes may move through pixels.
     pub(crate) fn is_open(&self) -> bool {
         self.order.count() > 1
     }
 
-    /// Returns the instants that this round's samples belong to, in the order of time.
+    /// Returns the instants of this round's samples in chronological order.
     pub(crate) fn instants(&self) -> Vec<u32> {
         self.order.instants(self.range.clone())
     }
 
-    /// Collects the samples that a tile's pixels take at an instant in this round. Features that were found at this instant count as if they
-    /// were noted.
+    /// Collects the samples that a tile's pixels take at an instant in this round. Features found at this instant count as if already
+    /// noted.
     pub(crate) fn portions(
         &self,
         tile: &Tile,
@@ -315,7 +317,7 @@ impl Adaptive {
         }
     }
 
-    /// Notes the features of a tile's pixels at an instant.
+    /// Stores the features of a tile's pixels at an instant.
     pub(crate) fn note_features(&mut self, tile: &Tile, found: &TileFeatures) {
         let (first, wide) = (self.first_packet(tile), self.first);
         let mut covers = self.covers.get_mut(first..).unwrap_or_default().iter_mut();
@@ -324,7 +326,7 @@ impl Adaptive {
             let is = |lane: &usize| features[*lane] != Feature::NONE;
             lanes(pixels.inside()).filter(is).for_each(|lane| pixels.join(lane, features[lane], wide));
             let Some(before) = covers.next() else { continue };
-            // What covers a pixel at one instant and not at another moves through it.
+            // A shape that covers a pixel at one instant but not at the next moves through it.
             let differs = |lane: usize| (before.ids[lane] != cover.ids[lane]) & (before.ids[lane] != UNSEEN);
             let moved = (0..LANES).fold(0, |moved, lane| moved | u32::from(differs(lane)) << lane);
             for lane in lanes(moved & pixels.inside()) {
@@ -335,12 +337,12 @@ impl Adaptive {
         }
     }
 
-    /// Estimates errors after a round, and chooses the samples of the next one: those that the target asks for, or a policy. Returns `false` if
-    /// the picture is done.
+    /// Estimates errors after a round and chooses the samples of the next one, as required by the target or by `policy`. Returns `false` if
+    /// the picture is finished.
     pub(crate) fn judge(&mut self, sums: &impl SampleSums, policy: Option<&SharedRoundPolicy>) -> bool {
         self.update(sums);
         self.estimate(sums.have_alpha());
-        // A policy knows only one norm.
+        // Policies support only the RMS norm.
         let norm = if policy.is_some() { ErrorNorm::Rms } else { self.target.norm };
         let gains = self.scale(norm);
         let goes_on = self.least_gain(&gains, policy).is_some_and(|least| self.choose(norm, least));
@@ -351,7 +353,7 @@ impl Adaptive {
         goes_on
     }
 
-    /// Takes the samples of a round into account.
+    /// Updates pixel statistics with the samples of a round.
     fn update(&mut self, sums: &impl SampleSums) {
         let (across, curve) = (self.tiles.0, self.curve);
         self.packets.par_chunks_mut(PACKETS).enumerate().for_each(|(tile, packets)| {
@@ -366,7 +368,7 @@ impl Adaptive {
         });
     }
 
-    /// Estimates the square errors of all pixels, and how they are to be scaled.
+    /// Estimates the squared errors of all pixels, and corrects the scale of each class.
     fn estimate(&mut self, alpha: bool) {
         let edges = self.target.convergence == Convergence::Edges;
         let model = ErrorModel { curve: self.curve, edges, alpha };
@@ -399,7 +401,7 @@ impl Adaptive {
         self.errors = errors;
     }
 
-    /// Scales the estimates of all pixels, and estimates the picture's error. Returns the gains that pixels promise.
+    /// Scales the estimates of all pixels, and estimates the picture's error. Returns the histogram of gains.
     fn scale(&mut self, norm: ErrorNorm) -> SquaresByGain {
         let (most, factors) = (self.most, self.scales.map(|scale| single(scale.factor)));
         let bands = self.packets.par_chunks_mut(BAND * PACKETS).zip(self.errors.par_chunks(BAND * PACKETS));
@@ -433,8 +435,8 @@ impl Adaptive {
         gains
     }
 
-    /// Chooses the pixels that take samples in the next round: those that promise enough, and some plain ones. Returns whether there are
-    /// any; an audit alone is no reason for another round.
+    /// Chooses the pixels to sample in the next round: those with sufficient gain, and some plain pixels to audit. Returns whether any
+    /// pixel has sufficient gain; an audit alone does not justify another round.
     fn choose(&mut self, norm: ErrorNorm, least: Gain) -> bool {
         let (round, across, most) = (self.round, self.tiles.0, self.most);
         self.round += 1;
@@ -456,7 +458,7 @@ impl Adaptive {
         any
     }
 
-    /// Returns the least gain with which samples are doubled in the next round; `None` if there is no further one.
+    /// Returns the minimum gain for doubling a pixel's sample count in the next round; `None` if there is no further round.
     fn least_gain(&mut self, gains: &SquaresByGain, policy: Option<&SharedRoundPolicy>) -> Option<Gain> {
         let error = self.error?;
         let certain = error.value / (error.value + SURE * error.deviation);
@@ -477,7 +479,7 @@ impl Adaptive {
         let samples = self.packets.iter().map(samples).sum();
         let least =
             round_policy::locked(policy).least_gain(&Outlook { gains, pixels, falls, error, samples })?;
-        // At least one pixel is sampled: of few, none may have enough by chance.
+        // Lower the threshold so that at least one pixel is sampled: with few pixels left, the random parts of all gains may lie below it.
         let largest = |(packet, pixels): (usize, &PixelPacket)| {
             let gains = pixels.gains(first_pixel(packet, self.tiles.0), ErrorNorm::Rms);
             lanes(pixels.unfinished(self.most)).map(|lane| gains[lane]).max()
@@ -488,7 +490,7 @@ impl Adaptive {
         Some(least)
     }
 
-    /// Returns the variance of one sample of audited pixels around each tile, tile by tile.
+    /// Returns the variance of one sample over the audited pixels around each tile, tile by tile.
     fn audited_variance(&self) -> Vec<f32> {
         let (across, down) = self.tiles;
         let of_tile = |packets: &[PixelPacket]| {
@@ -518,12 +520,12 @@ impl Adaptive {
         (0..tiles.len()).map(around).collect()
     }
 
-    /// Returns a packet and the eight around it, row by row.
+    /// Returns a packet and its eight neighbours, row by row.
     fn around(&self, packet: usize) -> [[Option<&PixelPacket>; 3]; 3] {
         let side = SIDE as usize;
         let (column, row) = first_pixel(packet, self.tiles.0);
         let of = |column: usize, row: usize| {
-            // Less than the first is more than the last.
+            // Indices below the first wrap to large ones, and fail the bounds check below.
             let (i, j) = (column / TILE as usize, row / TILE as usize);
             let (packet, _) = Tile::lane_of(column % TILE as usize, row % TILE as usize);
             (i < self.tiles.0 && j < self.tiles.1)
@@ -538,7 +540,7 @@ impl Adaptive {
         ((tile.j / TILE) as usize * self.tiles.0 + (tile.i / TILE) as usize) * PACKETS
     }
 
-    /// Notes the picture's error, where the square errors of pixels of each class have these sums.
+    /// Stores the picture's error, given the sum of squared errors of each class.
     fn note_error(&mut self, norm: ErrorNorm, gains: &SquaresByGain, sums: [f64; CLASSES]) {
         let rms = (sums.iter().sum::<f64>() / self.pixels).sqrt();
         let variance: f64 =
@@ -550,18 +552,18 @@ impl Adaptive {
     }
 }
 
-/// The cover of pixels that were not searched yet: no shape's.
+/// The cover of pixels that were not searched yet. No shape has this id.
 const UNSEEN: ShapeId = ShapeId(UNCOVERED.0 - 1);
 
-/// A first sample and an end, of no samples.
+/// An empty span of samples (first, end).
 const NO_SAMPLES: (u32, u32) = (u32::MAX, 0);
 
-/// Returns the least span of samples, a first one and an end, that holds two.
+/// Returns the smallest span (first, end) that contains both spans.
 fn joined(one: (u32, u32), other: (u32, u32)) -> (u32, u32) {
     (one.0.min(other.0), one.1.max(other.1))
 }
 
-/// Returns the column and the row of a packet's first pixel, where so many tiles are in a row.
+/// Returns the column and row of a packet's first pixel, with `across` tiles per row.
 fn first_pixel(packet: usize, across: usize) -> (usize, usize) {
     #[expect(clippy::cast_possible_truncation, reason = "below PACKETS")]
     let (column, row) = Tile::place((packet % PACKETS) as u32);
@@ -569,11 +571,11 @@ fn first_pixel(packet: usize, across: usize) -> (usize, usize) {
     (tile % across * side + column as usize, tile / across * side + row as usize)
 }
 
-/// Returns how many of so many pixels may have larger errors; `None` where the mean counts.
+/// Returns the number of pixels whose error may exceed the target as a function of the pixel count; `None` for the RMS norm.
 fn beyond(norm: ErrorNorm) -> Option<fn(f64) -> f64> {
     match norm {
         ErrorNorm::Rms => None,
-        // A fifth on average: none in four of five pictures.
+        // 0.2 pixels on average: no pixel exceeds the target in four of five pictures.
         ErrorNorm::Max => Some(|_| 0.2),
         ErrorNorm::P99 => Some(|pixels| 0.01 * pixels),
     }

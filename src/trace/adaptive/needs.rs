@@ -1,29 +1,30 @@
-//! The gain that another sample of a pixel promises, and the least gain for which samples are taken.
+//! The gain of sampling a pixel further, and the minimum gain for which samples are taken.
 
 use std::ops::AddAssign;
 
-/// The gain of more samples: the square error of a pixel, per sample that it has where the mean counts, by powers of two and eighths of them,
-/// which are the bins of a histogram; then a part of the bin, which is the pixel's by chance, so that less than a whole bin can be taken.
+/// The gain of sampling a pixel further: its squared error, divided by its sample count for the RMS norm. It is stored as a histogram bin,
+/// eight per power of two, and a random part within the bin, so that a threshold can select a fraction of a bin's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Gain(u32);
 
-/// Bins of a power of two.
+/// Bins per power of two.
 const OCTAVE: u32 = 8;
-/// By exponent and the first three bits of the mantissa.
+/// Discards the mantissa except for its first three bits. Exponent and kept bits form the bin index.
 const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - OCTAVE.ilog2();
-/// One for each number.
+/// Number of bins, for all finite values and infinity.
 const BINS: usize = (f32::INFINITY.to_bits() >> SHIFT) as usize + 1;
-/// Parts of a bin.
+/// Parts per bin.
 const PARTS: u32 = 256;
 
 impl Gain {
-    /// Returns the gain of a pixel with a square error, 0 or more, per sample or as it is. Of `chance` the last bits count.
+    /// Returns the gain of a pixel with squared error `square` (at least 0), divided by the sample count if required. The low 8 bits of
+    /// `chance` give the part.
     #[inline(always)]
     pub(super) fn of(square: f32, chance: u32) -> Self {
         Self((square.to_bits() >> SHIFT) * PARTS + chance % PARTS)
     }
 
-    /// Returns the gain that a part of a bin's pixels do not have.
+    /// Returns the threshold in a bin below which the fraction `part` of its pixels lies.
     fn above(bin: usize, part: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 256")]
         let part = (part.clamp(0.0, 1.0) * f64::from(PARTS)) as u32;
@@ -43,15 +44,15 @@ impl From<Gain> for u32 {
     }
 }
 
-/// The square errors and the samples of pixels, by their gain.
+/// Histogram of the squared errors and sample counts of pixels, by gain.
 #[derive(Clone, Debug)]
 pub(super) struct SquaresByGain(Vec<Bin>);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Bin {
-    /// The sum of the square errors of pixels that have all the samples that they may have.
+    /// Sum of the squared errors of pixels at their maximum sample count.
     left: f64,
-    /// That of the others, and the samples that the next round would take of them.
+    /// Sum of the squared errors of the other pixels, and the number of samples they would take in the next round.
     squares: f64,
     more: f64,
 }
@@ -63,7 +64,7 @@ impl Default for SquaresByGain {
 }
 
 impl SquaresByGain {
-    /// Adds pixels with the same gain and the same square error, which get so many samples in a round in which they take some.
+    /// Adds `count` pixels with equal gain and squared error. Each takes `more` samples in its next round.
     #[inline(always)]
     pub(super) fn add(&mut self, gain: Gain, count: u32, square: f32, more: u32) {
         let bin = &mut self.0[((gain.0 / PARTS) as usize).min(BINS - 1)];
@@ -76,10 +77,10 @@ impl SquaresByGain {
         }
     }
 
-    /// Returns the least gain for which samples must be taken for the sum of all squares to become `most`, where doubling the samples of a
-    /// pixel multiplies its square error by `falls`, and the number of samples that takes in all rounds together.
+    /// Returns the minimum gain for reducing the sum of all squared errors to `most`, and the total number of samples this takes in all
+    /// rounds. Doubling the sample count of a pixel multiplies its squared error by `falls`.
     ///
-    /// For independent samples, taking them where their gain is largest is the best division: Neyman, "On the Two Different Aspects of the
+    /// For independent samples, sampling where the gain is largest is the optimal allocation: Neyman, "On the Two Different Aspects of the
     /// Representative Method" (1934).
     pub(super) fn least_for(&self, most: f64, falls: f64) -> (Gain, f64) {
         let (mut enough, mut too_much) = (1, BINS);
@@ -92,7 +93,7 @@ impl SquaresByGain {
         (Gain::above(enough, part), low.1 + part * (high.1 - low.1))
     }
 
-    /// Returns the least gain with which doubling the samples of pixels takes at most so many samples.
+    /// Returns the minimum gain with which doubling the sample counts of pixels takes at most `samples` samples.
     pub(super) fn least_within(&self, samples: f64) -> Gain {
         let mut left = samples;
         for (bin, Bin { more, .. }) in self.0.iter().enumerate().skip(1).rev() {
@@ -104,8 +105,10 @@ impl SquaresByGain {
         Gain::above(1, 0.0)
     }
 
-    /// Returns the sum of squares if samples are doubled as often as it takes for all gains to be less, and the samples that this takes.
+    /// Returns the sum of squared errors once sample counts are doubled until all gains are below bin `least`, and the number of samples
+    /// this takes.
     fn after(&self, least: usize, falls: f64) -> (f64, f64) {
+        // Each doubling reduces the gain by the factor falls / 2.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 24")]
         let bins = libm::round(f64::from(OCTAVE) * libm::log2(2.0 / falls)) as usize;
         let mut sums = (0.0, 0.0);
@@ -123,7 +126,7 @@ impl SquaresByGain {
         self.0.iter().enumerate().filter(|(_, bin)| bin.squares > 0.0 || bin.left > 0.0)
     }
 
-    /// Returns the magnitude that the errors of so many pixels exceed, where gains are square errors.
+    /// Returns the error magnitude that `pixels` pixels are expected to exceed. Gains must be squared errors.
     pub(super) fn exceeded_by(&self, pixels: f64) -> f64 {
         let largest = self.filled().last().map_or(0.0, |(bin, _)| square_of(bin).sqrt());
         let (mut low, mut high) = (0.0, FARTHEST * largest);
@@ -134,7 +137,7 @@ impl SquaresByGain {
         high
     }
 
-    /// Returns the least gain, a square error, so that if no pixel has more, at most so many exceed an error.
+    /// Returns the minimum gain, a squared error, such that at most `pixels` pixels exceed `error` if no pixel has a larger gain.
     pub(super) fn least_to_exceed(&self, error: f64, pixels: f64) -> Gain {
         let (mut enough, mut too_much) = (1, BINS);
         while enough + 1 < too_much {
@@ -144,7 +147,8 @@ impl SquaresByGain {
         Gain::above(enough, 0.0)
     }
 
-    /// Returns how many pixels exceed an error, if none has a larger square error than that of a bin: errors are taken for normal.
+    /// Returns the expected number of pixels that exceed `error` if squared errors are limited to bin `most`, for normally distributed
+    /// errors.
     fn beyond(&self, error: f64, most: usize) -> f64 {
         let tail = |(bin, Bin { left, squares, .. }): (usize, &Bin)| {
             let deviations = error / square_of(bin.min(most)).sqrt();
@@ -154,10 +158,10 @@ impl SquaresByGain {
     }
 }
 
-/// Normal numbers are never as many standard deviations from their mean.
+/// Search limit in standard deviations; normal variates never lie that far from their mean.
 const FARTHEST: f64 = 40.0;
 
-/// Returns the square error in the middle of a bin.
+/// Returns the squared error at the middle of a bin.
 fn square_of(bin: usize) -> f64 {
     let bits = ((u32::try_from(bin).unwrap_or(0) << SHIFT) + (1 << (SHIFT - 1))).min(f32::MAX.to_bits());
     f64::from(f32::from_bits(bits))

@@ -1,20 +1,21 @@
-//! Output values, quickly: good enough for estimates of errors.
+//! Fast approximation of output values, accurate enough for error estimates.
 
 use crate::color::Transfer;
 
-/// How light becomes output values, off by at most a hundredth.
+/// The transfer function from light to output values, with an error of at most 0.01.
 ///
-/// sRGB's 1.055 v^(1/2.4) - 0.055 is 1.055 q^(5/3) - 0.055 with q = v^(1/4), which from the end of its linear piece to 1 hardly differs
-/// from a polynomial in q: all of it is arithmetic that vectors have, and roots, which are the same everywhere.
+/// For sRGB, 1.055 v^(1/2.4) - 0.055 equals 1.055 q^(5/3) - 0.055 with q = v^(1/4). Between the end of the linear segment and 1, a
+/// polynomial in q is a close approximation. It needs only vectorizable arithmetic and square roots, whose results are the same on all
+/// platforms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OutputCurve {
-    /// Output values by light where that is linear.
+    /// Slope of the linear segment.
     slope: f32,
-    /// Up to which light.
+    /// End of the linear segment, in light.
     linear_to: f32,
 }
 
-/// The polynomial's, from that of q^0, fitted at the Chebyshev points.
+/// Coefficients of the polynomial in ascending powers of q, fitted at the Chebyshev points.
 const COEFFICIENTS: [f32; 6] = [-15.678_25, 41.691_35, 318.693_9, -144.683_87, 71.647_62, -16.672_062];
 
 impl OutputCurve {
@@ -25,7 +26,7 @@ impl OutputCurve {
         }
     }
 
-    /// Returns the output value of light, clamped. What is no number is white: it is beyond what numbers hold.
+    /// Returns the output value of light, clamped. NaN is white, as it results from overflow.
     #[inline(always)]
     pub(super) fn value(&self, light: f32) -> f32 {
         let light = if light < 1.0 { light } else { 1.0 };
@@ -38,8 +39,8 @@ impl OutputCurve {
 }
 
 impl OutputCurve {
-    /// Returns the variance in output values, of one sample, around a mean of `count` samples of light: as far as the mean's deviation
-    /// shows, where output values are clamped.
+    /// Returns the variance of one sample in output values, for `count` samples of light with this mean and the variance `square`. The
+    /// curve is evaluated one standard deviation of the mean to each side, so clamped values contribute no variance.
     #[inline(always)]
     pub(super) fn variance(&self, mean: f32, square: f32, count: f32) -> f32 {
         let deviation = (square / count).sqrt();

@@ -1,23 +1,23 @@
-//! The choice of which pixels get samples in the next round, where it is not the target's.
+//! Policies that choose the pixels to sample in the next round, in place of the error target.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::EstimatedError;
 use super::needs::SquaresByGain;
 
-/// Chooses the samples of each round of a picture. What it has chosen brings back the same picture: see [`Replay`].
+/// Chooses the pixels to sample in each round of a picture. Replaying the choices with [`Replay`] reproduces the picture.
 pub trait RoundPolicy: Send {
-    /// Returns the least gain with which the samples of a pixel are doubled in the next round; `None` to end the picture. It is not called
-    /// once the picture's error is as small as its target.
+    /// Returns the minimum gain for doubling a pixel's sample count in the next round; `None` ends the picture. Not called once the
+    /// picture's error has reached its target.
     fn least_gain(&mut self, outlook: &Outlook<'_>) -> Option<u32>;
 
-    /// Returns the least gains of all rounds, if they are known beforehand: the picture is identified by them.
+    /// Returns the minimum gains of all rounds if they are known in advance. They then identify the picture.
     fn rounds(&self) -> Option<&[u32]> {
         None
     }
 }
 
-/// A policy that is asked by what renders, and set up by somebody else.
+/// A policy shared by the renderer that queries it and the caller that configures it.
 pub type SharedRoundPolicy = Arc<Mutex<dyn RoundPolicy>>;
 
 /// Locks a policy.
@@ -25,50 +25,50 @@ pub(crate) fn locked(policy: &SharedRoundPolicy) -> MutexGuard<'_, dyn RoundPoli
     policy.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The expected effect of more samples of a picture.
+/// The expected effect of more samples on a picture.
 #[derive(Debug)]
 pub struct Outlook<'a> {
     pub(super) gains: &'a SquaresByGain,
     pub(super) pixels: f64,
-    /// By what doubling its samples multiplies the square error of a pixel.
+    /// Factor of a pixel's squared error when its sample count is doubled.
     pub(super) falls: f64,
     pub(super) error: EstimatedError,
     pub(super) samples: f64,
 }
 
 impl Outlook<'_> {
-    /// Returns the estimate of the error that the picture has now.
+    /// Returns the estimate of the picture's current error.
     #[must_use]
     pub fn error(&self) -> EstimatedError {
         self.error
     }
 
-    /// Returns the number of samples of all pixels so far.
+    /// Returns the total sample count of all pixels so far.
     #[must_use]
     pub fn samples(&self) -> f64 {
         self.samples
     }
 
-    /// Returns the number of further samples that it takes for the error to become `rms`, as far as it can.
+    /// Returns the number of further samples needed to reduce the error to `rms`, if it can be reached.
     #[must_use]
     pub fn samples_for(&self, rms: f64) -> f64 {
         self.gains.least_for(rms * rms * self.pixels, self.falls).1
     }
 
-    /// Returns the least gain with which samples are to be doubled for that.
+    /// Returns the minimum gain for doubling sample counts that reduces the error to `rms`.
     #[must_use]
     pub fn least_gain_for(&self, rms: f64) -> u32 {
         self.gains.least_for(rms * rms * self.pixels, self.falls).0.into()
     }
 
-    /// Returns the least gain with which the next round takes at most this many samples.
+    /// Returns the minimum gain with which the next round takes at most `samples` samples.
     #[must_use]
     pub fn least_gain_within(&self, samples: f64) -> u32 {
         self.gains.least_within(samples).into()
     }
 }
 
-/// The rounds of a picture that is rendered again.
+/// The minimum gains of a picture's rounds, for rendering it again.
 #[derive(Clone, Debug)]
 pub struct Replay {
     rounds: Vec<u32>,
@@ -76,7 +76,7 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Returns rounds with these least gains, for one picture.
+    /// Creates a replay of rounds with these minimum gains, for one picture.
     #[must_use]
     pub fn new(rounds: Vec<u32>) -> Self {
         Self { rounds, done: 0 }

@@ -1,37 +1,37 @@
-//! Corrections of the scale of estimates, by how far the halves of samples are apart.
+//! Correction of the scale of estimates by the differences between halves of samples.
 
 use std::ops::AddAssign;
 
 use super::evidence::PixelPacket;
 use crate::trace::math::LANES;
 
-/// The weight of what is known of a class beforehand, in pixels.
+/// Weight of the prior of a class, in pixels.
 const PRIOR: f64 = 8.0;
 
-/// Correction of a class's estimates.
+/// Correction factor of a class's estimates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     pub(super) factor: f64,
-    /// The factor of a square error when the number of samples is doubled.
+    /// Factor of a squared error when the sample count is doubled.
     pub(super) falls: f64,
-    /// The relative variance of the factor.
+    /// Relative variance of `factor`.
     pub(super) uncertain: f64,
 }
 
-/// Sums over the pixels of a class whose samples were doubled.
+/// Sums over the pixels of a class whose sample counts were doubled.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Halves {
     pixels: f64,
     model: f64,
     apart: f64,
     apart_squared: f64,
-    /// Of the pixels that were doubled before, too: then and now.
+    /// Sums of `apart` before and after the last doubling, for pixels that were doubled twice.
     earlier: f64,
     later: f64,
 }
 
 impl Halves {
-    /// Adds a pixel whose samples were doubled, with the estimates of its packet.
+    /// Adds a pixel whose sample count was doubled, with the estimates of its packet.
     pub(super) fn add(&mut self, pixels: &PixelPacket, lane: usize, errors: &[f32; LANES]) {
         let [apart, before, model] =
             [pixels.apart[lane], pixels.apart_before[lane], errors[lane]].map(f64::from);
@@ -52,12 +52,12 @@ impl AddAssign for Halves {
 }
 
 impl Scale {
-    /// Creates that of estimates that fall by a factor with each doubling, before anything is measured.
+    /// Creates the scale of estimates that fall by the factor `falls` with each doubling, before any measurement.
     pub(super) fn new(falls: f64) -> Self {
         Self { factor: 1.0, falls, uncertain: 0.25 }
     }
 
-    /// Corrects it by how far the halves of a class's pixels are apart.
+    /// Corrects the scale by the differences between the halves of a class's pixels.
     pub(super) fn correct(&mut self, halves: &Halves) {
         if halves.pixels == 0.0 {
             return;
@@ -68,12 +68,13 @@ impl Scale {
             self.falls = measured.clamp(0.2, 0.5);
         }
         if halves.model > 0.0 {
+            // On average, `apart` is (1 - q) e², and the squared error after doubling is q e².
             let measured = self.falls / (1.0 - self.falls) * halves.apart;
             let prior = PRIOR * halves.model / halves.pixels;
             self.factor = ((measured + prior * self.factor) / (halves.model + prior)).clamp(0.125, 8.0);
         }
         if halves.apart > 0.0 {
-            // The square of a normal number has twice the variance of its square.
+            // For normal X, Var(X²) = 2 E[X²]² = 2/3 E[X⁴]: the ratio overestimates the relative variance of the sum.
             self.uncertain = (halves.apart_squared / (halves.apart * halves.apart)).min(0.25);
         }
     }

@@ -1,4 +1,4 @@
-//! Adaptive sampling of synthetic pixels, whose true means are known.
+//! Adaptive sampling of synthetic pixels with known true means.
 
 use std::array::from_fn;
 
@@ -12,7 +12,7 @@ fn target(error: f64, convergence: Convergence) -> ErrorTarget {
     ErrorTarget { error, norm: ErrorNorm::Rms, least: 1, transfer: Transfer::Classic, convergence }
 }
 
-/// Sums of grey samples: of themselves, and of their squares.
+/// Sums of grey samples, and of their squares.
 struct GreySums(Vec<(f64, f64)>);
 
 impl SampleSums for GreySums {
@@ -29,8 +29,8 @@ impl SampleSums for GreySums {
     }
 }
 
-/// Takes samples, of pixels by their index, until no more are needed. `edges` tells which pixels geometry finds an edge in. Returns the
-/// pixels, how many samples each got, and the estimate of their error.
+/// Samples pixels, given by index, until the target is met. `edges` returns whether geometry finds an edge in a pixel. Returns the pixels,
+/// their sample counts, and the final state.
 fn rendered(
     memory: PixelMemory,
     (target, most): (ErrorTarget, u32),
@@ -85,7 +85,7 @@ fn has_edge(pixel: usize) -> bool {
     (pixel % SIZE.0 as usize).is_multiple_of(8)
 }
 
-/// Every eighth column has an edge: below y = p + (x - 1/2) / 3 it is white. Elsewhere nothing varies.
+/// Every eighth column has an edge: white below y = p + (x - 1/2) / 3. The other columns are constant.
 fn edge(pixel: usize, index: u32) -> f64 {
     if !has_edge(pixel) {
         return 0.25;
@@ -121,7 +121,7 @@ fn edges_take_samples_until_the_target_is_met() {
     }
 }
 
-/// Independent samples, uniform in an interval around 1/2 whose width grows with the row: geometry knows nothing of it, audits find it.
+/// Independent samples, uniform in an interval around 1/2 whose width grows with the row. Geometry has no features; audits find the noise.
 #[test]
 fn audits_find_noise_that_geometry_does_not_know() {
     let width = |pixel: usize| (pixel / SIZE.0 as usize) as f64 / f64::from(SIZE.1);
@@ -179,7 +179,7 @@ fn nothing_is_left_of_the_picture_before() {
     }
 }
 
-/// Light that is clamped in all samples is no error.
+/// Light that is clamped in all samples causes no error.
 #[test]
 fn only_output_values_count() {
     let bright = |pixel: usize, index: u32| 2.0 + 8.0 * edge(pixel, index);
@@ -188,8 +188,8 @@ fn only_output_values_count() {
     assert!(counts.iter().all(|count| *count <= 4));
 }
 
-/// Independent noise, uniform in an interval whose width grows with the row: errors are nearly normal, and their largest and their
-/// percentiles are known.
+/// Independent noise, uniform in an interval whose width grows with the row: errors are nearly normal, so their maximum and percentiles are
+/// known.
 #[test]
 fn other_norms_are_met_and_estimated() {
     let noise = |pixel: usize, index: u32| {

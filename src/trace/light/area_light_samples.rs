@@ -1,4 +1,4 @@
-//! Places on lights with a size, as many as light sixteen points at once.
+//! Sample points on area lights, for sixteen shading points at once.
 
 use fearless_simd::prelude::*;
 
@@ -9,20 +9,20 @@ use crate::trace::math::{
 };
 use crate::trace::scene::{Light, LightSource};
 
-/// The sequences of places that a light with a size has for points, lane by lane.
+/// The sequences of sample points on an area light, one per lane.
 #[derive(Clone, Debug)]
 pub(crate) struct AreaLightSamples {
     keys: SampleKeys,
-    /// The index of the first place in each lane.
+    /// Index of the first sample point in each lane.
     first: [u32; LANES],
 }
 
 impl AreaLightSamples {
-    /// For no points.
+    /// Sequences for no shading points.
     pub(crate) const NONE: Self = Self { keys: SampleKeys::NONE, first: [0; LANES] };
 
-    /// Chooses the sequences of light number `index` for points in some lanes. `asker` returns the pixel of a lane, the index of its
-    /// sample, and the place in the sample's tree of rays.
+    /// Chooses the sequences of light number `index` for shading points in the lanes `asked`. `asker` returns the pixel of a lane, the
+    /// index of its sample, and the index of its ray in the sample's ray tree.
     #[inline(always)]
     pub(crate) fn choose(
         &mut self,
@@ -37,8 +37,8 @@ impl AreaLightSamples {
         }
     }
 
-    /// Finds place `sample` of a light for each of the points in some lanes: [`LightSource::place`], which has one for lights without a
-    /// size too.
+    /// Computes sample point `sample` of a light for each shading point in some lanes: [`LightSource::place`], which is defined for all
+    /// lights, not only area lights.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &self,
@@ -85,7 +85,7 @@ fn normalized<S: Simd>(simd: S, vector: F64s3<S>) -> F64s3<S> {
     times(vector, splat(simd, 1.0) / dot(vector, vector).sqrt())
 }
 
-/// Two unit vectors that are perpendicular to a third one and to each other, as [`LightSource::place`] chooses them.
+/// Returns two unit vectors that are perpendicular to a third one and to each other, as [`LightSource::place`] chooses them.
 #[inline(always)]
 fn across<S: Simd>(simd: S, forward: F64s3<S>) -> (F64s3<S>, F64s3<S>) {
     let [x, y, z] = [forward[0].abs(), forward[1].abs(), forward[2].abs()];

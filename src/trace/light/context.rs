@@ -1,4 +1,4 @@
-//! What the kernel works with at one moment: what it is given, and what follows from that for all rays.
+//! The render context: the inputs of a render, and the values derived from them for all rays.
 
 use std::cmp::Ordering;
 
@@ -13,7 +13,7 @@ use crate::trace::rays::ShapeId;
 use crate::trace::scene::{Camera, Light, PixelCenters, PreparedScene};
 use crate::trace::shapes::Bounds;
 
-/// A scene, the camera, which samples to take, and what follows.
+/// A scene, its camera, the samples to take, and the values derived from them.
 pub(crate) struct RenderContext<'a> {
     pub(crate) scene: &'a PreparedScene,
     pub(crate) camera: &'a Camera,
@@ -21,12 +21,12 @@ pub(crate) struct RenderContext<'a> {
     pub(crate) effects: Effects,
     pub(crate) radiance_bound: RadianceBound,
     pub(crate) pixel_centers: PixelCenters,
-    /// Those that are on, with their indices in document order.
+    /// Lights with nonzero intensity, with their indices in document order.
     pub(crate) lights: Vec<(usize, &'a Light)>,
     start: StartMedia,
 }
 
-/// The clear solids that camera rays may start inside of, outer ones first.
+/// Transparent solids in which camera rays may start, outer solids first.
 struct StartMedia(Vec<ShapeId>);
 
 impl<'a> RenderContext<'a> {
@@ -43,27 +43,27 @@ impl<'a> RenderContext<'a> {
         Self { scene, camera, sampling, effects, radiance_bound, pixel_centers, lights, start }
     }
 
-    /// How many generations of rays are traced: that of camera rays at least.
+    /// Returns the number of ray generations to trace; camera rays are always traced.
     pub(crate) fn generations(&self) -> u32 {
         self.scene.depth.max(1)
     }
 
-    /// Whether a surface may send on two rays.
+    /// Returns whether a surface may spawn two rays.
     pub(crate) fn branches(&self) -> bool {
         self.effects.media() && self.scene.surfaces().branches
     }
 
-    /// Whether camera rays may start inside of clear solids.
+    /// Returns whether camera rays may start inside transparent solids.
     pub(crate) fn may_start_inside(&self) -> bool {
         self.effects.in_media() && !self.start.0.is_empty()
     }
 
-    /// What is seen where the camera is not in a finite place.
+    /// Returns the light that is seen if the camera position is not finite.
     pub(crate) fn nowhere(&self) -> Rgb {
         self.scene.background.towards(DVec3::Z)
     }
 
-    /// The solids that a ray from here is inside of.
+    /// Returns the stack of transparent solids that contain the origin of a camera ray.
     pub(crate) fn medium(&self, origin: DVec3, media: &mut MediumStacks) -> MediumStack {
         let around = self.start.0.iter().filter(|id| self.scene.geometry().contains(**id, origin));
         around.fold(MediumStack::NONE, |medium, id| media.added(medium, *id))
@@ -81,7 +81,7 @@ impl StartMedia {
         };
         let clear = scene.surfaces().clear.iter().copied().filter(|id| scene.may_be_medium(*id));
         let mut solids: Vec<ShapeId> = clear.filter(near).collect();
-        // Nested ones are smaller, and half-spaces are the largest. Of equals, the first in document order counts.
+        // Nested solids are smaller, and half-spaces are the largest. Of solids of equal extent, the first in document order is the medium.
         let extent =
             |id: &ShapeId| scene.geometry().bounds(*id).map_or(f64::INFINITY, |bounds| bounds.extent());
         solids.sort_by(|one, other| {

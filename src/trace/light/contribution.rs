@@ -1,16 +1,18 @@
-//! How much a ray can still add to a pixel, so that rays are not followed which cannot show.
+//! Upper bounds of the contribution of rays to their pixel, used to cut rays of negligible contribution.
 //!
-//! B(n) bounds the radiance, channel by channel, along any ray with n generations left. B(0) is the background's. A ray with more
-//! sees the background, or fog, or a surface of some material: its own light, which is at most what all lights together can make
-//! of it, plus what its continuations bring, whose shares add up to at most its k_r + k_t. So B(n) is the most over all materials of
-//! direct + (k_r + k_t) B(n-1): what shines brightest and what sends most on are seldom the same, and glass that shows no light of
-//! its own and passes on no more than it gets adds nothing, however many generations are left.
+//! B(n) bounds the radiance, per channel, along any ray with n ray generations left. B(0) is the bound of the background. A ray with more
+//! generations left sees the background, fog, or a surface of some material. The radiance of a surface is its own light plus the radiance
+//! along its secondary rays. Its own light is at most the surface's response to all lights together, and the shares of the secondary rays
+//! add up to at most k_r + k_t of its material. So B(n) is the maximum of direct + (k_r + k_t) B(n-1) over all materials. The maximum is
+//! taken over materials, not over each term, because the brightest material is seldom the one with the largest k_r + k_t: glass with no
+//! light of its own and k_r + k_t of at most 1 does not raise B(n), for any n.
 //!
-//! A sample has a [`ErrorBudget`] of light that may be left out, and a ray that is cut is charged with the most that it can bring, its
-//! throughput times B: what is cut adds up to no more than the budget. It is spent generation by generation, when all rays of a
-//! sample's next generation are known, on those that can bring least; so nothing is set aside for rays that end by themselves.
-//! Shared out from ray to ray instead, most of it goes with rays that leave for the sky, and ten times as many are followed. Both
-//! paths know a generation whole before they follow any ray of it, so that no cut depends on an order.
+//! Each sample has an [`ErrorBudget`], the light that it may lose. A ray that is cut is charged with its maximum contribution, its
+//! throughput times B, so the loss of a sample is at most its budget. The budget is spent generation by generation, when all rays of a
+//! sample's next generation are known, on the rays with the smallest maximum contribution. So no part of it is reserved for rays that end
+//! by themselves. If it were divided from ray to ray instead, most of it would be lost with rays that leave for the sky, and ten times as
+//! many rays would be traced. The stages and the reference path both know a complete generation before they trace any ray of it, so no cut
+//! depends on the order of rays.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
@@ -19,12 +21,12 @@ use crate::color::{Rgb, to_f32};
 use crate::trace::math::{Colors, LANES, WHOLE, bits16};
 use crate::trace::scene::{LightSource, PreparedScene, SurfaceMaterial};
 
-/// How much light rays can bring, and how little is left out.
+/// Upper bounds of the radiance along rays, and of contributions that are negligible.
 #[derive(Clone, Debug)]
 pub(crate) struct RadianceBound {
-    /// B(n) for n = 0, 1, 2 .., each rounded up to a power of two, so that small changes of a scene do not move it.
+    /// B(n) for n = 0, 1, 2, ..., each rounded up to a power of two, so that small changes of a scene do not change it.
     bounds: Vec<Rgb>,
-    /// The most that a sample's first ray to be cut can bring; minus infinity where none is cut.
+    /// The largest maximum contribution at which the first ray of a sample to be cut is cut; minus infinity if none is cut.
     negligible: f32,
 }
 
@@ -47,14 +49,14 @@ impl RadianceBound {
         let mut bounds = vec![rounded_up(beyond)];
         for _ in 0..scene.depth.max(1) {
             let shown = answers.iter().map(|(direct, followed)| direct + beyond * *followed);
-            // Held to a number, as infinity times nothing is none.
+            // Clamped to finite numbers, because infinity times zero is NaN.
             beyond = shown.fold(around, DVec3::max).min(DVec3::MAX);
             bounds.push(rounded_up(beyond));
         }
         Self { bounds, negligible: ErrorBudget::new(scene).largest() }
     }
 
-    /// The most that a ray can bring in any channel.
+    /// Returns the maximum contribution of a ray in any channel.
     pub(crate) fn most(&self, throughput: Rgb, generations: u32) -> f32 {
         (throughput * self.bound(generations)).max_element()
     }
@@ -63,48 +65,51 @@ impl RadianceBound {
         self.bounds.get(generations as usize).copied().unwrap_or(Rgb::INFINITY)
     }
 
-    /// The same of a packet's rays that bring some light.
+    /// Computes [`most`](Self::most) for the rays of a packet whose throughput is not zero.
     #[inline(always)]
     pub(crate) fn mosts<S: Simd>(&self, simd: S, throughputs: &Colors, generations: u32) -> [f32; LANES] {
         let mut mosts = f32x16::splat(simd, 0.0);
         for (throughput, bound) in throughputs.load(simd).into_iter().zip(self.bound(generations).to_array())
         {
-            // What is no number, an infinite bound of no light, is not greater.
+            // NaN, an infinite bound times zero throughput, does not compare greater.
             let most = throughput * bound;
             mosts = most.simd_gt(mosts).select(most, mosts);
         }
         *mosts.as_array()
     }
 
-    /// Returns which rays are cut that bring some light, each the only one of its sample's generation, as were those before it: what
-    /// [`ErrorBudget::cut`] says of a budget of which nothing is spent, since the ray that is charged to it is a sample's last.
+    /// Returns the lanes of rays to cut, for rays of nonzero throughput that are, like their ancestors, alone in the generation of their
+    /// sample. This is the decision of [`ErrorBudget::cut`] with an unspent budget: nothing is charged earlier, because such a ray is the
+    /// last of its sample if it is cut.
     #[inline(always)]
     pub(crate) fn negligible<S: Simd>(&self, simd: S, throughputs: &Colors, generations: u32) -> u32 {
         let mut shows = 0;
         for (throughput, bound) in throughputs.load(simd).into_iter().zip(self.bound(generations).to_array())
         {
-            // Of what is no number, an infinite bound of no light, nothing shows.
+            // NaN, an infinite bound times zero throughput, does not compare greater.
             shows |= bits16((throughput * bound).simd_gt(f32x16::splat(simd, self.negligible)));
         }
         !shows & WHOLE
     }
 }
 
-/// How much of a sample's light may still be left out.
+/// The light of a sample that may still be lost by cutting rays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ErrorBudget {
-    /// For everything.
+    /// The total remaining budget.
     rest: f64,
-    /// Of it, for the least in generations of which some are followed.
+    /// The part of `rest` available to the smallest contributions of generations that are only partly cut.
     least: f64,
 }
 
 impl ErrorBudget {
-    /// A little less than the cutoff, as bounds are rounded, and throughputs twice in each of 1000 generations.
+    /// Share of the cutoff that is spent, slightly below 1: bounds are rounded, and throughputs are rounded twice in each of 1000
+    /// generations.
     const OF_CUTOFF: f64 = 1.0 - 1.0 / 1024.0;
-    /// The other part is kept for the day when all that is left fits in.
+    /// Share of the budget available to partly cut generations. The remainder is kept for a generation that fits into the budget
+    /// completely.
     const FOR_LEAST: f64 = 0.8;
-    /// What a generation may spend of what there is for the least.
+    /// Share of `least` that one generation may spend.
     const AT_ONCE: f64 = 0.1;
 
     pub(crate) fn new(scene: &PreparedScene) -> Self {
@@ -112,7 +117,7 @@ impl ErrorBudget {
         Self { rest, least: rest * Self::FOR_LEAST }
     }
 
-    /// Returns the most that a ray can bring to be cut, rounded down; minus infinity where none is cut.
+    /// Returns the largest maximum contribution of a ray that is cut, rounded down; minus infinity if none is cut.
     fn largest(&self) -> f32 {
         let rounded = to_f32(self.rest);
         match self.rest {
@@ -122,18 +127,20 @@ impl ErrorBudget {
         }
     }
 
-    /// Decides which rays of a sample's next generation are cut, and pays for them. Each is given with the most that it can bring, in
-    /// the order in which they would be followed. Those that are cut are the first so many after they are sorted.
+    /// Decides which rays of a sample's next generation are cut, and charges the budget for them. Each ray is given by its maximum
+    /// contribution and its index in tracing order. Returns the number of cut rays, which come first in `rays` afterwards.
     pub(crate) fn cut(&mut self, rays: &mut [(f32, usize)]) -> usize {
         if self.rest <= 0.0 {
             return 0;
         }
         let all: f64 = rays.iter().map(|(most, _)| f64::from(*most)).sum();
+        // The whole generation fits into the budget.
         if all <= self.rest {
             self.rest -= all;
             return rays.len();
         }
         let allowed = (self.least * Self::AT_ONCE).min(self.rest);
+        // Avoids the sort if no ray fits.
         if !rays.iter().any(|(most, _)| f64::from(*most) <= allowed) {
             return 0;
         }
@@ -151,7 +158,8 @@ impl ErrorBudget {
     }
 }
 
-/// Bounds the radiance, in any channel, of a surface's own light and of a single bounce off it.
+/// Bounds the radiance, in any channel, of a surface's own light plus a single bounce off it. The bounce is assumed to bring at most the
+/// maximum of the background and 1.
 pub(crate) fn most_radiance(scene: &PreparedScene, material: &SurfaceMaterial) -> f32 {
     let lights = all_lights(scene);
     let transmitted = material.refraction.map_or(0.0, |refraction| refraction.transmitted);
@@ -165,7 +173,7 @@ pub(crate) fn most_radiance(scene: &PreparedScene, material: &SurfaceMaterial) -
     to_f32((own + followed).max_element().min(f64::from(f32::MAX)))
 }
 
-/// The intensities of all lights where they are strongest.
+/// Returns the sum of the intensities of all lights at their strongest.
 fn all_lights(scene: &PreparedScene) -> DVec3 {
     let strongest = scene.lights.iter().map(|light| {
         let nearest = match (&light.falloff, &light.source) {
@@ -177,7 +185,7 @@ fn all_lights(scene: &PreparedScene) -> DVec3 {
     strongest.sum()
 }
 
-/// The next powers of two. What is too large for `f32` becomes infinite, which bounds it too.
+/// Rounds up to powers of two. Bounds too large for `f32` become infinite, which is still an upper bound.
 fn rounded_up(bound: DVec3) -> Rgb {
     const MANTISSA: u32 = 0x007f_ffff;
     let power = |bound: f32| {
@@ -218,7 +226,7 @@ mod tests {
         SurfaceMaterial { reflected: k_r, refraction: Some(refraction), ..SurfaceMaterial::default() }
     }
 
-    /// What is brightest and what sends on most are different surfaces: neither adds to the other.
+    /// The brightest surface and the surface with the largest k_r + k_t differ, and neither adds to the bound of the other.
     #[test]
     fn glass_adds_no_light_of_its_own_however_deep() {
         let mut scene = scene(vec![lit(0.75), glass(0.1, 0.9)]);
@@ -226,18 +234,18 @@ mod tests {
         let bounds = |scene: &PreparedScene| RadianceBound::of(scene).bounds;
         assert_eq!(bounds(&scene)[0], Rgb::ZERO, "the background");
         assert!(bounds(&scene)[1..].iter().all(|bound| *bound == Rgb::new(1.0, 0.5, 0.0)));
-        // A mirror that shines: 0.75 (1 + 1/2 + 1/4 ..) is 1.5, and rounded up once.
+        // A mirror with light of its own: 0.75 (1 + 1/2 + 1/4 ...) is 1.5, rounded up once.
         let mirror = SurfaceMaterial { reflected: 0.5, ..lit(0.75) };
         let _ = scene.replace_materials([(crate::trace::ShapeId(0), mirror)]);
         assert_eq!(bounds(&scene)[1000], Rgb::new(2.0, 1.0, 0.0));
-        // Light that may double: 3/4 2^1000, which is too much for a number.
+        // Light that may double at each bounce: 3/4 2^1000, which overflows.
         let _ = scene.replace_materials([(crate::trace::ShapeId(1), glass(1.0, 1.0))]);
         assert_eq!(bounds(&scene)[2], Rgb::new(2.0, 1.0, 0.0));
         assert_eq!(bounds(&scene)[1000], Rgb::new(f32::INFINITY, f32::INFINITY, 0.0));
     }
 
     proptest! {
-        /// Around the limit, with bounds that are infinite, and where nothing is cut.
+        /// Tests throughputs around the limit, infinite bounds, and a cutoff of 0.
         #[test]
         fn lanes_of_chains_are_cut_as_one_by_one(
             cutoff in prop_oneof![Just(0.0_f32), 1e-3..1e-1_f32],
@@ -265,8 +273,8 @@ mod tests {
             }
         }
 
-        /// Generation after generation: those that are cut are the least, they add up to no more than the cutoff, and the order in
-        /// which rays are given does not matter.
+        /// In each generation the rays with the smallest maximum contributions are cut. The cut contributions add up to less than the
+        /// cutoff, and the order of rays does not matter.
         #[test]
         fn budgets_hold_whatever_comes(
             cutoff in 1e-4..1.0_f32,

@@ -1,22 +1,22 @@
-//! What happens to light at the smooth boundary of two clear media: Snell's law and Fresnel's equations (Born and Wolf,
+//! Reflection and refraction at the smooth boundary of two transparent media: Snell's law and Fresnel's equations (Born and Wolf,
 //! "Principles of Optics", section 1.5).
 
 use crate::trace::math::Double;
 
-/// The boundary that light meets, by the media's indices of refraction, greater than 0.
+/// The boundary between two media, given by their refractive indices, which are greater than 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boundary {
-    /// Of the medium that the light comes from.
+    /// Refractive index of the medium from which the light arrives.
     pub from: f64,
-    /// Of the medium behind.
+    /// Refractive index of the medium behind the boundary.
     pub into: f64,
 }
 
 impl Boundary {
-    /// The cosine of the angle that transmitted light makes with the normal, for the cosine, 0..=1, of the angle at which light
-    /// arrives. `None` under total internal reflection.
+    /// Returns the cosine of the angle of refraction, for the cosine of the angle of incidence, 0..=1. `None` under total internal
+    /// reflection.
     ///
-    /// Near the critical angle n2^2 - n1^2 sin^2 cancels; it is made of exact products.
+    /// Near the critical angle n2^2 - n1^2 sin^2 cancels, so it is computed from exact products.
     #[must_use]
     pub fn transmitted_cosine(&self, cosine: f64) -> Option<f64> {
         let squared_sine = Double::from(1.0) - Double::product(cosine, cosine);
@@ -25,7 +25,7 @@ impl Boundary {
         (rest >= 0.0).then(|| rest.sqrt() / self.into)
     }
 
-    /// The share of unpolarised light that is reflected, 0..=1.
+    /// Returns the Fresnel reflectance of unpolarised light, 0..=1, for the cosine of the angle of incidence.
     #[must_use]
     pub fn reflectance(&self, cosine: f64) -> f64 {
         let Some(transmitted) = self.transmitted_cosine(cosine) else {
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn grazing_light_enters_glass_at_the_critical_angle() {
-        // cos_i, cos_t, R: worked out to 16 and 15 digits; R is a mean of squared quotients, each rounded a few times.
+        // cos_i, cos_t, R: computed to 16 and 15 digits. R is a mean of squared quotients, each rounded a few times.
         for (cosine, transmitted, reflected) in [
             (1e-3, 0.745_356_290_642_267_3, 0.994_205_572_508_501),
             (1e-6, 0.745_355_992_500_228, 0.999_994_186_242_658),
@@ -70,7 +70,8 @@ mod tests {
 
     #[test]
     fn total_internal_reflection_starts_at_the_critical_angle() {
-        // The sine is 2/3. Away from it by an angle, cos_t^2: the angle's cosine is rounded, which is 2e-16 of cos_t^2.
+        // The sine of the critical angle is 2/3. Each entry is an angle relative to it, with cos_t^2 there. Rounding the cosine of the
+        // angle changes cos_t^2 by 2e-16.
         let critical = libm::asin(2.0 / 3.0);
         for (angle, squared) in [(-1e-6, 2.236_067_727_5e-6), (-1e-9, 2.236_067_977_25e-9)] {
             let found = OUT_OF_GLASS.transmitted_cosine(libm::cos(critical + angle)).unwrap();

@@ -1,4 +1,4 @@
-//! What lights add at a surface point, as far as nothing stands in their way.
+//! Light samples at a shading point, before occlusion.
 
 use glam::DVec3;
 
@@ -10,73 +10,74 @@ use crate::trace::query::SurfacePoint;
 use crate::trace::rays::{Ray, ShadowLimit};
 use crate::trace::scene::{Light, LightSource, SurfaceMaterial};
 
-/// A surface point to be lit.
+/// A shading point.
 pub(crate) struct ShadingPoint<'a> {
-    /// The direction of the ray that found it.
+    /// Direction of the ray that hit the point.
     pub(crate) arriving: DVec3,
-    /// The place in the tree of rays of that ray.
+    /// Index of that ray in the ray tree of its sample.
     pub(crate) path: u64,
     pub(crate) point: DVec3,
     pub(crate) material: &'a SurfaceMaterial,
-    /// The diffuse colour there.
+    /// Diffuse colour at the point.
     pub(crate) diffuse: Rgb,
     pub(crate) asker: SampleId,
-    /// The unit normal on the side that the ray came from.
+    /// Unit normal on the side from which the ray arrived.
     pub(crate) normal: DVec3,
 }
 
-/// Identifies the sample for which light is asked.
+/// Identifies the pixel sample for which light is sampled.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleId {
     pub(crate) seed: u64,
-    /// The pixel's column and row.
+    /// Column and row of the pixel.
     pub(crate) pixel: (u32, u32),
-    /// Index of the pixel's sample.
+    /// Index of the sample in its pixel.
     pub(crate) sample: u32,
 }
 
-/// A ray towards a light.
+/// A shadow ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadowRay {
     pub(crate) ray: Ray,
-    /// Where the light is.
+    /// End of the ray, at the light.
     pub(crate) limit: ShadowLimit,
-    /// Whether the light comes from the other side, through the clear medium behind the surface.
+    /// True if the light arrives from the other side, through the transparent medium behind the surface.
     pub(crate) from_behind: bool,
 }
 
-/// What a light adds, if it comes through.
+/// The contribution of a light, before occlusion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightSample {
-    /// What it adds where nothing is in its way.
+    /// The unoccluded contribution.
     pub(crate) color: Rgb,
-    /// What has to be asked first; `None` where nothing can stand in the way.
+    /// Direction and end of the shadow ray to trace; `None` if nothing can occlude the light.
     pub(crate) shadow: Option<WayToLight>,
 }
 
-/// The way from a surface point to a light, [`scaled`].
+/// The direction from a shading point to a light, [`scaled`], and its end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WayToLight {
     pub(crate) direction: DVec3,
-    /// Where the light is.
+    /// End of the shadow ray, at the light.
     pub(crate) limit: ShadowLimit,
-    /// Whether the light comes from the other side, through the clear medium behind the surface.
+    /// True if the light arrives from the other side, through the transparent medium behind the surface.
     pub(crate) from_behind: bool,
 }
 
 impl WayToLight {
-    /// Returns the ray from a surface point: the one that it was proposed for.
+    /// Returns the shadow ray from a surface point, which must be the one that was sampled.
     #[inline(always)]
     pub(crate) fn ray(&self, surface: &SurfacePoint) -> ShadowRay {
         let Self { direction, limit, from_behind } = *self;
-        // Normals face the ray that arrived, and so does the side that is left. The point is finite, as there is a way to the light.
+        // The shadow ray leaves the surface on the side of the arriving ray, unless the light is behind the surface. The point is finite,
+        // because it has a direction to the light.
         let exclusion = surface.exclusion(surface.from_outside != from_behind);
         ShadowRay { ray: Ray::departing(surface.point, direction, exclusion), limit, from_behind }
     }
 }
 
-/// Returns what sample `sample` of light number `index` adds, as far as nothing stands in its way; `None` where it is nothing
-/// whatever stands there. Lights without a size have one sample.
+/// Returns the contribution of sample `sample` of light number `index`, before occlusion; `None` if it is zero. Lights other than area
+/// lights have one sample.
 #[inline(always)]
 pub(crate) fn sample_light(
     effects: Effects,
@@ -87,7 +88,7 @@ pub(crate) fn sample_light(
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => from_place(effects, light, lit, place),
         LightSource::Directional(direction) => {
-            // From a place that is not finite there is no way to any other light by itself.
+            // All other lights need no such test: a point that is not finite has no scaled direction to them.
             let (to_light, _) = lit.point.is_finite().then(|| scaled(direction))??;
             arriving(effects, light, lit, to_light, ShadowLimit::NONE)
         }
@@ -99,8 +100,8 @@ pub(crate) fn sample_light(
     }
 }
 
-/// Returns the place of a light with a size from which its sample `sample` comes to a point. The ray that found the point has this
-/// place in the tree of rays of the sample that asks.
+/// Returns sample point `sample` of an area light for a shading point. `path` is the index of the ray that hit the point in the ray tree of
+/// pixel sample `asker`.
 fn light_place(
     (index, light): (usize, &Light),
     point: DVec3,
@@ -113,7 +114,7 @@ fn light_place(
     light.source.place(point, square)
 }
 
-/// Returns for what the places on light number `index` are asked, by a ray with this place in its tree of rays.
+/// Returns the sampling dimension of light number `index`, for the ray with index `path` in its tree.
 #[inline(always)]
 pub(super) fn light_dimension(index: usize, path: u64) -> Dimension {
     Dimension::Light { light: to_u32(index), path }
@@ -125,15 +126,16 @@ pub(super) fn light_point(light: &Light, of_pixel: u32, sample: u32) -> u32 {
     of_pixel.wrapping_mul(light.places()).wrapping_add(sample)
 }
 
-/// Returns what a light adds from one of its places. It adds nothing at the very point.
+/// Returns the contribution of a light from `place`; `None` if the shading point is at `place`.
 #[inline(always)]
 fn from_place(effects: Effects, light: &Light, lit: &ShadingPoint<'_>, place: DVec3) -> Option<LightSample> {
     let (to_light, scale) = scaled(place - lit.point)?;
     arriving(effects, light, lit, to_light, ShadowLimit::new(scale.recip(), place))
 }
 
-/// Returns what a light adds that is as far as `limit` in a direction that is [`scaled`]. It adds nothing, and no ray is sent, if it
-/// is behind what is opaque, if it shines elsewhere, or if the surface scatters none of it back along the ray that found it.
+/// Returns the contribution of a light in direction `to_light`, which is [`scaled`]; `limit` is the end of the shadow ray, at the light.
+/// `None`, without a shadow ray, if the light is behind an opaque surface, shines elsewhere, or is not scattered back along the ray that
+/// hit the point.
 #[inline(always)]
 fn arriving(
     effects: Effects,

@@ -1,4 +1,4 @@
-//! What lights add at sixteen surface points: the operations of [`sample_light`](super::propose), in their order.
+//! Light samples at sixteen shading points: the operations of [`sample_light`](super::sample_light), in the same order.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
@@ -13,8 +13,8 @@ use crate::trace::math::{
 };
 use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
 
-/// Finds what sample `sample` of light number `index` adds to each point, as far as nothing stands in its way. `asker` says for
-/// which sample of which pixel the light is asked in a lane.
+/// Computes the contribution of sample `sample` of light number `index` at each shading point, before occlusion. `asker` returns the pixel
+/// sample of a lane.
 #[inline(always)]
 pub(crate) fn sample_light_lanes<S: Simd>(
     simd: S,
@@ -62,21 +62,21 @@ pub(crate) fn sample_light_lanes<S: Simd>(
     light_samples.leave(lit.surfaces);
 }
 
-/// How a light is seen from points.
+/// The directions from shading points to a light.
 struct Aim {
-    /// Cosines of the angles to the normals, without their signs.
+    /// Cosines of the angles between directions and normals, without their signs.
     cosines: Numbers,
-    /// The lengths of the directions to the light.
+    /// Lengths of the directions to the light.
     lengths: Numbers,
-    /// Lanes whose points face the light.
+    /// Lanes whose surfaces face the light.
     facing: u32,
-    /// Lanes whose points turn their backs on it.
+    /// Lanes whose surfaces face away from the light.
     behind: u32,
-    /// Lanes that have to be asked one by one.
+    /// Lanes left to the scalar function [`sample_light`].
     unusual: u32,
 }
 
-/// Finds the directions to a light, and how far it is, for the proposals.
+/// Computes the directions to a light and its `t` along them, and stores them as rays and limits of `light_samples`.
 #[inline(always)]
 fn aim<S: Simd>(
     simd: S,
@@ -95,7 +95,7 @@ fn aim<S: Simd>(
         let point = lit.surfaces.points.load(simd, half);
         let (to_light, limit, found) = way(simd, target, point, (light_samples, half));
         let length = dot(to_light, to_light).sqrt();
-        // Of the outward normal: the one that faces the ray differs in its sign at most, and so does the cosine.
+        // Uses the outward normal. The normal that faces the ray differs at most in its sign, and so does the cosine.
         let cosine = dot(lit.surfaces.normals.load(simd, half), to_light) / length;
         let zero = splat(simd, 0.0);
         usual |= bits(found, half);
@@ -131,17 +131,17 @@ fn lit_point<'a>(
     }
 }
 
-/// Where light comes from.
+/// The origin of a light's rays.
 enum LightPosition {
-    /// From here.
+    /// The position of a point light or spot light.
     Place(DVec3),
-    /// From the places of the lanes.
+    /// The sample points of an area light, one per lane.
     Places,
-    /// From infinitely far away; [`scaled`].
+    /// The direction to a directional light; [`scaled`].
     Direction(DVec3),
 }
 
-/// `None` where nothing comes.
+/// Returns the origin of a light's rays; `None` if it contributes nothing. The sample points of area lights are stored in `light_samples`.
 #[inline(always)]
 fn target<S: Simd>(
     simd: S,
@@ -163,7 +163,7 @@ fn target<S: Simd>(
     }
 }
 
-/// The direction to the light, how many times as far it is, and where that is so.
+/// Returns the directions to the light, its `t` along them, and a mask of the lanes in which both are valid.
 #[inline(always)]
 fn way<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! What is known of sixteen surface points that are lit, and what a light adds there if it comes through.
+//! Sixteen shading points, and the contributions of a light there, before occlusion.
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -12,46 +12,46 @@ use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShadowLimit};
 use crate::trace::scene::{Light, LightSource};
 
-/// Surface points to be lit, lane by lane.
+/// Shading points, lane by lane.
 pub(crate) struct ShadingPacket<'a> {
-    /// The rays that found them.
+    /// Rays that hit the points.
     pub(crate) rays: &'a RayPacket,
-    /// What those carry.
+    /// Path states of the rays.
     pub(crate) paths: &'a PathPacket,
     pub(crate) hits: &'a HitPacket,
     pub(crate) surfaces: &'a SurfacePacket,
-    /// The diffuse colours there.
+    /// Diffuse colours at the points.
     pub(crate) diffuse: &'a Colors,
-    /// From where on a light with a size they are lit.
+    /// Sample sequences on area lights.
     pub(crate) places: &'a AreaLightSamples,
     /// Lanes whose materials have highlights.
     pub(crate) shiny: u32,
-    /// Lanes whose materials are clear.
+    /// Lanes whose materials are transparent.
     pub(crate) clear: u32,
 }
 
-/// What a light adds, lane by lane, if it comes through.
+/// Contributions of a light before occlusion, lane by lane.
 #[derive(Clone, Debug)]
 pub(crate) struct LightSamplePacket {
-    /// Lanes to which something is added.
+    /// Lanes with a contribution.
     pub(crate) lanes: u32,
-    /// Of these, lanes of which it has to be asked first what stands in the way.
+    /// Lanes, among `lanes`, that need a shadow ray.
     pub(crate) asking: u32,
-    /// Lanes to which light comes from the other side, through the clear medium behind the surface.
+    /// Lanes in which light arrives from the other side, through the transparent medium behind the surface.
     pub(crate) from_behind: u32,
-    /// What is added where nothing is in the way.
+    /// The unoccluded contributions.
     pub(crate) colors: Colors,
-    /// From the points to the light, where it has to be asked what stands in the way; also their directions wherever the operations of
-    /// lanes found what is added.
+    /// Shadow rays, in the lanes `asking`. Directions are also valid in all other lanes whose contribution was computed by packet
+    /// operations.
     pub(crate) rays: RayPacket,
-    /// How many times as far it is.
+    /// The light's `t` along the rays.
     pub(crate) limits: Numbers,
-    /// Where it is, if it has a size.
+    /// Sample points on the light, if it is an area light.
     pub(super) places: Vectors,
 }
 
 impl LightSamplePacket {
-    /// Of nothing.
+    /// A packet without contributions.
     pub(crate) const EMPTY: Self = Self {
         lanes: 0,
         asking: 0,
@@ -62,7 +62,7 @@ impl LightSamplePacket {
         places: Vectors::splat(DVec3::ZERO),
     };
 
-    /// Returns the way to the light in a lane that has one.
+    /// Returns the direction to the light and its end, in a lane that has a direction.
     #[inline]
     pub(crate) fn way(&self, light: &Light, lane: usize) -> WayToLight {
         let limit = match light.source {
@@ -78,25 +78,25 @@ impl LightSamplePacket {
         WayToLight { direction: self.rays.directions.get(lane), limit, from_behind }
     }
 
-    /// Drops what is hidden.
+    /// Drops the occluded lanes.
     #[inline]
     pub(crate) fn drop_hidden(&mut self, hidden: u32) {
         self.lanes &= !hidden;
         self.rays.keep(!hidden);
     }
 
-    /// Lets the rays of lanes that ask leave the surfaces.
+    /// Makes the shadow rays leave their surfaces.
     #[inline(always)]
     pub(super) fn leave(&mut self, surfaces: &SurfacePacket) {
         self.rays.lanes = self.asking;
         self.rays.left = surfaces.first_equals;
         self.rays.departing = self.asking;
         self.rays.outward = surfaces.from_outside ^ self.from_behind;
-        // Which others they leave besides is left to who follows them one by one.
+        // Tied shapes that the rays also leave are handled when the rays are traced one by one.
         self.rays.tied = surfaces.tied & self.asking;
     }
 
-    /// Puts a proposal into a lane that has none.
+    /// Puts a light sample into an empty lane.
     pub(super) fn set(&mut self, lane: usize, proposal: &LightSample) {
         let bit = 1 << lane;
         self.lanes |= bit;
@@ -113,13 +113,13 @@ impl LightSamplePacket {
     }
 }
 
-/// The normal on the side that the ray came from.
+/// Returns the normal on the side from which the ray arrived.
 pub(super) fn facing_normal(surfaces: &SurfacePacket, lane: usize) -> DVec3 {
     let normal = surfaces.normals.get(lane);
     if surfaces.from_outside & (1 << lane) != 0 { normal } else { -normal }
 }
 
-/// The same in half of the lanes.
+/// Computes [`facing_normal`] for half of the lanes.
 #[inline(always)]
 pub(super) fn facing_normals<S: Simd>(simd: S, surfaces: &SurfacePacket, half: usize) -> F64s3<S> {
     let normal = surfaces.normals.load(simd, half);

@@ -1,4 +1,4 @@
-//! Which clear solids a ray is inside of.
+//! Stacks of the transparent solids that contain a ray.
 
 use std::cmp::Reverse;
 
@@ -9,16 +9,17 @@ use crate::trace::query::SurfacePoint;
 use crate::trace::rays::{ShapeId, TieLists};
 use crate::trace::scene::{PreparedScene, Refraction};
 
-/// The solids that a ray is inside of, the last entered first: the one that counts. A place in a [`MediumStacks`].
+/// The transparent solids that contain a ray, last entered first, as a position in a [`MediumStacks`]. The last entered solid is the
+/// medium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct MediumStack(u32);
 
 impl MediumStack {
-    /// Of none.
+    /// The empty stack.
     pub(crate) const NONE: Self = Self(0);
 }
 
-/// Lists of solids that share their tails: a ray that enters a solid puts it before the list of the ray it continues.
+/// Linked lists of solids with shared tails. A ray that enters a solid prepends it to the list of the ray that it continues.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MediumStacks(Vec<(ShapeId, MediumStack)>);
 
@@ -27,17 +28,17 @@ impl MediumStacks {
         self.0.clear();
     }
 
-    /// A mark to go back to.
+    /// Returns the number of list nodes, for [`truncate`](Self::truncate).
     pub(crate) fn mark(&self) -> usize {
         self.0.len()
     }
 
-    /// Forgets all places that were made since a mark.
+    /// Drops all stacks created since a mark.
     pub(crate) fn truncate(&mut self, mark: usize) {
         self.0.truncate(mark);
     }
 
-    /// The list, the last entered first.
+    /// Iterates over the solids of a stack, last entered first.
     pub(crate) fn solids(&self, mut medium: MediumStack) -> impl Iterator<Item = ShapeId> {
         std::iter::from_fn(move || {
             let (id, outer) = self.node(medium)?;
@@ -50,7 +51,7 @@ impl MediumStacks {
         Some(self.0[medium.0.checked_sub(1)? as usize])
     }
 
-    /// With a solid before the others, unless it is among them.
+    /// Returns the stack with a solid pushed, or unchanged if it contains the solid.
     pub(crate) fn entered(&mut self, medium: MediumStack, id: ShapeId) -> MediumStack {
         if self.solids(medium).any(|other| other == id) {
             return medium;
@@ -58,21 +59,22 @@ impl MediumStacks {
         self.added(medium, id)
     }
 
-    /// With a solid before the others, among which it is not.
+    /// Returns the stack with a solid pushed that it does not contain.
     pub(crate) fn added(&mut self, medium: MediumStack, id: ShapeId) -> MediumStack {
         self.0.push((id, medium));
         MediumStack(u32::try_from(self.0.len()).unwrap_or(0))
     }
 
-    /// Without a solid.
+    /// Returns the stack with a solid removed, or unchanged if it does not contain the solid.
     pub(crate) fn left(&mut self, medium: MediumStack, id: ShapeId) -> MediumStack {
-        // Mostly it is the last entered.
+        // The solid is usually the last entered one.
         if let Some((_, outer)) = self.node(medium).filter(|(last, _)| *last == id) {
             return outer;
         }
         let Some(depth) = self.solids(medium).position(|other| other == id) else {
             return medium;
         };
+        // Other stacks share the nodes of the solids entered later, so they are copied.
         let later: Vec<ShapeId> = self.solids(medium).take(depth).collect();
         let mut rest = medium;
         for _ in 0..=depth {
@@ -81,8 +83,8 @@ impl MediumStacks {
         later.into_iter().rev().fold(rest, |medium, id| self.added(medium, id))
     }
 
-    /// After a ray with this direction has gone through a surface and through all that is tied with it there. What is entered at once is entered
-    /// in such an order that the first in document order counts.
+    /// Returns the stack after a ray in `direction` has crossed a surface and all shapes tied with it. Solids entered at the same point are
+    /// pushed in an order that makes the first in document order the medium.
     pub(crate) fn through(
         &mut self,
         scene: &PreparedScene,
@@ -110,12 +112,12 @@ impl MediumStacks {
         medium
     }
 
-    /// The index of refraction that counts: 1 outside of everything.
+    /// Returns the refractive index of the medium: 1 outside all solids.
     pub(crate) fn ior(&self, scene: &PreparedScene, medium: MediumStack) -> f64 {
         self.innermost(scene, medium).map_or(1.0, |refraction| refraction.ior)
     }
 
-    /// What the medium takes away per unit of length.
+    /// Returns the absorption coefficients of the medium, per unit of length.
     pub(crate) fn absorption(&self, scene: &PreparedScene, medium: MediumStack) -> Rgb {
         self.innermost(scene, medium).map_or(Rgb::ZERO, |refraction| refraction.absorption)
     }

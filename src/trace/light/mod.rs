@@ -1,4 +1,4 @@
-//! What light does at surfaces and in between: the physics, shared by the stages and the reference path.
+//! Light transport at surfaces and in media: the physics shared by the stages and the reference path.
 
 mod area_light_samples;
 mod context;

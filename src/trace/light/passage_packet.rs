@@ -1,4 +1,4 @@
-//! What happens to light along sixteen rays: the operations of [`PathState::passage`](super::PathState::passage), in their order.
+//! Attenuation along sixteen rays: the operations of [`PathState::passage`](super::PathState::passage), in the same order.
 
 use fearless_simd::{f32x16, prelude::*};
 
@@ -9,25 +9,25 @@ use crate::trace::effects::Effects;
 use crate::trace::math::{Colors, F64s, Numbers, exp, lanes, splat};
 use crate::trace::scene::{Fog, PreparedScene};
 
-/// What the ways along rays do to light, if anything: `transmitted` times what comes in at their ends, plus `added`.
+/// The attenuation along rays: incoming light times `transmitted`, plus `added`.
 #[derive(Clone, Copy)]
 pub(crate) struct PassageLanes<S: Simd> {
     pub(crate) transmitted: [f32x16<S>; 3],
     pub(crate) added: [f32x16<S>; 3],
 }
 
-/// Rays along which light is lost, and to what.
+/// Rays along which light is attenuated, with their absorption coefficients.
 pub(crate) struct Absorbers {
-    /// The lanes of the rays.
+    /// Lanes of the rays.
     pub(crate) lanes: u32,
-    /// What the solids absorb that they are inside of, per unit of length.
+    /// Absorption coefficients of the solids that contain the rays, per unit of length.
     absorption: Colors,
-    /// Whether those absorb anything.
+    /// True if any absorption coefficient is not zero.
     in_solids: bool,
 }
 
 impl Absorbers {
-    /// On the ways of rays in some lanes.
+    /// Finds the attenuated rays in the lanes `asked`.
     #[inline(always)]
     pub(crate) fn of(
         scene: &PreparedScene,
@@ -54,7 +54,7 @@ impl Absorbers {
         all
     }
 
-    /// What they do over lengths, which may be infinite.
+    /// Computes the attenuation over lengths, which may be infinite.
     #[inline(always)]
     pub(crate) fn over<S: Simd>(&self, simd: S, fog: &Fog, lengths: &Numbers) -> PassageLanes<S> {
         let one = f32x16::splat(simd, 1.0);
@@ -64,6 +64,7 @@ impl Absorbers {
             for channel in 0..3 {
                 let (first, second) = coefficients[channel].widen();
                 let share = shares(simd, (first, second), lengths);
+                // 0 times an infinite length is NaN; the transmittance is then 1.
                 let none = coefficients[channel].simd_eq(f32x16::splat(simd, 0.0));
                 absorbed[channel] = none.select(one, share);
             }
@@ -85,7 +86,7 @@ impl Absorbers {
     }
 }
 
-/// What a solid that absorbs lets through over the lengths of the lanes, which are finite, channel by channel:
+/// Computes the transmittance of an absorbing solid over finite lengths, per channel and lane:
 /// [`transmittance`](crate::trace::scene::transmittance).
 #[inline(always)]
 pub(crate) fn transmittances<S: Simd>(simd: S, absorption: Rgb, lengths: &Numbers) -> [f32x16<S>; 3] {
@@ -97,7 +98,7 @@ pub(crate) fn transmittances<S: Simd>(simd: S, absorption: Rgb, lengths: &Number
     transmitted
 }
 
-/// exp(-coefficient length), for both halves of the lanes.
+/// Computes exp(-coefficient length). `first` and `second` are the coefficients of the two halves of the lanes.
 #[inline(always)]
 fn shares<S: Simd>(simd: S, (first, second): (F64s<S>, F64s<S>), lengths: &Numbers) -> f32x16<S> {
     simd.vectorize(

@@ -1,25 +1,25 @@
-//! What sixteen rays carry from the camera.
+//! Path states of sixteen rays.
 
 use super::medium_stack::MediumStack;
 use super::secondary::PathState;
 use crate::color::Rgb;
 use crate::trace::math::{Colors, LANES};
 
-/// A [`PathState`] of every lane.
+/// A [`PathState`] in every lane.
 #[derive(Clone, Debug)]
 pub(crate) struct PathPacket {
     pub(crate) throughputs: Colors,
     pub(crate) media: [MediumStack; LANES],
-    /// The places in the tree of rays.
+    /// Indices in the ray trees.
     pub(crate) places: [u64; LANES],
 }
 
 impl PathPacket {
-    /// At the root of trees, outside of all solids.
+    /// The states of camera rays that start outside all transparent solids.
     pub(crate) const AT_CAMERA: Self =
         Self { throughputs: Colors::splat(Rgb::ONE), media: [MediumStack::NONE; LANES], places: [1; LANES] };
 
-    /// Returns what the ray in a lane carries.
+    /// Returns the path state of a lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> PathState {
         let lane = lane % LANES;
@@ -30,7 +30,7 @@ impl PathPacket {
         }
     }
 
-    /// Sets what the ray in a lane carries.
+    /// Sets the path state of a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, state: &PathState) {
         let lane = lane % LANES;

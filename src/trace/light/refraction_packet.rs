@@ -1,4 +1,4 @@
-//! What sixteen clear surfaces do with light: the operations of [`secondary_rays`](super::secondary_rays), in their order.
+//! Refraction at sixteen transparent surfaces: the operations of [`secondary_rays`](super::secondary_rays), in the same order.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
@@ -14,45 +14,46 @@ use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::{self, PreparedScene};
 
-/// The shares of light that clear surfaces refract, lane by lane, and where that goes.
+/// The refraction at transparent surfaces, lane by lane.
 #[derive(Clone, Debug)]
 pub(super) struct RefractionPacket {
+    /// Share of the light that is refracted.
     pub(super) transmitted: [f32; LANES],
-    /// The directions of refracted rays, of any length but zero.
+    /// Directions of the refracted rays, of any length except zero.
     pub(super) directions: Vectors,
-    /// The solids that those are inside of.
+    /// Transparent solids that contain the refracted rays.
     pub(super) beyond: [MediumStack; LANES],
-    /// Lanes of refracted rays.
+    /// Lanes with refracted rays.
     pub(super) lanes: u32,
-    /// Lanes that have to be asked one by one.
+    /// Lanes left to the scalar function.
     pub(super) unusual: u32,
 }
 
-/// The media at surfaces, lane by lane.
+/// The media on both sides of surfaces, lane by lane.
 struct Media {
-    /// The indices of refraction on this side and on the other one.
+    /// Refractive indices on the side of the arriving ray, `from`, and on the other side, `into`.
     from: Numbers,
     into: Numbers,
     /// k_t.
     transmitted: [f32; LANES],
-    /// Lanes in which Fresnel's equations say what is mirrored.
+    /// Lanes in which Fresnel's equations give the reflectance.
     fresnel: u32,
 }
 
-/// What is on both sides of a clear surface.
+/// The media on both sides of a transparent surface.
 #[derive(Clone, Copy)]
 struct MediumBoundary {
-    /// The solids that a ray is inside of behind it.
+    /// Transparent solids that contain a ray behind the surface.
     beyond: MediumStack,
-    /// The indices of refraction on this side and on the other one.
+    /// Refractive indices on the side of the arriving ray, `from`, and on the other side, `into`.
     from: f64,
     into: f64,
     refraction: scene::Refraction,
 }
 
 impl MediumBoundary {
-    /// Returns where a ray that is inside of some solids enters or leaves a shape. `None` where that is not clear, or there are others that
-    /// equal it.
+    /// Returns the boundary at which a ray in medium `arrived` enters or leaves a shape. `None` if the shape is not transparent or has
+    /// equal shapes.
     fn of(
         (scene, media): (&PreparedScene, &mut MediumStacks),
         (id, arrived, entering): (Option<ShapeId>, MediumStack, bool),
@@ -66,7 +67,7 @@ impl MediumBoundary {
 }
 
 impl RefractionPacket {
-    /// At surfaces in some lanes, all of them clear. What they mirror besides is added to the shares that they reflect.
+    /// Computes the refraction at the surfaces in lanes `clear`, all of them transparent. Light that they mirror is added to `reflected`.
     #[inline(always)]
     pub(super) fn at<S: Simd>(
         simd: S,
@@ -91,7 +92,7 @@ impl RefractionPacket {
         refraction
     }
 
-    /// Finds the media on both sides of clear surfaces.
+    /// Collects the media on both sides of transparent surfaces.
     fn gather(
         &mut self,
         (scene, media): (&PreparedScene, &mut MediumStacks),
@@ -105,7 +106,7 @@ impl RefractionPacket {
         for lane in lanes(clear) {
             let bit = 1 << lane;
             let crossing = (hits.ids.get(lane), paths.media[lane], surfaces.from_outside & bit != 0);
-            // Neighbours mostly cross the same surface the same way.
+            // Neighbouring rays usually cross the same surface from the same side.
             let boundary = match last {
                 Some((before, boundary)) if before == crossing => boundary,
                 _ => MediumBoundary::of((scene, media), crossing),
@@ -124,8 +125,8 @@ impl RefractionPacket {
         found
     }
 
-    /// Finds what goes through clear surfaces, and where: Snell's law and Fresnel's equations, as
-    /// [`Boundary`](super::dielectric::Boundary) has them.
+    /// Computes the refracted shares and directions by Snell's law and Fresnel's equations, as [`Boundary`](super::dielectric::Boundary)
+    /// does.
     #[inline(always)]
     fn refract<S: Simd>(
         &mut self,
@@ -153,6 +154,7 @@ impl RefractionPacket {
             let (bent, passes) = transmitted_cosine(simd, (from, into), cosine);
             let share = reflectance((from, into), cosine, bent);
             let by_fresnel = mask(simd, *fresnel, half).select(share, zero);
+            // Equal indices mirror nothing; total internal reflection mirrors everything.
             let same = from.simd_eq(into);
             mirrored.store(half, same.select(zero, passes.select(by_fresnel, one)));
             let ratio = from / into;
@@ -161,6 +163,7 @@ impl RefractionPacket {
                 let along = same.select(direction[axis], refracted[axis]);
                 self.directions.axis_mut(axis).store(half, along);
             }
+            // Numbers of other sizes may make the products inexact.
             let usual =
                 same | (moderate(simd, cosine) & moderate(simd, from * from) & moderate(simd, into * into));
             let here = clear & half_lanes(half);
@@ -175,7 +178,7 @@ impl RefractionPacket {
     }
 }
 
-/// `Boundary::transmitted_cosine`, and where light passes.
+/// Computes `Boundary::transmitted_cosine`, and a mask of the lanes without total internal reflection.
 #[inline(always)]
 fn transmitted_cosine<S: Simd>(
     simd: S,
@@ -189,7 +192,7 @@ fn transmitted_cosine<S: Simd>(
     (rest.sqrt() / into, rest.simd_ge(splat(simd, 0.0)))
 }
 
-/// `Boundary::reflectance`, where light passes at an angle with the second cosine.
+/// Computes `Boundary::reflectance` in lanes without total internal reflection. `bent` is the cosine of the angle of refraction.
 #[inline(always)]
 fn reflectance<S: Simd>((from, into): (F64s<S>, F64s<S>), cosine: F64s<S>, bent: F64s<S>) -> F64s<S> {
     let across = squared_ratio(from * cosine, into * bent);

@@ -1,4 +1,4 @@
-//! What lighting keeps between rays.
+//! Lighting buffers that are reused from ray to ray.
 
 use std::sync::atomic::AtomicBool;
 
@@ -6,19 +6,19 @@ use super::filter::Filter;
 use super::medium_stack::MediumStacks;
 use crate::trace::query::Scratch;
 
-/// Holds what lighting needs besides the scene, kept between rays so that none allocates.
+/// Buffers that lighting needs in addition to the scene, reused from ray to ray to avoid allocation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightScratch<'a> {
-    /// What searches need.
+    /// Buffers of ray queries.
     pub(crate) search: Scratch<'a>,
-    /// Clear solids that rays of this tile are inside of.
+    /// Stacks of transparent solids that contain rays of this tile.
     pub(crate) media: MediumStacks,
-    /// What the clear solids in a shadow ray's way do to it.
+    /// Effects of the transparent solids along a shadow ray.
     pub(crate) filters: Vec<Filter>,
 }
 
 impl<'a> LightScratch<'a> {
-    /// Once `cancelled` is true nobody waits for answers, and any will do.
+    /// Creates empty buffers. `cancelled` is set on cancellation; results are then unspecified.
     pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
         Self { search: Scratch::new(cancelled), media: MediumStacks::default(), filters: Vec::new() }
     }

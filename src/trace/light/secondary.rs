@@ -1,4 +1,4 @@
-//! The rays that a surface sends on: mirrored and refracted ones.
+//! Secondary rays spawned at a surface: mirrored and refracted rays.
 
 use glam::DVec3;
 
@@ -12,32 +12,32 @@ use crate::trace::query::SurfacePoint;
 use crate::trace::rays::Ray;
 use crate::trace::scene::{Attenuation, PreparedScene, Refraction};
 
-/// A ray of the tree of rays that makes a sample.
+/// A ray in the ray tree of a sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TreeRay {
     pub(crate) ray: Ray,
     pub(crate) state: PathState,
 }
 
-/// What a sample's rays carry from the camera to here.
+/// The state of a path from the camera to a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathState {
-    /// What share of the light along this ray reaches the pixel.
+    /// Share of the light along the ray that reaches the pixel.
     pub(crate) throughput: Rgb,
-    /// The clear solids it is inside of.
+    /// Transparent solids that contain the ray.
     pub(crate) medium: MediumStack,
-    /// The place in the tree: 1 is the camera ray, and after p the mirrored ray is 2p, the refracted one 2p + 1.
+    /// Index in the ray tree: 1 is the camera ray; ray p spawns the mirrored ray 2p and the refracted ray 2p + 1.
     pub(crate) path: u64,
 }
 
 impl PathState {
-    /// At the root of a tree.
+    /// Returns the state of a camera ray.
     #[inline]
     pub(crate) const fn at_camera(medium: MediumStack) -> Self {
         Self { throughput: Rgb::ONE, medium, path: 1 }
     }
 
-    /// What happens to light along the ray, over a length.
+    /// Computes the attenuation along the ray, over a length.
     pub(crate) fn passage(
         &self,
         effects: Effects,
@@ -53,18 +53,18 @@ impl PathState {
     }
 }
 
-/// The most rays that are traced for a sample, so that time and memory have a bound whatever a scene asks for. Those beyond see
-/// the background untraced, as those beyond the last generation do.
+/// Maximum number of rays traced per sample, which bounds time and memory for any scene. Rays beyond it are not traced and see the
+/// background, like rays beyond the last generation.
 pub(crate) const LARGEST_TREE: u32 = 4096;
 
-/// What goes on from a surface.
+/// The rays spawned at a surface.
 #[derive(Debug, Default)]
 pub(crate) struct SecondaryRays {
     pub(crate) reflected: Option<TreeRay>,
     pub(crate) refracted: Option<TreeRay>,
 }
 
-/// The continuations of a ray, which arrives in a direction, at a surface. Total internal reflection turns refracted light into mirrored light.
+/// Spawns the secondary rays of a ray that arrives at a surface. Total internal reflection adds the refracted light to the mirrored light.
 pub(crate) fn secondary_rays(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
@@ -101,8 +101,8 @@ pub(crate) fn secondary_rays(
     branches
 }
 
-/// What a ray carries that takes a share of the light on, in a medium, in place 0 or 1 below the one that it continues. `None` where it
-/// would bring nothing.
+/// Returns the state of a secondary ray that carries a share of the light in a medium, as child `place`, 0 or 1, of the ray that it
+/// continues. `None` if its throughput is zero.
 #[inline]
 pub(super) fn reaching(
     arrived: &PathState,
@@ -110,16 +110,16 @@ pub(super) fn reaching(
     medium: MediumStack,
     place: u64,
 ) -> Option<PathState> {
-    // Where k_r + k_t is above 1, light may double without end. A number times no light is no light; infinity
-    // would be none.
+    // If k_r + k_t is above 1, light may double without end. It is clamped to finite numbers, because a finite number times zero is zero,
+    // but infinity times zero is NaN.
     let throughput = (arrived.throughput * share).min(Rgb::splat(f32::MAX));
     let path = arrived.path.wrapping_mul(2).wrapping_add(place);
     (throughput != Rgb::ZERO).then_some(PathState { throughput, medium, path })
 }
 
-/// What a clear surface does with its share k_t of the light.
+/// The division of a surface's share k_t of the light into mirrored and refracted light.
 struct Refracted {
-    /// Joins the mirrored light.
+    /// Share that is added to the mirrored light.
     reflected: f32,
     transmitted: f32,
     /// `None` under total internal reflection.
@@ -128,6 +128,7 @@ struct Refracted {
 
 impl Refracted {
     fn at(medium: &Refraction, boundary: Boundary, direction: DVec3, surface: &SurfacePoint) -> Self {
+        // Equal indices neither bend nor mirror light; the direction stays exact.
         if boundary.from == boundary.into {
             return Self { reflected: 0.0, transmitted: medium.transmitted, direction: Some(direction) };
         }
@@ -147,7 +148,7 @@ impl Refracted {
     }
 }
 
-/// d - 2 (d.N) N.
+/// Returns d - 2 (d.N) N.
 fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * direction.dot(normal))
 }

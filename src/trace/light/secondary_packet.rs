@@ -1,4 +1,4 @@
-//! The rays that sixteen surfaces send on.
+//! Secondary rays spawned at sixteen surfaces.
 
 use fearless_simd::{f32x16, prelude::*};
 
@@ -13,28 +13,28 @@ use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeIds};
 use crate::trace::scene::PreparedScene;
 
-/// Rays that are sent on, in the lanes of those that they continue.
+/// Secondary rays, in the lanes of the rays that they continue.
 #[derive(Clone, Debug)]
 pub(crate) struct BranchPacket {
     pub(crate) rays: RayPacket,
-    /// What they carry.
+    /// Path states of the rays.
     pub(crate) paths: PathPacket,
 }
 
 impl BranchPacket {
-    /// Of no ray.
+    /// A packet without rays.
     pub(crate) const EMPTY: Self = Self { rays: RayPacket::EMPTY, paths: PathPacket::AT_CAMERA };
 
-    /// Puts a ray into a lane that has none.
+    /// Puts a ray into an empty lane.
     pub(crate) fn set(&mut self, lane: usize, TreeRay { ray, state }: &TreeRay) {
         self.rays.set(lane, ray);
         self.paths.set(lane, state);
     }
 }
 
-/// Finds the rays that surfaces in some lanes send on, of which some are clear: what [`secondary_rays`](super::secondary_rays) finds
-/// there, in its operations and their order. The rays that they continue arrive as `rays`, which carry `paths`. Returns the lanes
-/// that have to be asked one by one. What refracted rays are inside of is noted in the lists of `media`.
+/// Spawns the secondary rays at the surfaces in lanes `asked`, of which `clear` are transparent: [`secondary_rays`](super::secondary_rays),
+/// with the same operations in the same order. `rays`, with path states `paths`, arrive at the surfaces. The transparent solids that
+/// contain refracted rays are recorded in `media`. Returns the lanes left to the scalar function.
 #[inline(always)]
 pub(crate) fn branch_lanes<S: Simd>(
     simd: S,
@@ -72,7 +72,7 @@ pub(crate) fn branch_lanes<S: Simd>(
     unusual | sent & !usual
 }
 
-/// The shares k_r of light that shapes in some lanes mirror.
+/// Returns the coefficients k_r of the shapes in some lanes.
 #[inline(always)]
 fn reflected_shares<S: Simd>(simd: S, scene: &PreparedScene, ids: &ShapeIds, asked: u32) -> [f32; LANES] {
     if let Some(id) = ids.common(simd, asked) {
@@ -86,8 +86,8 @@ fn reflected_shares<S: Simd>(simd: S, scene: &PreparedScene, ids: &ShapeIds, ask
     shares
 }
 
-/// Lets rays carry shares of what those do that they continue, in media, in place 0 or 1 below them. Returns the lanes, of some, in which
-/// that is anything: what [`reaching`](super::secondary::reaching) says.
+/// Computes the path states of secondary rays in `media` that carry `shares` of the arriving light. They are child `place`, 0 or 1, of the
+/// rays that they continue. Returns the lanes, among `asked`, of nonzero throughput, as [`reaching`](super::secondary::reaching) does.
 #[inline(always)]
 fn carry<S: Simd>(
     simd: S,
@@ -113,8 +113,8 @@ fn carry<S: Simd>(
     asked & lit
 }
 
-/// Lets half of the rays start at surfaces, in directions of any length. Returns the lanes of that half in which that is right; the others
-/// have to be asked one by one.
+/// Starts half of the rays at surfaces, in directions of any length. Returns the lanes of that half with valid rays; the others are left to
+/// the scalar function.
 #[inline(always)]
 fn start<S: Simd>(
     simd: S,
@@ -129,7 +129,7 @@ fn start<S: Simd>(
     bits(usual & finite3(simd, point), half)
 }
 
-/// Lets rays in some lanes, outward in some, leave surfaces that are tied with no others.
+/// Makes the rays in lanes `sent`, outward in lanes `outward`, leave surfaces without ties.
 #[inline(always)]
 fn depart(surfaces: &SurfacePacket, (sent, outward): (u32, u32), rays: &mut RayPacket) {
     (rays.lanes, rays.departing, rays.outward) = (sent, sent, outward & sent);

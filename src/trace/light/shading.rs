@@ -1,5 +1,5 @@
-//! The light that a surface point sends towards the ray that found it: ambient plus, light by light, diffuse and specular.
-//! Reflected and refracted light is added by the rays themselves.
+//! Local shading: the light that a surface point scatters back along the ray that hit it. It is the ambient term, plus a diffuse and a
+//! specular term for each light. Secondary rays add mirrored and refracted light.
 
 use glam::DVec3;
 
@@ -8,19 +8,20 @@ use crate::trace::effects::Effects;
 use crate::trace::math::pow;
 use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
 
-/// C_a = k_a c I_a.
+/// Computes the ambient term, C_a = k_a c I_a.
 #[inline]
 pub(crate) fn ambient(scene: &PreparedScene, color: Rgb) -> Rgb {
     color * scene.ambient
 }
 
-/// Light that is too much for a number, held to the largest one.
+/// Clamps light that exceeds the finite numbers to the largest one.
 #[inline]
 pub(crate) fn held(light: Rgb) -> Rgb {
     if light.x + light.y + light.z < f32::INFINITY { light } else { light.min(Rgb::splat(f32::MAX)) }
 }
 
-/// I_j: what is left of a light's intensity in this direction, at this distance.
+/// Computes I_j, the intensity of a light in this direction and at this distance. `length` is the length of `to_light`, and `limit` is the
+/// light's `t` along it.
 #[inline(always)]
 pub(crate) fn intensity(effects: Effects, light: &Light, to_light: DVec3, length: f64, limit: f64) -> Rgb {
     let mut intensity = light.intensity;
@@ -35,18 +36,19 @@ pub(crate) fn intensity(effects: Effects, light: &Light, to_light: DVec3, length
     intensity
 }
 
-/// Some times the intensity, never more than a number can hold.
+/// Scales an intensity, clamped to `f32::MAX`.
 fn dimmed(intensity: Rgb, share: f64) -> Rgb {
     (intensity * to_f32(share.min(f64::from(f32::MAX)))).min(Rgb::splat(f32::MAX))
 }
 
-/// k_d c I_j (N.L_j).
+/// Computes the diffuse term, k_d c I_j (N.L_j).
 #[inline]
 pub(crate) fn diffuse(color: Rgb, intensity: Rgb, cosine: f64) -> Rgb {
     color * intensity * to_f32(cosine)
 }
 
-/// k_s I_j (N.H_j)^shininess, for directions to the light and back along the ray of any length but zero.
+/// Computes the specular term, k_s I_j (N.H_j)^shininess. `to_light` and `back`, the direction back along the ray, may have any length
+/// except zero.
 pub(crate) fn specular(
     material: &SurfaceMaterial,
     intensity: Rgb,
@@ -58,11 +60,11 @@ pub(crate) fn specular(
     intensity * (material.specular * to_f32(highlight))
 }
 
-/// max(0, N.H), at most 1, for the half vector H between two directions of any length but zero.
+/// Computes max(0, N.H), at most 1, for the half vector H between two directions of any length except zero.
 fn half_cosine(normal: DVec3, to_light: DVec3, back: DVec3) -> f64 {
     let between = to_light / length(to_light) + back / length(back);
     let cosine = normal.dot(between) / length(between);
-    // Opposite directions have nothing between them.
+    // Opposite directions have no half vector; the cosine is then NaN.
     if cosine > 0.0 { cosine.min(1.0) } else { 0.0 }
 }
 

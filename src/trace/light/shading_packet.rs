@@ -1,5 +1,5 @@
-//! How much of a light arrives at sixteen points, and the highlights there: the operations of [`intensity`](super::shading::intensity)
-//! and [`specular`](super::shading::specular), in their order.
+//! Light intensities and highlights at sixteen shading points: the operations of [`intensity`](super::shading::intensity) and
+//! [`specular`](super::shading::specular), in the same order.
 
 use fearless_simd::{f32x16, prelude::*};
 
@@ -9,7 +9,7 @@ use crate::trace::effects::Effects;
 use crate::trace::math::{F64s, F64s3, LANES, Numbers, dot, half_of, lanes, pow, splat, splat3};
 use crate::trace::scene::{Cone, Falloff, Light, LightSource, PreparedScene};
 
-/// Returns how much of a light arrives in the lanes of proposals, whose directions have these lengths.
+/// Computes the intensity of a light in the lanes of light samples. `lengths` are the lengths of their directions.
 #[inline(always)]
 pub(super) fn intensities<S: Simd>(
     simd: S,
@@ -42,7 +42,7 @@ pub(super) fn intensities<S: Simd>(
     intensity
 }
 
-/// Some times the intensity, never more than a number can hold.
+/// Scales an intensity, clamped to `f32::MAX`.
 #[inline(always)]
 fn dimmed<S: Simd>(simd: S, mut intensity: [f32x16<S>; 3], shares: &Numbers) -> [f32x16<S>; 3] {
     let share = at_most(simd, shares.load(simd, 0)).narrow(at_most(simd, shares.load(simd, 1)));
@@ -54,14 +54,14 @@ fn dimmed<S: Simd>(simd: S, mut intensity: [f32x16<S>; 3], shares: &Numbers) -> 
     intensity
 }
 
-/// At most what an `f32` can hold.
+/// Clamps numbers to `f32::MAX`.
 #[inline(always)]
 fn at_most<S: Simd>(simd: S, number: F64s<S>) -> F64s<S> {
     let most = splat(simd, f64::from(f32::MAX));
     number.simd_lt(most).select(number, most)
 }
 
-/// [`Cone::at`].
+/// Computes [`Cone::at`].
 #[inline(always)]
 fn in_cone<S: Simd>(simd: S, cone: &Cone, cosine: F64s<S>) -> F64s<S> {
     let x = (cosine - cone.outer) / (cone.inner - cone.outer);
@@ -70,7 +70,7 @@ fn in_cone<S: Simd>(simd: S, cone: &Cone, cosine: F64s<S>) -> F64s<S> {
     cosine.simd_ge(splat(simd, cone.inner)).select(splat(simd, 1.0), outside)
 }
 
-/// [`Falloff::at`].
+/// Computes [`Falloff::at`].
 #[inline(always)]
 fn after<S: Simd>(simd: S, falloff: &Falloff, distance: F64s<S>) -> F64s<S> {
     let farthest = splat(simd, f64::MAX);
@@ -79,7 +79,7 @@ fn after<S: Simd>(simd: S, falloff: &Falloff, distance: F64s<S>) -> F64s<S> {
     splat(simd, 1.0) / weakened
 }
 
-/// Adds highlights to the colours of proposals.
+/// Adds highlights to the colours of light samples.
 #[inline(always)]
 pub(super) fn add_highlights<S: Simd>(
     simd: S,
@@ -117,7 +117,7 @@ pub(super) fn add_highlights<S: Simd>(
     light_samples.colors.store(colors);
 }
 
-/// max(0, N.H), at most 1, for the half vector H between two directions of any length but zero.
+/// Computes max(0, N.H), at most 1, for the half vector H between two directions of any length except zero.
 #[inline(always)]
 fn half_cosine<S: Simd>(simd: S, normal: F64s3<S>, to_light: F64s3<S>, back: F64s3<S>) -> F64s<S> {
     let (light_length, back_length) = (dot(to_light, to_light).sqrt(), dot(back, back).sqrt());
@@ -127,7 +127,7 @@ fn half_cosine<S: Simd>(simd: S, normal: F64s3<S>, to_light: F64s3<S>, back: F64
     }
     let cosine = dot(normal, between) / dot(between, between).sqrt();
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    // Opposite directions have nothing between them.
+    // Opposite directions have no half vector: the cosine is then NaN, which becomes 0.
     let held = cosine.simd_lt(one).select(cosine, one);
     cosine.simd_gt(zero).select(held, zero)
 }

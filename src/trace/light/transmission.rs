@@ -1,7 +1,7 @@
-//! What comes through between a surface and a light.
+//! Transmittance between a surface and a light.
 //!
-//! Opaque shapes let nothing through. Clear ones let k_t through at each crossing of their surface, and exp(-absorption length)
-//! inside, without bending the ray: shadows of glass are tinted, and no light is gathered in them.
+//! Opaque shapes occlude the light. Transparent shapes transmit k_t at each crossing of their surface, and exp(-absorption length) inside
+//! (Beer's law), without bending the ray: shadows of glass are tinted, and there are no caustics.
 
 use super::direct::{ShadowRay, WayToLight};
 use super::filter::Filter;
@@ -14,10 +14,10 @@ use crate::trace::query::{Crossed, Crossing, Intersector, Scratch, SurfacePoint}
 use crate::trace::rays::{RayView, ShapeId};
 use crate::trace::scene::{PreparedScene, transmittance};
 
-/// What share of a light comes to a surface point, channel by channel; `None` where nothing does. The light is given by its own
-/// shape, and by what hid it from the last point that asked, which is asked first: neighbours are mostly in the same shadow. Of
-/// the tree's shapes only `candidates` are asked, if there are any given. `medium` is the stack of clear solids that the
-/// surface is seen from.
+/// Returns the share of a light that reaches a surface point, per channel; `None` if the light is occluded. `own_shape` is the light's own
+/// shape, which does not occlude it. `last_occluder` occluded the light at the previous shading point. It is tested first, because
+/// neighbouring points are usually in the same shadow, and it is updated. If `candidates` are given, no other shapes of the tree are
+/// tested. `medium` is the stack of transparent solids from which the surface is seen.
 #[inline(always)]
 pub(crate) fn visibility(
     effects: Effects,
@@ -46,7 +46,7 @@ pub(crate) fn visibility(
     visible.then(|| filtered(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch))
 }
 
-/// What clear shapes leave of the light. Those in the way are in `scratch.search.crossed`.
+/// Computes the transmittance of the transparent shapes along the ray, which are in `scratch.search.crossed`.
 fn filtered(
     scene: &PreparedScene,
     shapes: &impl Intersector,
@@ -77,7 +77,7 @@ fn filtered(
     }
 }
 
-/// As [`filtered_and_absorbed`], where nothing absorbs: no matter where the crossings are.
+/// Computes [`filtered_and_absorbed`] without absorption, for which the positions of the crossings do not matter.
 fn filtered_alone(
     scene: &PreparedScene,
     shapes: &impl Intersector,
@@ -109,8 +109,8 @@ fn filtered_alone(
     share
 }
 
-/// What clear shapes leave of the light, given in `scratch.search.crossed` what is in the ray's way: the product of k_t for every
-/// crossing and of what is absorbed in between, shape by shape in document order.
+/// Computes the transmittance of the transparent shapes along the ray, which are in `scratch.search.crossed`: the product of k_t for every
+/// crossing and of the transmittances between crossings, shape by shape in document order.
 pub(crate) fn filtered_and_absorbed(
     scene: &PreparedScene,
     shapes: &impl Intersector,
@@ -130,7 +130,7 @@ pub(crate) fn filtered_and_absorbed(
     absorbed_along(scene, &way, own_shape, (surface, medium), scratch)
 }
 
-/// What clear shapes leave of the light, given in `scratch.search.crossings` where the ray crosses them, in any order.
+/// Computes the transmittance of transparent shapes from the crossings of the ray in `scratch.search.crossings`, in any order.
 pub(crate) fn filtered_along(
     scene: &PreparedScene,
     way: &WayToLight,
@@ -141,7 +141,7 @@ pub(crate) fn filtered_along(
     if !way.from_behind && medium == MediumStack::NONE {
         match scratch.search.crossings[..] {
             [] => return Rgb::ONE,
-            // Mostly there is one solid in the way, from one side to the other.
+            // Fast path: usually the ray crosses a single solid from one side to the other.
             [into, out] if into.id == out.id && into.entering && scene.may_be_medium(into.id) => {
                 let length = (out.t - into.t) * way.direction.length();
                 let filter = Filter { id: into.id, crossings: 2, length: length.max(0.0) };
@@ -153,7 +153,7 @@ pub(crate) fn filtered_along(
     absorbed_along(scene, way, own_shape, (surface, medium), scratch)
 }
 
-/// As [`filtered_along`], however many solids there are.
+/// Computes [`filtered_along`] for any number of solids.
 fn absorbed_along(
     scene: &PreparedScene,
     WayToLight { direction, limit, from_behind }: &WayToLight,
@@ -164,7 +164,7 @@ fn absorbed_along(
     let LightScratch { search, media, filters } = scratch;
     let Scratch { crossings, ties, .. } = search;
     filters.clear();
-    // Stacks that are made here are of no use to anybody else.
+    // Stacks that are created here are temporary.
     let mark = media.mark();
     let mut medium = medium;
     if *from_behind {
@@ -174,6 +174,7 @@ fn absorbed_along(
     sort_along_ray(scene, crossings);
     let per_t = direction.length();
     let mut from = 0.0;
+    // Adds the segment from `from` to `to` to the last entered solid that is not the shape of the light.
     let mut passed = |media: &MediumStacks, medium: MediumStack, to: f64| {
         if let Some(id) = media.solids(medium).find(|id| Some(*id) != own_shape) {
             let length = (to - from) * per_t;
@@ -199,8 +200,7 @@ fn absorbed_along(
     product(scene, filters)
 }
 
-/// Sorts crossings from the surface to the light. Of those at one place the first in document order comes first, and is entered
-/// before it is left.
+/// Sorts crossings from the surface to the light. At equal `t`, shapes are in document order, and entering a shape precedes leaving it.
 fn sort_along_ray(scene: &PreparedScene, crossings: &mut [Crossing]) {
     let rank = |crossing: &Crossing| scene.order().rank(crossing.id);
     crossings.sort_unstable_by(|one, other| {
@@ -210,7 +210,7 @@ fn sort_along_ray(scene: &PreparedScene, crossings: &mut [Crossing]) {
 }
 
 fn product(scene: &PreparedScene, filters: &mut [Filter]) -> Rgb {
-    // Parts of one solid's way stay in their order along the ray.
+    // The sort is stable: segments inside the same solid stay in their order along the ray.
     filters.sort_by_key(|filter| scene.order().rank(filter.id));
     let mut share = Rgb::ONE;
     for same in filters.chunk_by(|one, other| one.id == other.id) {

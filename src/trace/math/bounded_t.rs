@@ -1,8 +1,8 @@
-//! Where a ray meets a shape, with what is known of its error.
+//! Ray parameters with error bounds.
 
 use super::double::Double;
 
-/// The `t` of a meeting and a bound of its error.
+/// The `t` of a hit, with a bound of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundedT {
     t: f64,
@@ -10,43 +10,43 @@ pub struct BoundedT {
 }
 
 impl BoundedT {
-    /// A `t` that is off by at most `error`.
+    /// Returns a `t` with an error of at most `error`.
     #[must_use]
     pub fn within(t: f64, error: f64) -> Self {
         Self { t, error }
     }
 
-    /// A `t` that was computed in double-double arithmetic and rounded to `f64`.
+    /// Rounds a `t` from double-double arithmetic to `f64`. The error bound is its rounding error.
     #[must_use]
     pub fn rounded(t: Double) -> Self {
         Self { t: t.rounded(), error: t.rest().abs() * (1.0 + f64::EPSILON) }
     }
 
-    /// The value, rounded.
+    /// Returns the rounded value.
     #[must_use]
     pub fn t(&self) -> f64 {
         self.t
     }
 
-    /// The bound of its error.
+    /// Returns the error bound.
     #[must_use]
     pub(crate) fn error(&self) -> f64 {
         self.error
     }
 
-    /// The largest that it may really be.
+    /// Returns the upper bound of the exact value.
     #[must_use]
     pub fn latest(&self) -> f64 {
         self.t + self.error
     }
 
-    /// The smallest that it may really be.
+    /// Returns the lower bound of the exact value.
     #[must_use]
     pub fn earliest(&self) -> f64 {
         self.t - self.error
     }
 
-    /// The later of two. Where either may be the later one, the bounds allow for both.
+    /// Returns the later of two values. If their intervals overlap, the error bound covers both.
     #[must_use]
     pub(crate) fn later(self, other: Self) -> Self {
         let (first, second) = if self.t < other.t { (self, other) } else { (other, self) };
@@ -57,7 +57,7 @@ impl BoundedT {
         }
     }
 
-    /// The earlier of two, likewise.
+    /// Returns the earlier of two values. If their intervals overlap, the error bound covers both.
     #[must_use]
     pub(crate) fn earlier(self, other: Self) -> Self {
         let (first, second) = if self.t < other.t { (self, other) } else { (other, self) };
@@ -68,19 +68,19 @@ impl BoundedT {
         }
     }
 
-    /// Returns whether it has fewer than 28 certain bits, about half of an `f64`'s.
+    /// Returns whether fewer than 28 bits are certain, about half of the bits of an `f64`.
     #[must_use]
     pub fn is_rough(&self) -> bool {
         self.error > self.t * (1.0 / 268_435_456.0)
     }
 
-    /// Returns whether it is right up to its rounding.
+    /// Returns whether the value is accurate up to its own rounding.
     #[must_use]
     pub fn is_rounded(&self) -> bool {
         self.error <= self.t * f64::EPSILON
     }
 
-    /// Returns whether both may be the same.
+    /// Returns whether the two exact values may be equal.
     #[must_use]
     pub fn may_equal(&self, other: &Self) -> bool {
         self.earliest() <= other.latest() && other.earliest() <= self.latest()

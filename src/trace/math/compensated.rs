@@ -1,12 +1,12 @@
-//! Vectors whose rounding errors are kept beside them.
+//! Vectors with compensated rounding errors.
 
 use super::double::Double;
 use super::error_free::{two_product, two_sum};
 use super::real::{Real, add};
 
-/// A vector as an unevaluated sum, for the one step from a nearly right `t` to a right one. Its operations are as good as
-/// twice the working precision for what is left after cancellation, without carrying every result on as a [`Double`]
-/// (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005).
+/// A vector as an unevaluated sum of a value and its rounding error. It serves the single Newton step that refines an approximate `t`.
+/// After cancellation its results are as accurate as in twice the working precision, without the cost of a [`Double`] for every
+/// intermediate result (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Compensated<R> {
     value: [R; 3],
@@ -14,7 +14,7 @@ pub(crate) struct Compensated<R> {
 }
 
 impl<R: Real> Compensated<R> {
-    /// origin + t direction.
+    /// Returns origin + t direction.
     #[inline(always)]
     pub(crate) fn along(origin: impl Into<[R; 3]>, direction: impl Into<[R; 3]>, t: R) -> Self {
         let (origin, direction) = (origin.into(), direction.into());
@@ -27,7 +27,7 @@ impl<R: Real> Compensated<R> {
         Self { value, rest }
     }
 
-    /// Less a point.
+    /// Subtracts a point.
     #[inline(always)]
     pub(crate) fn minus(self, point: impl Into<[R; 3]>) -> Self {
         let (Self { mut value, mut rest }, point) = (self, point.into());
@@ -38,19 +38,19 @@ impl<R: Real> Compensated<R> {
         Self { value, rest }
     }
 
-    /// Rounded to `f64`.
+    /// Returns the vector rounded to `f64`.
     #[inline(always)]
     pub(crate) fn rounded(self) -> [R; 3] {
         self.value
     }
 
-    /// Plus a short way, rounded once.
+    /// Adds a small displacement and rounds once.
     #[inline(always)]
     pub(crate) fn moved(self, way: impl Into<[R; 3]>) -> [R; 3] {
         add(self.value, add(self.rest, way.into()))
     }
 
-    /// The sum of the products with plain numbers.
+    /// Returns the dot product with a vector of working precision.
     #[inline(always)]
     pub(crate) fn dot(self, other: impl Into<[R; 3]>) -> Double<R> {
         let other = other.into();
@@ -62,7 +62,7 @@ impl<R: Real> Compensated<R> {
         summed(products, errors)
     }
 
-    /// The sum of the products with double-doubles.
+    /// Returns the dot product with a double-double vector.
     #[inline(always)]
     pub(crate) fn dot_exact(self, high: impl Into<[R; 3]>, low: impl Into<[R; 3]>) -> Double<R> {
         let (high, low) = (high.into(), low.into());
@@ -75,7 +75,7 @@ impl<R: Real> Compensated<R> {
         summed(products, errors)
     }
 
-    /// The square of its length less that of a radius, rounded to `f64`.
+    /// Returns |self|^2 - radius^2, rounded to `f64`.
     #[inline(always)]
     pub(crate) fn beyond(self, radius: R) -> R {
         let (mut squares, mut errors) = (self.value, self.rest);
@@ -102,7 +102,7 @@ impl<R> From<[Double<R>; 3]> for Compensated<R> {
     }
 }
 
-/// The sum of three numbers that have errors.
+/// Returns the sum of three numbers and their errors.
 #[inline(always)]
 fn summed<R: Real>(parts: [R; 3], errors: [R; 3]) -> Double<R> {
     let (sum, sum_error) = two_sum(parts[0], parts[1]);

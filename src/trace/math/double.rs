@@ -1,4 +1,4 @@
-//! Numbers of some 106 bits.
+//! Double-double numbers of about 106 bits.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -14,14 +14,14 @@ pub struct Double<R = f64> {
 }
 
 impl Double {
-    /// Nothing.
+    /// Zero.
     pub const ZERO: Self = Self { high: 0.0, low: 0.0 };
 
     /// One.
     pub const ONE: Self = Self { high: 1.0, low: 0.0 };
 
-    /// The short decimal number that this one was rounded from: the one of at most 15 digits that has this nearest `f64`. Where there
-    /// is none, the number itself.
+    /// Returns the short decimal number that was rounded to `number`: the one with at most 15 digits whose nearest `f64` is `number`.
+    /// Returns `number` itself if there is none.
     ///
     /// ```
     /// use rayreel::trace::math::Double;
@@ -33,9 +33,9 @@ impl Double {
     #[must_use]
     #[inline]
     pub fn decimal(number: f64) -> Self {
-        /// Whole numbers have at most 15 digits here, and powers of ten are exact.
+        /// Bound of the scaled numbers: integers below it have at most 15 digits. Powers of ten up to 1e22 are exact.
         const LARGEST: f64 = 1e15;
-        /// 1.5 2^52: a sum with a number up to 2^51 has no digits behind the point.
+        /// 1.5 2^52: adding it to a number of at most 2^51 rounds to an integer.
         const WHOLE: f64 = 6_755_399_441_055_744.0;
         if number == number.trunc() {
             return number.into();
@@ -45,10 +45,10 @@ impl Double {
             if places.abs() > LARGEST {
                 break;
             }
-            // Rounds to a whole number, without a call.
+            // Rounds to an integer without a function call.
             let digits = (places + WHOLE) - WHOLE;
             if digits / power == number {
-                // The residual of a rounded quotient is an f64.
+                // The residual of a rounded quotient is representable as an `f64`.
                 let rest = Self::from(digits) - Self::product(number, power);
                 let (high, low) = quick_two_sum(number, rest.rounded() / power);
                 return Self { high, low };
@@ -57,13 +57,13 @@ impl Double {
         number.into()
     }
 
-    /// Without its sign.
+    /// Returns the absolute value.
     #[must_use]
     pub fn abs(self) -> Self {
         if self.high < 0.0 { -self } else { self }
     }
 
-    /// The square root of a number that is not negative; 0 for one that is.
+    /// Returns the square root; 0 for a negative number.
     #[must_use]
     #[inline]
     pub fn sqrt(self) -> Self {
@@ -73,7 +73,7 @@ impl Double {
         self.root_of_positive()
     }
 
-    /// Less than, equal to or greater than zero.
+    /// Compares the number with zero.
     #[must_use]
     #[inline]
     pub fn sign(self) -> Ordering {
@@ -82,7 +82,7 @@ impl Double {
 }
 
 impl<R: Real> Double<R> {
-    /// a - b, exactly.
+    /// Returns a - b, exactly.
     #[must_use]
     #[inline(always)]
     pub fn difference(a: R, b: R) -> Self {
@@ -90,7 +90,7 @@ impl<R: Real> Double<R> {
         Self { high, low }
     }
 
-    /// a + b, exactly.
+    /// Returns a + b, exactly.
     #[must_use]
     #[inline(always)]
     pub fn sum(a: R, b: R) -> Self {
@@ -98,7 +98,7 @@ impl<R: Real> Double<R> {
         Self { high, low }
     }
 
-    /// a * b, exactly.
+    /// Returns a * b, exactly.
     #[must_use]
     #[inline(always)]
     pub fn product(a: R, b: R) -> Self {
@@ -106,30 +106,31 @@ impl<R: Real> Double<R> {
         Self { high, low }
     }
 
-    /// Times a power of two, exactly.
+    /// Returns the product with a power of two, exactly.
     #[must_use]
     #[inline(always)]
     pub fn scaled(self, power: f64) -> Self {
         Self { high: self.high * power, low: self.low * power }
     }
 
-    /// Rounded to `f64`.
+    /// Returns the number rounded to `f64`.
     #[must_use]
     #[inline(always)]
     pub fn rounded(self) -> R {
         self.high
     }
 
-    /// What rounding to `f64` leaves over.
+    /// Returns the rounding error: the number minus its value rounded to `f64`.
     #[must_use]
     #[inline(always)]
     pub fn rest(self) -> R {
         self.low
     }
 
-    /// The square root of numbers greater than zero.
+    /// Returns the square root of a positive number.
     #[inline(always)]
     pub(crate) fn root_of_positive(self) -> Self {
+        // One Newton step: √x = r + (x - r^2) / (2 r) to first order.
         let root = self.high.sqrt();
         let residual = self - Self::product(root, root);
         let (high, low) = quick_two_sum(root, residual.high / (root * 2.0));
@@ -248,7 +249,7 @@ mod tests {
         for whole in [0.0, -3.0, 1e15, 1e300, 5e-324, f64::MAX, 1.0 / 3.0 * 1e-30] {
             assert_eq!(Double::decimal(whole), Double::from(whole), "{whole:e}");
         }
-        // Every number of few digits is exactly its decimals to 106 bits.
+        // Every number of few digits equals its decimal representation to 106 bits.
         for digits in 1..100_000_u32 {
             let number = Double::decimal(f64::from(digits) / 1e4);
             let rest = number * Double::from(1e4) - Double::from(f64::from(digits));

@@ -1,14 +1,14 @@
-//! Exponentials, powers, sines and cosines as one sequence of basic operations: the same for a number as for lanes of them, and with
-//! the same bits on every machine.
+//! Exponentials, powers, sines and cosines as one sequence of basic operations. Results are bit-identical for scalars and lanes, and on
+//! every machine.
 //!
-//! They are right to 2^-44 of themselves, as far as that is a normal `f32`: what they say is rounded to one, or places a sample.
-//! Taylor's series do, of what is left after powers of two are taken out.
+//! The relative error is at most 2^-44 where the result is a normal `f32`: results are rounded to `f32`, or place a sample. Powers of two
+//! are factored out, and the remainder is evaluated by Taylor series.
 
 use std::f64::consts::{LN_2, LOG2_E};
 
 use super::real::{ROUNDER, Real};
 
-/// e^x, for x up to 700; 0 for what is less than -700.
+/// Returns e^x, for x up to 700; 0 for x below -700.
 #[inline(always)]
 pub(crate) fn exp<R: Real>(x: R) -> R {
     let power = (x * LOG2_E + ROUNDER) - ROUNDER;
@@ -16,7 +16,7 @@ pub(crate) fn exp<R: Real>(x: R) -> R {
     x.if_less(x.of(-700.0), x.of(0.0), series(rest, &EXP) * power.power_of_two())
 }
 
-/// ln x, of a normal number greater than zero.
+/// Returns ln x of a positive normal number.
 #[inline(always)]
 fn ln<R: Real>(x: R) -> R {
     let (mantissa, exponent) = x.mantissa_and_exponent();
@@ -26,22 +26,21 @@ fn ln<R: Real>(x: R) -> R {
     (of_mantissa + exponent * LN_2_LOW) + exponent * LN_2_HIGH
 }
 
-/// x^y, for x in 0..=1 and y from 0 up. What is smaller than normal numbers counts as zero.
+/// Returns x^y, for x in 0..=1 and y >= 0. Subnormal arguments count as zero.
 #[inline(always)]
 pub(crate) fn pow<R: Real>(x: R, y: R) -> R {
     let of_zero = y.if_less(y.of(f64::MIN_POSITIVE), y.of(1.0), y.of(0.0));
     x.if_less(x.of(f64::MIN_POSITIVE), of_zero, exp(y * ln(x)))
 }
 
-/// The sine and the cosine of an angle within an eighth of a turn to either side, radians.
+/// Returns the sine and the cosine of an angle in -π/4..=π/4, in radians.
 #[inline(always)]
 pub(crate) fn sine_and_cosine<R: Real>(angle: R) -> (R, R) {
     let square = angle * angle;
     (angle * series(square, &SINE), series(square, &COSINE))
 }
 
-/// The sum of coefficients times powers of a number: those of even and of odd powers for themselves, as they do not wait for each
-/// other.
+/// Evaluates a polynomial. Even and odd powers are summed separately, which gives two independent dependency chains.
 #[inline(always)]
 fn series<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
     let square = x * x;
@@ -53,16 +52,16 @@ fn series<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
     even + x * odd
 }
 
-/// The first 32 bits of the logarithm of 2, and the others: products of the first with whole numbers up to 2^20 are exact.
+/// High part of ln 2, its first 32 bits, and low part. Products of the high part with integers up to 2^20 are exact.
 const LN_2_HIGH: f64 = f64::from_bits(LN_2.to_bits() & !0x1f_ffff);
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// 1 / k!
+/// Taylor coefficients of e^x: 1 / k!.
 const EXP: [f64; 14] = inverse_factorials(0, 1, 1.0);
-/// The sine's over the angle, and the cosine's, of the angle's square: (-1)^k / (2k + 1)! and (-1)^k / (2k)!.
+/// Taylor coefficients of sin(x) / x and of cos(x) in x^2: (-1)^k / (2k + 1)! and (-1)^k / (2k)!.
 const SINE: [f64; 9] = inverse_factorials(1, 2, -1.0);
 const COSINE: [f64; 9] = inverse_factorials(0, 2, -1.0);
-/// The area hyperbolic tangent's over the number, of the number's square: 1 / (2k + 1).
+/// Taylor coefficients of artanh(x) / x in x^2: 1 / (2k + 1).
 const ARTANH: [f64; 11] = {
     let mut coefficients = [1.0; 11];
     let (mut index, mut divisor) = (0, 1.0);
@@ -74,10 +73,10 @@ const ARTANH: [f64; 11] = {
     coefficients
 };
 
-/// sign^k / (first + step k)!
+/// Returns sign^k / (first + step k)! for k = 0, 1, ...
 const fn inverse_factorials<const N: usize>(first: u32, step: u32, sign: f64) -> [f64; N] {
     let mut coefficients = [1.0; N];
-    // Of a number that is 0 or 1.
+    // `first` is 0 or 1, so that its factorial is 1.
     let (mut index, mut number, mut factorial) = (1, first as f64, 1.0);
     while index < N {
         let mut steps = 0;
@@ -106,12 +105,12 @@ mod tests {
     /// 2^-44
     const CLOSE: f64 = 5.7e-14;
 
-    /// Whether two numbers differ by no more of themselves than is said above, or by less than an `f32` can be.
+    /// Returns whether the relative error is at most 2^-44, or the absolute error is below the range of `f32`.
     fn close(found: f64, expected: f64) -> bool {
         (found - expected).abs() <= CLOSE * expected.abs() + 1e-46
     }
 
-    /// What a function says of eight numbers at once, at every level.
+    /// Evaluates a function in eight lanes at every SIMD level.
     macro_rules! in_lanes {
         ($function:expr, $($number:expr),+) => {{
             SimdLevel::all().into_iter().map(|(_, level)| dispatch!(level.level(), simd => {

@@ -1,8 +1,8 @@
-//! Error-free transforms: sums and products of two numbers as their rounded value and its exact error.
+//! Error-free transforms: the rounded sum or product of two numbers, and its exact error.
 
 use super::real::Real;
 
-/// a + b as a rounded sum and its exact error (Knuth).
+/// Returns the rounded sum a + b and its exact error (Knuth).
 #[inline(always)]
 pub(crate) fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     let sum = a + b;
@@ -10,14 +10,14 @@ pub(crate) fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
-/// As [`two_sum`], for |a| >= |b|.
+/// Returns the result of [`two_sum`], for |a| >= |b|.
 #[inline(always)]
 pub(crate) fn quick_two_sum<R: Real>(a: R, b: R) -> (R, R) {
     let sum = a + b;
     (sum, b - (sum - a))
 }
 
-/// a * b as a rounded product and its exact error, barring underflow and overflow.
+/// Returns the rounded product a * b and its exact error, barring underflow and overflow.
 #[inline(always)]
 pub(crate) fn two_product<R: Real>(a: R, b: R) -> (R, R) {
     a.two_product(b)

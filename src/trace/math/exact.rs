@@ -1,8 +1,8 @@
-//! Numbers without rounding: sums and products of `f64`s, and roots of quadratic equations in them.
+//! Exact arithmetic: sums and products of `f64`s, and roots of quadratic equations with such coefficients.
 //!
-//! What `f64` and its error bounds leave open is decided here: whether a line meets a shape, and which of two meetings is nearer.
-//! Signs and orders are exact, so that the order of a ray's hits is total, and shapes that coincide are told from shapes that are
-//! merely close. It takes microseconds, and is seldom asked.
+//! It decides the cases that `f64` and its error bounds leave open: whether a line hits a shape, and which of two hits is nearer. Signs and
+//! comparisons are exact, so that the hits of a ray are totally ordered, and coincident shapes are distinguished from merely close ones. An
+//! exact decision takes microseconds and is rare.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -14,19 +14,19 @@ use glam::DVec3;
 use super::double::Double;
 use super::vector::Double3;
 
-/// A whole number times a power of two, of any size.
+/// An integer times a power of two, of any size.
 #[derive(Clone, Debug)]
 pub(crate) struct Exact {
     digits: IBig,
     exponent: isize,
 }
 
-/// Three of them.
+/// A vector of three exact numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Exact3(pub(crate) [Exact; 3]);
 
-/// A root of a quadratic equation: (middle + sign √square) / divisor, for a divisor greater than 0. With a square of zero it is the
-/// solution of a linear one.
+/// A root of a quadratic equation: (middle + sign √square) / divisor, with divisor > 0. If `square` is zero, it is the solution of a linear
+/// equation.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactRoot {
     middle: Exact,
@@ -52,28 +52,28 @@ impl Exact {
         self * self
     }
 
-    /// `other` or its negative, whichever makes the product with a number of this sign positive.
+    /// Returns `self`, negated if `sign` is less than zero.
     fn signed(&self, sign: Ordering) -> Self {
         if sign.is_lt() { -self } else { self.clone() }
     }
 
-    /// The digits at a smaller exponent.
+    /// Returns the digits at a smaller exponent.
     fn digits_at(&self, exponent: isize) -> IBig {
         &self.digits << (self.exponent - exponent).unsigned_abs()
     }
 
-    /// The root of a number that is not negative, short by less than 2^-150 of it.
+    /// Returns the square root of a non-negative number, rounded down by a relative error of less than 2^-150.
     fn sqrt(&self) -> Self {
         const BITS: usize = 320;
         let spare = BITS.saturating_sub(self.digits.bit_len());
-        // An even exponent can be halved.
+        // The exponent must be even to be halved.
         let shift = spare + (spare + self.exponent.unsigned_abs()) % 2;
         let digits = self.digits.clone() << shift;
         let root = digits.unsigned_abs().sqrt();
         Self { digits: root.into(), exponent: (self.exponent - shift.cast_signed()) / 2 }
     }
 
-    /// The quotient, rounded to a [`Double`]. The divisor is not zero.
+    /// Returns the quotient, rounded to a [`Double`]. The divisor must not be zero.
     fn over(&self, divisor: &Self) -> Double {
         const BITS: isize = 160;
         let length = |number: &Self| number.digits.bit_len().cast_signed();
@@ -96,9 +96,9 @@ impl Exact {
         Double::sum(high, rest.to_f64())
     }
 
-    /// Rounded to an `f64`; an infinity beyond its range.
+    /// Returns the number rounded to an `f64`; infinite if it is out of range.
     fn to_f64(&self) -> f64 {
-        // Of a number of 1000 bits and more, the first hundred and twenty are plenty.
+        // The leading 120 bits suffice, although a number may have more than 1000.
         let spare = self.digits.bit_len().saturating_sub(120);
         let digits = (&self.digits >> spare).to_f64().value();
         let exponent = self.exponent + spare.cast_signed();
@@ -107,7 +107,7 @@ impl Exact {
 }
 
 impl From<f64> for Exact {
-    /// Of a finite number.
+    /// Converts a finite number.
     fn from(value: f64) -> Self {
         const FRACTION: u64 = (1 << 52) - 1;
         let bits = value.to_bits();
@@ -206,7 +206,7 @@ impl ExactRoot {
         divisor: Exact { digits: IBig::ONE, exponent: 0 },
     };
 
-    /// height / speed, for a speed other than zero.
+    /// Returns height / speed. `speed` must not be zero.
     pub(crate) fn quotient(height: &Exact, speed: &Exact) -> Self {
         let sign = speed.sign();
         Self {
@@ -217,7 +217,7 @@ impl ExactRoot {
         }
     }
 
-    /// Both solutions of a t^2 - 2 b t + c = 0, the lesser one first, for an a greater than zero. `None` where there are none.
+    /// Returns the roots of a t^2 - 2 b t + c = 0, the lesser one first, for a > 0. Returns `None` if there are no real roots.
     pub(crate) fn of_quadratic(a: &Exact, b: &Exact, c: &Exact) -> Option<[Self; 2]> {
         let square = &b.squared() - &(a * c);
         if square.sign().is_lt() {
@@ -227,12 +227,12 @@ impl ExactRoot {
         Some([root(Sign::Minus), root(Sign::Plus)])
     }
 
-    /// Less than, equal to or greater than zero.
+    /// Compares the root with zero.
     pub(crate) fn sign(&self) -> Ordering {
         sign_of(&self.middle, self.sign.order(), &self.square)
     }
 
-    /// Rounded to a [`Double`].
+    /// Returns the root rounded to a [`Double`].
     pub(crate) fn rounded(&self) -> Double {
         if self.square.sign().is_eq() {
             return self.middle.over(&self.divisor);
@@ -246,7 +246,7 @@ impl ExactRoot {
             };
             return sum.over(&self.divisor);
         }
-        // m + s √q = (m^2 - q) / (m - s √q), where nothing cancels.
+        // The conjugate avoids cancellation: m + s √q = (m^2 - q) / (m - s √q).
         let conjugate = match self.sign {
             Sign::Minus => &self.middle + &root,
             Sign::Plus => &self.middle - &root,
@@ -279,8 +279,8 @@ impl PartialOrd for ExactRoot {
 }
 
 impl Ord for ExactRoot {
-    /// By the sign of the difference a + b √p + c √q, squared until no root is left (Devillers, Fronville, Mourrain, Teillaud,
-    /// "Algebraic methods and arithmetic filtering for exact predicates on circle arcs", 2000).
+    /// Compares two roots by the sign of their difference a + b √p + c √q, which is squared until no root is left (Devillers, Fronville,
+    /// Mourrain, Teillaud, "Algebraic methods and arithmetic filtering for exact predicates on circle arcs", 2000).
     fn cmp(&self, other: &Self) -> Ordering {
         let a = &(&self.middle * &other.divisor) - &(&other.middle * &self.divisor);
         if self.square.sign().is_eq() && other.square.sign().is_eq() {
@@ -293,7 +293,7 @@ impl Ord for ExactRoot {
         if first.is_eq() || second.is_eq() || first == second {
             return first.then(second);
         }
-        // Of opposite signs: whichever has the larger square.
+        // The signs of a + b √p and c √q are opposite: the one with the larger square decides.
         let (p, q) = (&self.square, &other.square);
         let rest = &(&a.squared() + &(&b.squared() * p)) - &(&c.squared() * q);
         let mixed = &(&a * &b) + &(&a * &b);
@@ -305,19 +305,19 @@ impl Ord for ExactRoot {
     }
 }
 
-/// The sign of a + b √p.
+/// Returns the sign of a + b √p.
 fn sign_of_sum(a: &Exact, b: &Exact, p: &Exact) -> Ordering {
     let second = if p.sign().is_eq() { Ordering::Equal } else { b.sign() };
     sign_of_two(a, second, || &b.squared() * p)
 }
 
-/// The sign of a ± √p, for the sign that `root` is.
+/// Returns the sign of a + √p or a - √p; `root` is the sign of the square root.
 fn sign_of(a: &Exact, root: Ordering, p: &Exact) -> Ordering {
     let second = if p.sign().is_eq() { Ordering::Equal } else { root };
     sign_of_two(a, second, || p.clone())
 }
 
-/// The sign of a sum of two, the second given by its sign and its square.
+/// Returns the sign of a + s, where s is given by its sign and its square.
 fn sign_of_two(a: &Exact, second: Ordering, square: impl FnOnce() -> Exact) -> Ordering {
     let first = a.sign();
     if first.is_eq() || second.is_eq() || first == second {
@@ -363,7 +363,7 @@ mod tests {
         let [minus, plus] = roots(1.0, 0.0, -2.0);
         let [twice_minus, twice_plus] = roots(0.25, 0.0, -0.5);
         assert_eq!([&minus, &plus], [&twice_minus, &twice_plus]);
-        // (√2 + 1) and 1 / (√2 - 1), of t^2 - 2t - 1 and of t^2 + 2t - 1 turned round.
+        // √2 + 1 = 1 / (√2 - 1) is a root of t^2 - 2t - 1, and of three times this polynomial.
         let [_, one] = roots(1.0, 1.0, -1.0);
         let [_, other] = roots(3.0, 3.0, -3.0);
         assert_eq!(one, other);
@@ -400,7 +400,7 @@ mod tests {
     }
 
     proptest! {
-        /// Small numbers, so that ties are frequent.
+        /// Uses small numbers, so that ties are frequent.
         #[test]
         fn the_order_is_total(a in any_root(), b in any_root(), c in any_root()) {
             prop_assert_eq!(a.cmp(&b), b.cmp(&a).reverse());

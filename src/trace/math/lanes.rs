@@ -1,7 +1,7 @@
-//! Numbers of sixteen lanes, and arithmetic on eight at a time.
+//! Packets of sixteen lanes, and arithmetic on eight lanes at a time.
 //!
-//! Every operation here makes, in each lane, the operations of its scalar counterpart in the same order: the same bits come out,
-//! whatever the width of the processor's vectors.
+//! Every operation applies, in each lane, the operations of its scalar counterpart in the same order. Results are bit-identical for every
+//! SIMD width.
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::Level;
@@ -11,36 +11,36 @@ use glam::DVec3;
 use super::real::times;
 use crate::color::Rgb;
 
-/// How many lanes a packet has.
+/// Number of lanes of a packet.
 pub(crate) const LANES: usize = 16;
 
-/// Lanes of half a packet: as many `f64` as the widest vectors hold.
+/// Number of lanes of half a packet: the number of `f64` in the widest SIMD vectors.
 pub(crate) const HALF: usize = LANES / 2;
 
-/// All lanes, as a bit mask.
+/// Bit mask of all lanes.
 pub(crate) const WHOLE: u32 = (1 << LANES) - 1;
 
-/// An `f64` of half of the lanes.
+/// One `f64` per lane, in half of the lanes.
 pub(crate) type F64s<S> = f64x8<S>;
 
-/// A vector of half of the lanes.
+/// One vector per lane, in half of the lanes.
 pub(crate) type F64s3<S> = [f64x8<S>; 3];
 
-/// A truth of half of the lanes.
+/// A mask of half of the lanes.
 pub(crate) type Mask<S> = mask64x8<S>;
 
-/// An `f64` of every lane.
+/// One `f64` per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Numbers([[f64; HALF]; 2]);
 
 impl Numbers {
-    /// The same number in all lanes.
+    /// Returns the same number in all lanes.
     pub(crate) const fn splat(number: f64) -> Self {
         Self([[number; HALF]; 2])
     }
 
-    /// A number for each lane.
+    /// Returns one number per lane.
     pub(crate) const fn new(numbers: &[f64; LANES]) -> Self {
         let mut halves = [[0.0; HALF]; 2];
         let mut lane = 0;
@@ -51,7 +51,7 @@ impl Numbers {
         Self(halves)
     }
 
-    /// Returns the number in a lane.
+    /// Returns the number of a lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> f64 {
         self.0[lane / HALF % 2][lane % HALF]
@@ -63,48 +63,48 @@ impl Numbers {
         std::array::from_fn(|lane| self.get(lane))
     }
 
-    /// Sets the number in a lane.
+    /// Sets the number of a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, number: f64) {
         self.0[lane / HALF % 2][lane % HALF] = number;
     }
 
-    /// Returns half of the numbers.
+    /// Loads half of the lanes.
     #[inline(always)]
     pub(crate) fn load<S: Simd>(&self, simd: S, half: usize) -> F64s<S> {
         f64x8::load_array_ref(simd, &self.0[half % 2])
     }
 
-    /// Sets half of the numbers.
+    /// Stores half of the lanes.
     #[inline(always)]
     pub(crate) fn store<S: Simd>(&mut self, half: usize, numbers: F64s<S>) {
         numbers.store_array(&mut self.0[half % 2]);
     }
 
-    /// Returns all of them, rounded.
+    /// Returns all lanes, rounded to `f32`.
     #[inline(always)]
     pub(crate) fn rounded<S: Simd>(&self, simd: S) -> f32x16<S> {
         self.load(simd, 0).narrow(self.load(simd, 1))
     }
 }
 
-/// A vector of every lane.
+/// One vector per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vectors([Numbers; 3]);
 
 impl Vectors {
-    /// The same vector in all lanes.
+    /// Returns the same vector in all lanes.
     pub(crate) const fn splat(vector: DVec3) -> Self {
         Self([Numbers::splat(vector.x), Numbers::splat(vector.y), Numbers::splat(vector.z)])
     }
 
-    /// Returns the vector in a lane.
+    /// Returns the vector of a lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> DVec3 {
         DVec3::new(self.0[0].get(lane), self.0[1].get(lane), self.0[2].get(lane))
     }
 
-    /// Sets the vector in a lane.
+    /// Sets the vector of a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, vector: DVec3) {
         self.0[0].set(lane, vector.x);
@@ -112,25 +112,25 @@ impl Vectors {
         self.0[2].set(lane, vector.z);
     }
 
-    /// Returns one coordinate.
+    /// Returns one coordinate of all lanes.
     #[inline(always)]
     pub(crate) fn axis(&self, axis: usize) -> &Numbers {
         &self.0[axis]
     }
 
-    /// Returns one coordinate, to be changed.
+    /// Returns one coordinate of all lanes, mutably.
     #[inline(always)]
     pub(crate) fn axis_mut(&mut self, axis: usize) -> &mut Numbers {
         &mut self.0[axis]
     }
 
-    /// Returns half of the vectors.
+    /// Loads half of the lanes.
     #[inline(always)]
     pub(crate) fn load<S: Simd>(&self, simd: S, half: usize) -> F64s3<S> {
         [self.0[0].load(simd, half), self.0[1].load(simd, half), self.0[2].load(simd, half)]
     }
 
-    /// Sets half of the vectors.
+    /// Stores half of the lanes.
     #[inline(always)]
     pub(crate) fn store<S: Simd>(&mut self, half: usize, [x, y, z]: F64s3<S>) {
         self.0[0].store(half, x);
@@ -139,32 +139,32 @@ impl Vectors {
     }
 }
 
-/// A colour of every lane.
+/// One colour per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Colors([[f32; LANES]; 3]);
 
 impl Colors {
-    /// The same colour in all lanes.
+    /// Returns the same colour in all lanes.
     pub(crate) const fn splat(color: Rgb) -> Self {
         Self([[color.x; LANES], [color.y; LANES], [color.z; LANES]])
     }
 
-    /// Returns the colour in a lane.
+    /// Returns the colour of a lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> Rgb {
         let lane = lane % LANES;
         Rgb::new(self.0[0][lane], self.0[1][lane], self.0[2][lane])
     }
 
-    /// Sets the colour in a lane.
+    /// Sets the colour of a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, color: Rgb) {
         let lane = lane % LANES;
         (self.0[0][lane], self.0[1][lane], self.0[2][lane]) = (color.x, color.y, color.z);
     }
 
-    /// Returns all of them, channel by channel.
+    /// Loads all lanes, channel by channel.
     #[inline(always)]
     pub(crate) fn load<S: Simd>(&self, simd: S) -> [f32x16<S>; 3] {
         let [red, green, blue] = &self.0;
@@ -175,7 +175,7 @@ impl Colors {
         ]
     }
 
-    /// Sets all of them.
+    /// Stores all lanes, channel by channel.
     #[inline(always)]
     pub(crate) fn store<S: Simd>(&mut self, [red, green, blue]: [f32x16<S>; 3]) {
         red.store_array(&mut self.0[0]);
@@ -184,13 +184,13 @@ impl Colors {
     }
 }
 
-/// Goes through the lanes of a bit mask.
+/// Iterates over the lanes of a bit mask.
 #[inline(always)]
 pub(crate) fn lanes(mask: u32) -> impl Iterator<Item = usize> {
     set_bits(mask).map(|lane| lane % LANES)
 }
 
-/// Goes through the numbers of the bits that are set.
+/// Iterates over the indices of the set bits.
 #[inline(always)]
 pub(crate) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -200,45 +200,45 @@ pub(crate) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Half of the lanes, as a bit mask.
+/// Returns the bit mask of one half of the lanes.
 #[inline(always)]
 pub(crate) const fn half_lanes(half: usize) -> u32 {
     0xff << (half * HALF)
 }
 
-/// The bits of a mask that are half of the lanes, as the lowest bits.
+/// Extracts the bits of one half of the lanes into the lowest bits.
 #[inline(always)]
 pub(crate) fn half_of(mask: u32, half: usize) -> u32 {
     mask >> (half * HALF) & 0xff
 }
 
-/// Half of the lanes, as bits of all of them.
+/// Converts the mask of one half of the lanes to bits of the whole packet.
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "eight lanes")]
 pub(crate) fn bits<S: Simd>(mask: Mask<S>, half: usize) -> u32 {
     (mask.to_bitmask() as u32) << (half * HALF)
 }
 
-/// Half of the lanes of a bit mask.
+/// Converts one half of a bit mask to a mask.
 #[inline(always)]
 pub(crate) fn mask<S: Simd>(simd: S, bits: u32, half: usize) -> Mask<S> {
     mask64x8::from_bitmask(simd, half_of(bits, half).into())
 }
 
-/// All lanes of a bit mask.
+/// Converts a bit mask to a mask of all lanes.
 #[inline(always)]
 pub(crate) fn mask16<S: Simd>(simd: S, bits: u32) -> mask32x16<S> {
     mask32x16::from_bitmask(simd, bits.into())
 }
 
-/// All lanes as bits.
+/// Converts a mask of all lanes to a bit mask.
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "sixteen lanes")]
 pub(crate) fn bits16<S: Simd>(mask: mask32x16<S>) -> u32 {
     mask.to_bitmask() as u32
 }
 
-/// Eight lanes as bits.
+/// Converts a mask of eight lanes to a bit mask.
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "eight lanes")]
 pub(crate) fn bits8<S: Simd>(mask: mask32x8<S>) -> u32 {
@@ -255,32 +255,32 @@ pub(crate) fn splat3<S: Simd>(simd: S, vector: DVec3) -> F64s3<S> {
     [splat(simd, vector.x), splat(simd, vector.y), splat(simd, vector.z)]
 }
 
-/// `a` where the mask is true, else `b`.
+/// Returns `a` where the mask is true, else `b`.
 #[inline(always)]
 pub(crate) fn select3<S: Simd>(mask: Mask<S>, a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
     [mask.select(a[0], b[0]), mask.select(a[1], b[1]), mask.select(a[2], b[2])]
 }
 
-/// A direction that was scaled, lane by lane.
+/// Scaled directions, one per lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Scaled<S: Simd> {
     pub(crate) direction: F64s3<S>,
-    /// How many times as long it was: the reciprocal of the power of two.
+    /// Reciprocal of the power of two that the direction was multiplied by.
     pub(crate) length: F64s<S>,
-    /// Where that is so. The others have numbers so large or so small that the scalar function has to look at them.
+    /// Lanes with a valid result. The other lanes have numbers so large or so small that the scalar function must handle them.
     pub(crate) usual: Mask<S>,
 }
 
-/// [`scaled`](super::scaled).
+/// Scales the direction of each lane as [`scaled`](super::scaled) does.
 #[inline(always)]
 pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> Scaled<S> {
-    /// 2^-400, 2^100 and 2^-900: between the first two no direction is lifted, and a component of at least the last stays normal.
+    /// 2^-400, 2^100 and 2^-900. Between the first two no direction is lifted, and components of at least the last stay normal.
     const SMALLEST: f64 = f64::from_bits((1023 - 400) << 52);
     const LARGEST: f64 = f64::from_bits((1023 + 100) << 52);
     const NORMAL: f64 = f64::from_bits((1023 - 900) << 52);
     let [x, y, z] = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
     let longest = x.max(y).max(z);
-    // What is no number makes the sum none.
+    // A NaN makes the sum NaN, and the comparison false.
     let within = longest.simd_ge(splat(simd, SMALLEST)) & (x + y + z).simd_lt(splat(simd, LARGEST));
     let usual = within & none_below(simd, [x, y, z], NORMAL);
     let exponent: u64x8<S> = longest.bitcast();
@@ -289,7 +289,7 @@ pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> Scaled<S> {
     Scaled { direction: times(direction, scale), length: exponent.bitcast(), usual }
 }
 
-/// Says whether `mul_sub` is rounded once.
+/// Returns whether `mul_sub` is fused, that is, rounded once.
 #[inline(always)]
 pub(super) fn fuses<S: Simd>(simd: S) -> bool {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -298,8 +298,8 @@ pub(super) fn fuses<S: Simd>(simd: S) -> bool {
     return false;
 }
 
-/// Says where a number is zero, or of a size in 2^-400..2^400: the product of two, and the error of it, are normal numbers then, or
-/// zero.
+/// Returns the lanes whose number is zero or of a magnitude in 2^-400..2^400. The product of two such numbers and its rounding error are
+/// normal numbers or zero.
 #[inline(always)]
 pub(crate) fn moderate<S: Simd>(simd: S, number: F64s<S>) -> Mask<S> {
     let size = number.abs();
@@ -307,27 +307,27 @@ pub(crate) fn moderate<S: Simd>(simd: S, number: F64s<S>) -> Mask<S> {
     (size.simd_ge(splat(simd, LEAST)) | size.simd_eq(zero)) & size.simd_lt(splat(simd, MOST))
 }
 
-/// The same of three numbers, whose sizes must add up to less than 2^400.
+/// Applies [`moderate`] to three numbers. Their magnitudes must also sum to less than 2^400.
 #[inline(always)]
 pub(crate) fn moderate3<S: Simd>(simd: S, [x, y, z]: F64s3<S>) -> Mask<S> {
     let sizes = [x.abs(), y.abs(), z.abs()];
-    // What is no number makes the sum none.
+    // A NaN makes the sum NaN, and the comparison false.
     let sum = sizes[0] + sizes[1] + sizes[2];
     sum.simd_lt(splat(simd, MOST)) & none_below(simd, sizes, LEAST)
 }
 
-/// 2^-400 and 2^400.
+/// Smallest and largest moderate magnitude: 2^-400 and 2^400.
 const LEAST: f64 = f64::from_bits((1023 - 400) << 52);
 const MOST: f64 = f64::from_bits((1023 + 400) << 52);
 
-/// Says where all coordinates are finite.
+/// Returns the lanes whose coordinates are all finite.
 #[inline(always)]
 pub(crate) fn finite3<S: Simd>(simd: S, [x, y, z]: F64s3<S>) -> Mask<S> {
     let infinity = splat(simd, f64::INFINITY);
     x.abs().simd_lt(infinity) & y.abs().simd_lt(infinity) & z.abs().simd_lt(infinity)
 }
 
-/// Says where three sizes are zero or at least so large.
+/// Returns the lanes where each of three magnitudes is zero or at least `least`.
 #[inline(always)]
 fn none_below<S: Simd>(simd: S, [x, y, z]: F64s3<S>, least: f64) -> Mask<S> {
     let (least, zero) = (splat(simd, least), splat(simd, 0.0));
@@ -351,7 +351,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
 
-        /// Whatever the exponents of its coordinates.
+        /// Covers all exponents of the coordinates.
         #[test]
         fn directions_are_scaled_as_one_by_one(
             exponents in prop::array::uniform3(-1074..1024_i32),
@@ -375,7 +375,7 @@ mod tests {
             }
         }
 
-        /// Fused or not, over all that is moderate.
+        /// Covers all moderate exponents, with fused and unfused products.
         #[test]
         fn products_have_the_scalar_errors(exponents in prop::array::uniform2(-400..400_i32), mantissas in prop::array::uniform2(1.0..2.0_f64)) {
             let [a, b] = [0, 1].map(|index: usize| libm::ldexp(mantissas[index], exponents[index].min(399)));

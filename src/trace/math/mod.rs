@@ -1,9 +1,10 @@
-//! Arithmetic with more digits than `f64` has, for the few decisions and distances that need them.
+//! Numerical building blocks: extended-precision arithmetic, SIMD lanes and sample points.
 //!
-//! A [`Double`] is an unevaluated sum of two `f64` and carries some 106 bits (Dekker, "A Floating-Point Technique for
-//! Extending the Available Precision", 1971; Joldes, Muller, Popescu, "Tight and Rigorous Error Bounds for Basic Building
-//! Blocks of Double-Word Arithmetic", 2017). Sums of products are rounded once (Shewchuk, "Adaptive Precision Floating-Point
-//! Arithmetic", 1997). Only + - * / and square roots are used, so that the bits are the same everywhere.
+//! A [`Double`] is an unevaluated sum of two `f64` with about 106 bits (Dekker, "A Floating-Point Technique for Extending the Available
+//! Precision", 1971; Joldes, Muller, Popescu, "Tight and Rigorous Error Bounds for Basic Building Blocks of Double-Word Arithmetic", 2017).
+//! Sums of products are rounded once (Shewchuk, "Adaptive Precision Floating-Point Arithmetic", 1997). Only + - * / and square roots are
+//! used, so that results are bit-identical on every machine. Extended precision is reserved for the few decisions and distances that need
+//! it.
 
 mod bounded_t;
 mod compensated;

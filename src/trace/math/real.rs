@@ -1,34 +1,35 @@
-//! One text for a number and for lanes of them: what formulas may ask of either.
+//! Formulas that are generic over scalars and SIMD lanes: the operations that both support.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// 2^52, from which on numbers are whole, and one and a half times that, near which all are equally far apart.
+/// 2^52, from which on all numbers are integers, and 1.5 2^52, around which the spacing of numbers is 1.
 pub(super) const WHOLE_NUMBERS: f64 = 4_503_599_627_370_496.0;
 pub(super) const ROUNDER: f64 = 1.5 * WHOLE_NUMBERS;
 
-/// The bits of the root of 1/2, from which on exponents are counted, and what is added to them so that they are not negative.
+/// Bits of √½, the lower end of the mantissa range, and the bias that keeps exponents non-negative.
 pub(super) const ROOT: u64 = FRAC_1_SQRT_2.to_bits();
 pub(super) const BIAS: u64 = 1024;
 pub(super) const UNBIAS: f64 = WHOLE_NUMBERS + 1024.0;
 
-/// How many bits a mantissa has, and which.
+/// Number of stored mantissa bits, and their mask.
 pub(super) const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
 pub(super) const MANTISSA_BITS: u64 = (1 << MANTISSA) - 1;
 
-/// 2^27 + 1: products with it split numbers into halves.
+/// 2^27 + 1, the factor of Veltkamp's splitting.
 const SPLITTER: f64 = 134_217_729.0;
 
-/// A truth, or one in each of half of the lanes.
+/// A truth value, or a mask of half of the lanes.
 pub trait Truth: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
-    /// Whether it is anywhere true.
+    /// Returns whether it is true, for a mask in any lane.
     fn any(self) -> bool;
 
-    /// Whether it is true and nothing else is left to ask: never of lanes, where a branch is not worth it.
+    /// Returns whether it is true, so that the remaining cases need not be evaluated. Always `false` for lanes, where the branch does not
+    /// pay off.
     fn settled(self) -> bool;
 }
 
-/// A number, or one in each of half of the lanes.
+/// A number, or one number per lane in half of the lanes.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -40,40 +41,40 @@ pub trait Real:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// What comparisons say.
+    /// Result type of comparisons.
     type Mask: Truth;
 
-    /// The same number, or in each lane.
+    /// Returns `number`, in every lane.
     fn of(self, number: f64) -> Self;
 
-    /// Whether this is less than another one.
+    /// Returns whether `self < other`.
     fn less(self, other: Self) -> Self::Mask;
 
-    /// Whether it is greater.
+    /// Returns whether `self > other`.
     fn greater(self, other: Self) -> Self::Mask;
 
-    /// One number where that is true, else the other.
+    /// Returns `one` where the mask is true, else `other`.
     fn pick(mask: Self::Mask, one: Self, other: Self) -> Self;
 
-    /// Without its sign.
+    /// Returns the absolute value.
     fn abs(self) -> Self;
 
-    /// The square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
 
-    /// With the sign of another one.
+    /// Returns the magnitude of `self` with the sign of `other`.
     fn copysign(self, other: Self) -> Self;
 
-    /// The rounded product and its exact error, barring underflow and overflow.
+    /// Returns the rounded product and its exact error, barring underflow and overflow.
     fn two_product(self, other: Self) -> (Self, Self);
 
-    /// 2^self, of a whole number in -1022..=1023.
+    /// Returns 2^self, for an integer in -1022..=1023.
     fn power_of_two(self) -> Self;
 
-    /// m and e of m 2^e, with m from the root of 1/2 up to that of 2, of a normal number greater than zero.
+    /// Returns m and e with self = m 2^e and m in √½..√2, for a positive normal number.
     fn mantissa_and_exponent(self) -> (Self, Self);
 
-    /// One number where this is less than a bound, else the other.
+    /// Returns `one` where `self < bound`, else `other`.
     #[inline(always)]
     fn if_less(self, bound: Self, one: Self, other: Self) -> Self {
         Self::pick(self.less(bound), one, other)
@@ -166,7 +167,7 @@ fn split<R: Real>(a: R) -> (R, R) {
     (high, a - high)
 }
 
-/// The sum of the products, in the order of `DVec3::dot`.
+/// Returns the dot product, summed in the order of `DVec3::dot`.
 #[inline(always)]
 pub(crate) fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -200,7 +201,7 @@ mod tests {
     use super::*;
     use crate::trace::math::{Compensated, Double, HALF, Numbers, SimdLevel, splat};
 
-    /// Every operation of a number, and masks as numbers.
+    /// Applies every operation of [`Real`] and converts masks to numbers.
     fn operations<R: Real>(a: R, b: R) -> [R; 14] {
         let (one, zero) = (a.of(1.0), a.of(0.0));
         let truth = |mask: R::Mask| R::pick(mask, one, zero);
@@ -223,7 +224,7 @@ mod tests {
         ]
     }
 
-    /// Formulas that take error-free products, of numbers whose products neither overflow nor underflow.
+    /// Evaluates formulas with error-free products, for numbers whose products neither overflow nor underflow.
     fn formulas<R: Real>([a, b, c]: [R; 3]) -> [R; 10] {
         let (one, other) = (Double::product(a, b), Double::difference(b, c));
         let place = Compensated::along([a, b, c], [c, a, b], b).minus([b, c, a]);
@@ -247,7 +248,7 @@ mod tests {
         ]
     }
 
-    /// Evaluates a function in all lanes of half a packet, and returns the last lane's results.
+    /// Evaluates a function in all lanes of half a packet, and stores the last lane's results in `numbers`.
     fn in_lanes<const N: usize, const M: usize>(
         level: SimdLevel,
         arguments: [f64; N],
@@ -264,7 +265,7 @@ mod tests {
         });
     }
 
-    /// A function of numbers or of lanes.
+    /// A function that is generic over scalars and lanes.
     trait Evaluate<const N: usize, const M: usize> {
         fn evaluate<R: Real>(&self, arguments: [R; N]) -> [R; M];
     }
@@ -285,7 +286,7 @@ mod tests {
         }
     }
 
-    /// All not-a-numbers are the same.
+    /// Returns the bits of a number; all NaNs have equal bits.
     fn bits(number: f64) -> u64 {
         if number.is_nan() { f64::NAN.to_bits() } else { number.to_bits() }
     }

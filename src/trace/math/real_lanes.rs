@@ -1,4 +1,4 @@
-//! Lanes as numbers of formulas that are written once.
+//! SIMD lanes as numbers of generic formulas.
 
 use fearless_simd::{prelude::*, u64x8};
 
@@ -57,11 +57,11 @@ impl<S: Simd> Real for F64s<S> {
         self.simd.copysign_f64x8(self, other)
     }
 
-    /// For numbers that are [`moderate`](super::moderate).
+    /// Requires [`moderate`](super::moderate) numbers.
     ///
-    /// Where the processor fuses a product and a sum, the error is what the fused difference of the product and its rounded value is: it
-    /// has no more than 53 bits, of which none is lost as long as it does not underflow. So it is the very number that Dekker's splitting
-    /// makes, which is exact under the same condition, and if no half overflows.
+    /// With fused multiply-subtract, the error is the fused difference of the exact and the rounded product. The error has at most 53 bits,
+    /// none of which is lost unless it underflows. Dekker's splitting is exact under the same condition, if no half overflows, so both give
+    /// the same number.
     #[inline(always)]
     fn two_product(self, other: Self) -> (Self, Self) {
         if fuses(self.simd) {

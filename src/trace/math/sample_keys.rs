@@ -1,11 +1,11 @@
-//! The samples of sixteen pixels: [`PixelSamples::pair`] in every lane.
+//! Sample points of sixteen pixels: [`PixelSamples::pair`] in every lane.
 
 use fearless_simd::{prelude::*, u32x16, u64x8};
 
 use super::lanes::{F64s, LANES, Numbers};
 use super::sampling::{Dimension, PixelSamples, ScramblingKeys};
 
-/// With what a dimension's points are shuffled and scrambled, lane by lane. They are the same for all samples of a pixel.
+/// Keys that shuffle and scramble a dimension's points, one per lane. All samples of a pixel share them.
 #[derive(Clone, Debug)]
 pub(crate) struct SampleKeys {
     order: KeyPacket,
@@ -13,23 +13,23 @@ pub(crate) struct SampleKeys {
     second: KeyPacket,
 }
 
-/// A key of every lane.
+/// One key per lane.
 #[derive(Clone, Debug)]
 struct KeyPacket {
-    /// What is added to the digits.
+    /// Summands of the digits.
     summands: [u32; LANES],
-    /// By what they are multiplied, an odd number.
+    /// Factors of the digits, odd numbers.
     factors: [u32; LANES],
 }
 
 impl SampleKeys {
-    /// Of pixels without samples.
+    /// Keys of lanes without samples.
     pub(crate) const NONE: Self = {
         let none = KeyPacket { summands: [0; LANES], factors: [1; LANES] };
         Self { order: KeyPacket { ..none }, first: KeyPacket { ..none }, second: KeyPacket { ..none } }
     };
 
-    /// Sets what the points of a dimension are shuffled and scrambled with in a lane.
+    /// Sets the keys of a lane from a dimension of a pixel.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, samples: &PixelSamples, dimension: Dimension) {
         let ScramblingKeys { order, first, second } = samples.keys(dimension);
@@ -39,7 +39,7 @@ impl SampleKeys {
         }
     }
 
-    /// Returns two numbers in 0..1 in every lane: a point of each lane's sequence, by its index.
+    /// Returns point `indices[lane]` of each lane's sequence: two numbers in 0..1.
     #[inline(always)]
     pub(crate) fn pairs<S: Simd>(&self, simd: S, indices: &[u32; LANES]) -> [Numbers; 2] {
         let digits = reversed(simd, u32x16::load_array_ref(simd, indices));
@@ -50,7 +50,7 @@ impl SampleKeys {
 }
 
 impl KeyPacket {
-    /// Owen's scrambling of digits that are given in reverse.
+    /// Applies Owen scrambling to reversed digits.
     #[inline(always)]
     fn scrambled<S: Simd>(&self, simd: S, digits: u32x16<S>) -> u32x16<S> {
         let digits = digits + u32x16::load_array_ref(simd, &self.summands);
@@ -84,7 +84,7 @@ fn reversed<S: Simd>(simd: S, mut digits: u32x16<S>) -> u32x16<S> {
     (digits >> 16) | (digits << 16)
 }
 
-/// Digits in reverse as fractions. Exact: 2^52 and a whole number is its bits and that number's.
+/// Returns reversed digits as fractions, exactly: an integer in the mantissa bits of 2^52 is added to it.
 #[inline(always)]
 fn units<S: Simd>(simd: S, digits: u32x16<S>) -> Numbers {
     const WHOLE: f64 = 4_503_599_627_370_496.0;

@@ -1,29 +1,29 @@
-//! Where samples lie: points in the unit square as a pure function of pixel, sample index, dimension and seed.
+//! Sample points in the unit square as a pure function of pixel, sample index, dimension and seed.
 //!
-//! Every dimension of every pixel has a sequence of points of its own: the first two dimensions of Sobol's sequence, which
-//! form a (0,2)-sequence (any 2^m points that start at a multiple of 2^m have exactly one in each elementary interval, of
-//! any shape, of area 2^-m), with the order of the points shuffled and both coordinates scrambled as Owen did. Shuffling
-//! and scrambling keep the property, and make the sequences of different dimensions and pixels independent. The error of
-//! a mean falls as n^-3/2 for smooth functions and as n^-3/4 across a straight edge, where independent points would give
-//! n^-1/2. Scrambling is by hashes: Burley, "Practical Hash-based Owen Scrambling", Journal of Computer Graphics
-//! Techniques 9(4), 2020, whose hash, Laine and Karras's of "Stratified Sampling for Stochastic Transparency", 2011, gets one
-//! more keyed step.
+//! Every dimension of every pixel has its own sequence of points: the first two dimensions of Sobol's sequence, with the order of the
+//! points shuffled and both coordinates Owen-scrambled. Sobol's two dimensions form a (0,2)-sequence: any 2^m points that start at a
+//! multiple of 2^m have exactly one point in each elementary interval, of any shape, of area 2^-m. Shuffling and scrambling keep this
+//! property and make the sequences of different dimensions and pixels independent. The error of a mean falls as n^-3/2 for smooth functions
+//! and as n^-3/4 across a straight edge; independent points would give n^-1/2.
 //!
-//! Points are made by integer arithmetic, and one exact conversion at the end; discs by the kernel's own sine and cosine. So the bits
-//! are the same everywhere.
+//! Scrambling is hash-based (Burley, "Practical Hash-based Owen Scrambling", Journal of Computer Graphics Techniques 9(4), 2020). The hash
+//! is Laine and Karras's ("Stratified Sampling for Stochastic Transparency", 2011) with one more keyed step.
+//!
+//! Points are computed in integer arithmetic with one exact conversion at the end. Disc points use the crate's own sine and cosine. Results
+//! are therefore bit-identical on every machine.
 
 use std::f64::consts::FRAC_PI_4;
 
 use super::elementary::sine_and_cosine;
 use super::real::Real;
 
-/// How many samples every pixel has, and which.
+/// Number and seed of the samples of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
-    /// Samples in a pixel, 1 or more. A single one is in the pixel's centre; several are spread over it, and the pixel is
+    /// Samples per pixel, at least 1. A single sample lies at the pixel's centre; several are spread over the pixel, and its colour is
     /// their mean.
     pub samples: u32,
-    /// Another seed gives other samples, that are as good.
+    /// Seed of the sample points. Different seeds give different points of equal quality.
     pub seed: u64,
 }
 
@@ -34,27 +34,26 @@ impl Default for Sampling {
 }
 
 impl Sampling {
-    /// The same number of samples, with a seed that depends on these numbers too.
+    /// Returns the same number of samples, with a seed that also depends on `numbers`.
     #[must_use]
     pub fn reseeded(self, numbers: [u64; 2]) -> Self {
         Self { seed: numbers.into_iter().fold(self.seed, mixed), ..self }
     }
 }
 
-/// What a sample's numbers are for. Each purpose has numbers of its own: leaving one out, or adding one, does not move the
-/// others.
+/// Purpose of a sample. Each purpose has an independent sequence: adding or removing one does not change the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
-    /// The place in the pixel.
+    /// The position in the pixel.
     Pixel,
-    /// The place on the lens.
+    /// The position on the lens.
     Lens,
-    /// The place on an extended light.
+    /// The position on an area light.
     Light {
-        /// Its index in document order.
+        /// Index of the light in document order.
         light: u32,
-        /// The place in the ray tree of the ray that found the lit surface: 1 is the camera ray, and after p the mirrored ray
-        /// is 2p, the refracted one 2p + 1.
+        /// Index, in the ray tree, of the ray that hit the lit surface. The camera ray has index 1; ray p spawns the reflected ray 2p and
+        /// the refracted ray 2p + 1.
         path: u64,
     },
 }
@@ -69,29 +68,29 @@ impl Dimension {
     }
 }
 
-/// The samples of one pixel.
+/// Sample points of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelSamples {
     key: u64,
 }
 
 impl PixelSamples {
-    /// The samples of the pixel in column `i` and row `j`.
+    /// Returns the sample points of the pixel in column `i` and row `j`.
     #[must_use]
     pub fn new(seed: u64, i: u32, j: u32) -> Self {
         Self { key: mixed(mixed(0, seed), u64::from(i) << 32 | u64::from(j)) }
     }
 
-    /// Two numbers in 0..1, multiples of 2^-32: point `index` of a dimension's sequence.
+    /// Returns point `index` of a dimension's sequence: two multiples of 2^-32 in 0..1.
     #[must_use]
     pub fn pair(&self, dimension: Dimension, index: u32) -> [f64; 2] {
         let ScramblingKeys { order, first, second } = self.keys(dimension);
         let index = order.scrambled(index.reverse_bits()).reverse_bits();
-        // Digits in reverse, the most significant one lowest: scrambling wants them so.
+        // Scrambling takes the digits reversed, with the most significant digit in the lowest bit.
         [unit(first.scrambled(index)), unit(second.scrambled(pascal(index)))]
     }
 
-    /// What a dimension's points are shuffled and scrambled with.
+    /// Returns the keys that shuffle and scramble a dimension's points.
     #[inline(always)]
     pub(super) fn keys(&self, dimension: Dimension) -> ScramblingKeys {
         let key = dimension.hashed_into(self.key);
@@ -102,84 +101,85 @@ impl PixelSamples {
         }
     }
 
-    /// One number in 0..1: the first of the [pair](Self::pair). Any 2^m that start at a multiple of 2^m have one in each
-    /// interval of length 2^-m.
+    /// Returns the first coordinate of the [pair](Self::pair), in 0..1. Any 2^m points that start at a multiple of 2^m have exactly one in
+    /// each interval of length 2^-m.
     #[must_use]
     pub fn number(&self, dimension: Dimension, index: u32) -> f64 {
         self.pair(dimension, index)[0]
     }
 }
 
-/// The keys of a dimension's points: of their order, and of both coordinates.
+/// Scrambling keys of a dimension: one for the order of its points, one for each coordinate.
 pub(super) struct ScramblingKeys {
     pub(super) order: ScrambleKey,
     pub(super) first: ScrambleKey,
     pub(super) second: ScrambleKey,
 }
 
-/// The key of a scrambling.
+/// Key of a scrambling.
 #[derive(Clone, Copy)]
 pub(super) struct ScrambleKey(u64);
 
 impl ScrambleKey {
-    /// What is added to the digits.
+    /// Returns the summand of the digits.
     #[inline(always)]
     pub(super) fn summand(self) -> u32 {
         low(self.0)
     }
 
-    /// By what they are multiplied, an odd number.
+    /// Returns the factor of the digits, an odd number.
     #[inline(always)]
     pub(super) fn factor(self) -> u32 {
         high(self.0) | 1
     }
 
-    /// Owen's nested scrambling of digits that are given in reverse, the most significant one lowest: every bit is flipped or
-    /// not by a hash of the key and the bits below it.
+    /// Applies Owen scrambling to reversed digits, with the most significant digit in the lowest bit. A hash of the key and the bits below
+    /// each bit decides whether that bit is flipped.
     fn scrambled(self, digits: u32) -> u32 {
         let folded = |digits: u32, even: u32| digits ^ digits.wrapping_mul(even);
         let digits = digits.wrapping_add(self.summand());
         let digits = folded(folded(digits, 0x6c50_b47c), 0xb82f_1e52);
-        // With the sum alone, the second digit's flips would depend on the first one's.
+        // With the sum alone, the second digit's flips would depend on the first digit's.
         let digits = digits.wrapping_mul(self.factor());
         folded(folded(digits, 0xc7af_e638), 0x8d22_f6e6)
     }
 }
 
-/// Returns the stratum, of 2^`bits`, of the one-dimensional point `index` of a sequence that all pixels share: any 2^m points that start at a
-/// multiple of 2^m, m up to `bits`, have one in each of 2^m equal ranges of strata. Points repeat after 2^`bits`.
+/// Returns the stratum, out of 2^`bits`, of point `index` of a one-dimensional sequence that all pixels share. Any 2^m points that start at
+/// a multiple of 2^m, for m up to `bits`, have exactly one in each of 2^m equal ranges of strata. The sequence repeats after 2^`bits`
+/// points.
 #[must_use]
 pub(crate) fn stratum(index: u32, bits: u32) -> u32 {
-    // The index is the point's digits in reverse: van der Corput's sequence.
+    // The index holds the point's digits reversed: van der Corput's sequence.
     let repeated = index & ((1 << bits) - 1);
     let digits = ScrambleKey(mixed(0, 3)).scrambled(repeated).reverse_bits();
     if bits == 0 { 0 } else { digits >> (32 - bits) }
 }
 
-/// From the unit square to the unit disc around 0, keeping areas in proportion and neighbours together: the concentric map
-/// of Shirley and Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
+/// Maps the unit square to the unit disc around 0. The map preserves relative areas and neighbourhoods: it is the concentric map of Shirley
+/// and Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
 #[must_use]
 pub fn disc(square: [f64; 2]) -> [f64; 2] {
     on_disc(square)
 }
 
-/// The same of numbers or of lanes.
+/// Maps the unit square to the unit disc as [`disc`] does, for scalars or lanes.
 #[inline(always)]
 pub(crate) fn on_disc<R: Real>([x, y]: [R; 2]) -> [R; 2] {
     let (x, y) = (x * 2.0 - 1.0, y * 2.0 - 1.0);
-    // The place is on a square around the middle, on the half-side along the nearer axis.
+    // The point lies on a concentric square, whose half side is the larger coordinate.
     let (x_size, y_size) = (x.abs(), y.abs());
     let (half_side, off_axis) = (y_size.if_less(x_size, x, y), y_size.if_less(x_size, y, x));
     let (sine, cosine) = sine_and_cosine(off_axis / half_side * FRAC_PI_4);
-    // There is no angle in the middle.
+    // The angle is undefined at the centre.
     let (zero, size) = (x.of(0.0), half_side.abs());
     let along = zero.if_less(size, half_side * cosine, zero);
     let across = zero.if_less(size, half_side * sine, zero);
     [y_size.if_less(x_size, along, across), y_size.if_less(x_size, across, along)]
 }
 
-/// The digits of the second dimension of Sobol's sequence: those of the index times Pascal's triangle modulo 2. The
-/// triangle is the fifth Kronecker power of its 2 x 2 corner, so that five steps do.
+/// Returns the digits of the second dimension of Sobol's sequence: the digits of the index times Pascal's triangle modulo 2. The triangle
+/// is the fifth Kronecker power of its 2 x 2 corner, so that five steps suffice.
 fn pascal(index: u32) -> u32 {
     let digits = index ^ (index >> 1 & 0x5555_5555);
     let digits = digits ^ (digits >> 2 & 0x3333_3333);
@@ -188,12 +188,12 @@ fn pascal(index: u32) -> u32 {
     digits ^ (digits >> 16 & 0x0000_ffff)
 }
 
-/// As a fraction. Exact.
+/// Returns reversed digits as a fraction, exactly.
 fn unit(reversed_digits: u32) -> f64 {
     f64::from(reversed_digits.reverse_bits()) / 4_294_967_296.0
 }
 
-/// A hash of a key and a number: the finalizer of SplitMix64 (Steele, Lea and Flood, 2014) over both.
+/// Hashes a key and a number with the finalizer of SplitMix64 (Steele, Lea and Flood, 2014), applied to both.
 fn mixed(key: u64, number: u64) -> u64 {
     let step = |value: u64| {
         let value = (value ^ value >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -295,7 +295,7 @@ mod tests {
         for correlation in &correlations[..3] {
             assert!(correlation.abs() < 5.0 / 256.0, "{correlations:?}");
         }
-        // The second point is in the other half.
+        // The second point lies in the other half.
         assert!((correlations[3] + 0.75).abs() < 5.0 / 256.0, "{correlations:?}");
     }
 
@@ -332,7 +332,7 @@ mod tests {
         assert_eq!(found, FROZEN);
     }
 
-    /// In units of 2^-32.
+    /// Expected points in units of 2^-32.
     const FROZEN: [[u32; 2]; 12] = [
         [0x3143_61dd, 0x7a85_0699],
         [0xf387_794a, 0x876a_b27d],
@@ -352,7 +352,7 @@ mod tests {
         value * value
     }
 
-    /// The exponent e of a root mean square error that falls as n^e, over n = 4, 16, .. 4096 and many pixels.
+    /// Returns the exponent e of an RMS error that falls as n^e, over n = 4, 16, .. 4096 and many pixels.
     fn convergence(function: impl Fn([f64; 2], f64) -> f64, mean: impl Fn(f64) -> f64) -> f64 {
         const PIXELS: u32 = 400;
         let exponents = [2, 4, 6, 8, 10, 12];
@@ -367,7 +367,7 @@ mod tests {
             };
             0.5 * libm::log2((0..PIXELS).map(square).sum::<f64>() / f64::from(PIXELS))
         });
-        // The slope of the least squares line.
+        // The slope of the least-squares line.
         let x = exponents.map(f64::from);
         let (middle, average) = (7.0, errors.iter().sum::<f64>() / 6.0);
         let rise: f64 = x.iter().zip(errors).map(|(x, error)| (x - middle) * (error - average)).sum();
@@ -386,7 +386,7 @@ mod tests {
 
     #[test]
     fn coverage_of_a_half_plane_converges_faster_than_by_chance() {
-        // Below y = p + (x - 1/2)/3, which stays in the square for p in 1/6..5/6.
+        // The half-plane is y < p + (x - 1/2)/3; its edge stays in the square for p in 1/6..5/6.
         let height = |parameter: f64| 0.2 + 0.6 * parameter;
         let exponent = convergence(
             |[x, y], parameter| f64::from(u8::from(y < height(parameter) + (x - 0.5) / 3.0)),

@@ -1,12 +1,13 @@
-//! Scaling by powers of two, which rounds nothing.
+//! Scaling by powers of two, without rounding.
 
 use glam::DVec3;
 
-/// `direction` times a power of two that brings its largest component into 1..2, and that power of two. `None` where it
-/// is zero or not finite.
+/// Returns `direction` times a power of two, and that power of two. The power brings the largest component into 1..2, or into 1..4 for the
+/// largest exponent. If scaling would round a tiny component, the direction is returned unscaled, unless its largest component is 2^400 or
+/// more. Returns `None` if `direction` is zero or not finite.
 #[inline]
 pub(crate) fn scaled(direction: DVec3) -> Option<(DVec3, f64)> {
-    /// Lifts every subnormal into the normal range.
+    /// Power of two that moves subnormal numbers into the normal range.
     const LIFT: f64 = f64::from_bits((1023 + 600) << 52);
     const EXPONENT: u64 = 0x7ff;
 
@@ -15,7 +16,7 @@ pub(crate) fn scaled(direction: DVec3) -> Option<(DVec3, f64)> {
         return None;
     }
     let (lifted, lift) = if exponent(direction) < 600 { (direction * LIFT, LIFT) } else { (direction, 1.0) };
-    // 2^-e has the biased exponent 2046 - (1023 + e). The two largest exponents would give a subnormal.
+    // The biased exponent of 2^-e is 2046 - (1023 + e). It would be 0, a subnormal, for the largest exponent.
     let scale = f64::from_bits((2046 - exponent(lifted).min(2045)) << 52);
     let scaled = lifted * scale;
     let beside_subnormal = || exponent(lifted) < 1023 + 400 && scaled / scale != lifted;

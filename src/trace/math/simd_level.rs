@@ -1,24 +1,24 @@
-//! Which of the processor's instructions are used.
+//! Selection of the SIMD instruction set.
 
 use fearless_simd::Level;
 
-/// The vector instructions that pictures are made with. They change how long that takes, and not a bit of the picture.
+/// A SIMD instruction set. It affects the speed of rendering, and no bit of the image.
 #[derive(Clone, Copy, Debug)]
 pub struct SimdLevel(Level);
 
 impl SimdLevel {
-    /// Returns the best that this processor has.
+    /// Returns the best level that this processor supports.
     #[must_use]
     pub fn best() -> Self {
         Self(Level::new())
     }
 
-    /// Returns it as the vector library has it.
+    /// Returns the level as a type of the SIMD library.
     pub(crate) fn level(self) -> Level {
         self.0
     }
 
-    /// Returns all that this processor has, each with its name, the plainest first.
+    /// Returns all levels that this processor supports, with their names, in ascending order of capability.
     #[must_use]
     pub fn all() -> Vec<(&'static str, Self)> {
         let mut all = vec![("baseline", Level::baseline())];

@@ -1,4 +1,4 @@
-//! Sums of products that are rounded once, however much of them cancels.
+//! Sums of products that are rounded once, regardless of cancellation.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use super::double::Double;
 use super::error_free::{two_product, two_sum};
 use super::vector::Double3;
 
-/// A sum of few numbers as non-overlapping parts, ascending; exact, barring overflow (Shewchuk's growing expansions).
+/// Returns a sum of a few terms as non-overlapping components in ascending order; exact, barring overflow (Shewchuk's growing expansions).
 fn expansion<const COUNT: usize>(terms: [f64; COUNT]) -> [f64; COUNT] {
     let mut parts = [0.0; COUNT];
     for (length, term) in terms.into_iter().enumerate() {
@@ -19,13 +19,13 @@ fn expansion<const COUNT: usize>(terms: [f64; COUNT]) -> [f64; COUNT] {
     parts
 }
 
-/// A sum of few numbers, rounded once, however much of it cancels.
+/// Returns a sum of a few terms, rounded once, regardless of cancellation.
 #[must_use]
 pub(crate) fn sum<const COUNT: usize>(terms: [f64; COUNT]) -> Double {
     expansion(terms).into_iter().fold(Double::ZERO, |sum, part| sum + Double::from(part))
 }
 
-/// a.b, rounded once.
+/// Returns a.b, rounded once.
 #[must_use]
 pub fn exact_dot(a: Double3, b: DVec3) -> Double {
     let mut terms = [0.0; 12];
@@ -36,7 +36,7 @@ pub fn exact_dot(a: Double3, b: DVec3) -> Double {
     sum(terms)
 }
 
-/// a.a - b^2, rounded once.
+/// Returns a.a - b^2, rounded once.
 #[must_use]
 pub fn square_difference(a: Double3, b: f64) -> Double {
     let mut terms = [0.0; 20];
@@ -50,7 +50,7 @@ pub fn square_difference(a: Double3, b: f64) -> Double {
     sum(terms)
 }
 
-/// offset - row.point, rounded once; its sign is exact.
+/// Returns offset - row.point, rounded once; its sign is exact.
 #[must_use]
 pub fn offset_height(offset: f64, row: DVec3, point: DVec3) -> Double {
     let mut terms = [0.0; 7];

@@ -1,4 +1,4 @@
-//! Vectors of such numbers.
+//! Vectors of double-double numbers.
 
 use std::ops::{Add, Neg, Sub};
 
@@ -6,14 +6,14 @@ use glam::DVec3;
 
 use super::double::Double;
 
-/// Three [`Double`]s.
+/// A vector of three [`Double`]s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Double3 {
-    /// Along x.
+    /// The x component.
     pub x: Double,
-    /// Along y.
+    /// The y component.
     pub y: Double,
-    /// Along z.
+    /// The z component.
     pub z: Double,
 }
 
@@ -25,7 +25,7 @@ impl Double3 {
     /// The unit vector along z.
     pub const Z: Self = Self { x: Double::ZERO, y: Double::ZERO, z: Double::ONE };
 
-    /// a - b, exactly.
+    /// Returns a - b, exactly.
     #[must_use]
     #[inline]
     pub fn difference(a: DVec3, b: DVec3) -> Self {
@@ -36,34 +36,34 @@ impl Double3 {
         }
     }
 
-    /// The sum of the products.
+    /// Returns the dot product.
     #[must_use]
     #[inline]
     pub fn dot(self, other: Self) -> Double {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
-    /// Times a number.
+    /// Returns the product with a number.
     #[must_use]
     #[inline]
     pub fn scaled(self, factor: Double) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
 
-    /// a + b, exactly.
+    /// Returns a + b, exactly.
     #[must_use]
     pub fn sum(a: DVec3, b: DVec3) -> Self {
         Self { x: Double::sum(a.x, b.x), y: Double::sum(a.y, b.y), z: Double::sum(a.z, b.z) }
     }
 
-    /// In each coordinate, the short decimal number that it was rounded from.
+    /// Returns, per coordinate, the short decimal number that was rounded to it; see [`Double::decimal`].
     #[must_use]
     pub fn decimal(vector: DVec3) -> Self {
         let [x, y, z] = vector.to_array().map(Double::decimal);
         Self { x, y, z }
     }
 
-    /// The cross product.
+    /// Returns the cross product.
     #[must_use]
     pub fn cross(self, other: Self) -> Self {
         Self {
@@ -73,31 +73,31 @@ impl Double3 {
         }
     }
 
-    /// Times a power of two, exactly.
+    /// Returns the product with a power of two, exactly.
     #[must_use]
     pub fn times_power(self, power: f64) -> Self {
         Self { x: self.x.scaled(power), y: self.y.scaled(power), z: self.z.scaled(power) }
     }
 
-    /// As [x, y, z].
+    /// Returns [x, y, z].
     #[must_use]
     pub fn to_array(self) -> [Double; 3] {
         [self.x, self.y, self.z]
     }
 
-    /// What rounding to `f64` leaves over.
+    /// Returns the rounding error: the vector minus its value rounded to `f64`.
     #[must_use]
     pub fn rest(self) -> DVec3 {
         DVec3::new(self.x.rest(), self.y.rest(), self.z.rest())
     }
 
-    /// Divided by a number.
+    /// Returns the quotient by a number.
     #[must_use]
     pub fn over(self, divisor: Double) -> Self {
         Self { x: self.x / divisor, y: self.y / divisor, z: self.z / divisor }
     }
 
-    /// Rounded to `f64`.
+    /// Returns the vector rounded to `f64`.
     #[must_use]
     #[inline]
     pub fn rounded(self) -> DVec3 {

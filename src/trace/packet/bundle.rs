@@ -1,4 +1,13 @@
-//! Packets of rays from one point, and what they meet.
+//! Closest hits of packets with a common origin.
+//!
+//! ```text
+//! bound the rays by a shaft, divided into parts of half a packet
+//! intersect all packets with the shapes outside the tree
+//! for each shape of the tree that the frustum of all rays may hit, nearer nodes first:
+//!     after too many tests: leave all rays undecided, and stop
+//!     intersect it with the parts that may hit it before their limits
+//!     limit each part to the depth of its farthest closest hit
+//! ```
 
 use fearless_simd::{dispatch, prelude::*};
 use glam::DVec3;
@@ -12,12 +21,12 @@ use crate::trace::query::{HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::PreparedScene;
 
-/// Shapes that packets are tested against before single rays are thought to do better, for each packet: where shapes are much
-/// smaller than pixels, a single ray meets few of those that its packet does.
+/// Maximum average number of shape tests per packet; beyond it, all rays escalate to single-ray traversal. If shapes are much smaller than
+/// pixels, a single ray hits few of the shapes that its packet hits.
 const MOST_TESTS: usize = 1024;
 
-/// Finds what the rays of packets meet first that all start at one point and leave no shape. Those that single rays have to decide
-/// are left open in `hits`. `false`, and nothing found, where they go too far apart.
+/// Finds the closest hits of packets whose rays have a common origin and leave no shape. `hits.open` holds the undecided lanes. Returns
+/// `false`, without hits, if the rays diverge too much.
 pub(crate) fn bundle_hits(
     scene: &PreparedScene,
     origin: DVec3,
@@ -57,11 +66,11 @@ fn find<S: Simd>(
     true
 }
 
-/// A bundle on its way through the tree.
+/// A bundle during traversal.
 struct BundleVisitor<'a, F> {
     packets: TilePackets<'a, F>,
     shaft: &'a Shaft,
-    /// The depth up to which shapes are of interest to any part.
+    /// The depth up to which shapes are of interest to any part: the greatest of the limits.
     farthest: f32,
     tests: usize,
 }

@@ -1,10 +1,26 @@
-//! What may stand between a light and the surfaces of a tile: found for all of them at once, so that each shadow ray is asked
-//! of few shapes.
+//! Lists of possible occluders between a light and the surfaces of a tile, collected once for all packets of the tile, so that each shadow
+//! ray is tested against few shapes.
 //!
-//! Seen from a light, shadow rays have their origin in common, too. A shadow ray itself starts at a surface point and goes in a
-//! rounded direction, which passes the light by 2^-52 of the distance, and it is followed at most 2^-36 of the distance beyond:
-//! both are far less than what a [shaft](crate::trace::bvh::Shaft) accepts beside it, up to a distance. Rays to all places on a light
-//! with a size are in a [beam](crate::trace::bvh::Beam), so that one list does for all of its samples.
+//! ```text
+//! bound the shadow rays by a shaft (point light) or a beam (area light), divided into parts of half a packet
+//! for each shape outside the tree:
+//!     add it to the list for all parts, unless it is a plane that certainly does not separate any point from the light
+//! for each shape of the tree that the frustum of all rays may hit:
+//!     after MOST_VISITS shapes: mark all parts as overflowed, and stop
+//!     parts = parts whose rays may hit the shape
+//!     hidden = those parts whose rays all hit it, if it is opaque and fills its bounds
+//!     for each part in hidden: replace its list by the shape, and close the part
+//!     for each other part: add the shape to its list; if the list has MOST shapes already, mark the part as overflowed and close it
+//! ```
+//!
+//! A closed part accepts no more shapes. The traversal limit is the greatest depth of the remaining parts.
+//!
+//! # Correctness
+//!
+//! Shadow rays to a point light have a common end, from which the [shaft](crate::trace::bvh::Shaft) starts. A shadow ray itself starts at a
+//! surface point. Its direction is rounded, so that it misses the light by 2^-52 of the distance, and it extends at most 2^-36 of the distance
+//! beyond the light. Up to a maximum distance, both are far less than the distance by which a shaft accepts missed shapes. The rays to all
+//! points of an area light lie in a [beam](crate::trace::bvh::Beam), so that one list serves all samples of the light.
 
 use std::sync::atomic::AtomicBool;
 
@@ -24,48 +40,48 @@ use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
 use crate::trace::scene::{PreparedScene, ShapeRef};
 use crate::trace::shapes::Plane;
 
-/// More candidates than so are better found in the tree.
+/// Maximum number of candidates per part; beyond it, traversing the tree is faster.
 const MOST: usize = 12;
 
-/// More shapes than so are not looked at: in a wide shaft there are many that matter to none of its parts.
+/// Maximum number of shapes visited: many shapes in a wide shaft are hit by none of its parts.
 const MOST_VISITS: usize = 128;
 
-/// Fewer rays are not worth it.
+/// Minimum number of rays for which candidates are collected.
 const FEWEST: u32 = 32;
 
-/// The shapes that may hide a light: those of the tree half packet by half packet; kept for its memory.
+/// The possible occluders of a light; those in the tree by part, which is half a packet. Reused to avoid allocations.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Candidates {
     parts: [Vec<LeafId>; PARTS],
-    /// Halves whose rays are to find them in the tree, as a bit mask.
+    /// Parts with too many candidates, as a bit mask. Their rays have to traverse the tree.
     crowded: u32,
-    /// Halves from which one of them hides the light altogether.
+    /// Parts for which one shape occludes the light completely, as a bit mask.
     hidden: u32,
-    /// The shapes beside the tree that may hide it.
+    /// Possible occluders outside the tree, for all parts.
     beside: Vec<ShapeId>,
 }
 
-/// Where a light lies from the points of a packet.
+/// The shadow rays from the points of a packet to a point light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WaysToLight<'a> {
     pub(crate) rays: &'a RayPacket,
-    /// How many times as far the light is.
+    /// The `t` of each ray at the light.
     pub(crate) limits: &'a Numbers,
-    /// The lanes that ask.
+    /// Lanes with shadow rays.
     pub(crate) lanes: u32,
 }
 
-/// Points of a packet, from which a light with a size may be seen.
+/// The points of a packet that an area light may illuminate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LitPoints<'a> {
     pub(crate) points: &'a Vectors,
-    /// The shapes that rays to the light leave.
+    /// The shapes that shadow rays leave.
     pub(crate) left: &'a ShapeIds,
-    /// The lanes that may ask.
+    /// Lanes that may have shadow rays.
     pub(crate) lanes: u32,
 }
 
-/// Where a light is: around a point, so far to both sides of each axis.
+/// A bounding box of a light, given by its centre and half-extents.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightBox {
     pub(crate) middle: DVec3,
@@ -73,8 +89,8 @@ pub(crate) struct LightBox {
 }
 
 impl Candidates {
-    /// Finds all shapes of the tree that may stand between a light and the points of packets. `false`, and nothing found, where
-    /// they lie too far apart, or are too few to be worth it.
+    /// Collects all shapes that may lie between a point light and the points of packets. Returns `false`, without a valid list, if the points
+    /// lie too far apart or are too few.
     pub(crate) fn find<'a>(
         &mut self,
         scene: &PreparedScene,
@@ -91,7 +107,7 @@ impl Candidates {
         dispatch!(scene.simd.level(), simd => gather(simd, scene, (light, occluders), packets, self, search))
     }
 
-    /// The same of a light with a size, wherever on it rays end.
+    /// Collects candidates like [`Self::find`] for an area light; they are valid for rays to any point of it.
     pub(crate) fn find_all<'a>(
         &mut self,
         scene: &PreparedScene,
@@ -114,19 +130,19 @@ impl Candidates {
         self.beside.clear();
     }
 
-    /// Returns whether there were too many shapes for all halves.
+    /// Returns whether all parts had too many candidates.
     pub(crate) fn all_crowded(&self) -> bool {
         self.crowded == u32::MAX
     }
 
-    /// Returns the lanes of a packet from whose points the light is hidden for certain: of those for which it was asked.
+    /// Returns the lanes of a packet whose shadow rays are certainly occluded. Valid only in lanes for which candidates were collected.
     #[inline]
     pub(crate) fn hidden(&self, packet: usize) -> u32 {
         let halves = self.hidden >> (packet * 2);
         ((halves & 1) * half_lanes(0)) | ((halves >> 1 & 1) * half_lanes(1))
     }
 
-    /// Returns whether nothing may stand in the way of those rays of a packet that are not hidden.
+    /// Returns whether the rays of a packet that are not [hidden](Self::hidden) have no possible occluders.
     #[inline]
     pub(crate) fn is_clear(&self, packet: usize) -> bool {
         let open = |part: usize| self.hidden & (1 << part) == 0;
@@ -135,14 +151,13 @@ impl Candidates {
             && [packet * 2, packet * 2 + 1].into_iter().all(|part| !open(part) || clear(part))
     }
 
-    /// Returns the shapes beside the tree that may hide the light, in document order.
+    /// Returns the possible occluders outside the tree, in document order.
     #[inline]
     pub(crate) fn beside(&self) -> &[ShapeId] {
         &self.beside
     }
 
-    /// Returns the shapes of the tree that the rays of half of a packet have to be asked of; `None` where they have to find them
-    /// themselves.
+    /// Returns the possible occluders in the tree for the rays of half a packet; `None` if the tree has to be traversed.
     #[inline]
     pub(crate) fn of(&self, packet: usize, half: usize) -> Option<&[LeafId]> {
         let part = packet * 2 + half;
@@ -150,6 +165,7 @@ impl Candidates {
     }
 }
 
+/// Collects candidates for a point light.
 #[inline(always)]
 fn gather<'a, S: Simd>(
     simd: S,
@@ -160,7 +176,7 @@ fn gather<'a, S: Simd>(
     (stack, cancelled): (&mut Stack, &AtomicBool),
 ) -> bool {
     let Some(first) = packets.clone().find(|ways| ways.lanes != 0) else { return false };
-    // From the light to the points.
+    // Depth is measured from the light to the points.
     let depth = Depth::along(-first.rays.directions.get(first.lanes.trailing_zeros() as usize));
     let directions = packets.clone().map(|ways| (&ways.rays.directions, ways.lanes));
     let Some(slopes) = Slopes::of(simd, (depth, -1.0), directions) else { return false };
@@ -181,6 +197,7 @@ fn gather<'a, S: Simd>(
     true
 }
 
+/// Collects candidates for an area light.
 #[inline(always)]
 fn gather_all<'a, S: Simd>(
     simd: S,
@@ -199,7 +216,7 @@ fn gather_all<'a, S: Simd>(
     true
 }
 
-/// Finds the shapes beside the tree that may stand in the way.
+/// Collects possible occluders outside the tree.
 #[inline(always)]
 fn find_beside<'a, S: Simd>(
     simd: S,
@@ -216,7 +233,7 @@ fn find_beside<'a, S: Simd>(
     }
 }
 
-/// Finds the shapes of the tree that may stand in the way.
+/// Collects possible occluders in the tree.
 #[inline(always)]
 fn search<S: Simd>(
     simd: S,
@@ -231,7 +248,7 @@ fn search<S: Simd>(
     scene.tree.visit_frustum(simd, &frustum, farthest, stack, cancelled, &mut visitor);
 }
 
-/// Bundles of rays that end at one place, or on a light with a size.
+/// A bundle of rays that end at one point or in the box of an area light.
 #[derive(Clone, Copy)]
 enum Bundles<'a> {
     ToPlace(&'a Shaft, &'a Ends),
@@ -247,7 +264,7 @@ impl Bundles<'_> {
         }
     }
 
-    /// Returns which of them may meet a shape.
+    /// Returns a bit mask of the parts whose rays may hit a shape.
     #[inline(always)]
     fn parts<S: Simd>(&self, simd: S, bounds: &LeafBox, limits: &Limits) -> u32 {
         match self {
@@ -256,7 +273,7 @@ impl Bundles<'_> {
         }
     }
 
-    /// Returns which of them all go through a shape, as far as that is known.
+    /// Returns a bit mask of the parts whose rays certainly all pass through a shape. It is incomplete: beams report none.
     #[inline(always)]
     fn covered<S: Simd>(&self, simd: S, bounds: &LeafBox) -> u32 {
         match self {
@@ -266,8 +283,8 @@ impl Bundles<'_> {
     }
 }
 
-/// Returns whether a plane may stand between a light and any of the points: not where those are on the light's side of it for certain,
-/// or leave it.
+/// Returns whether a plane may lie between a light and any of the points. `false` if the light and every point certainly lie on one side of
+/// it, except points whose rays leave the plane.
 #[inline(always)]
 fn may_part<'a, S: Simd>(
     simd: S,
@@ -275,13 +292,16 @@ fn may_part<'a, S: Simd>(
     light: LightBox,
     packets: &(impl Iterator<Item = LitPoints<'a>> + Clone),
 ) -> bool {
-    /// 2^-40, of the numbers that heights are made of: more than rounding shifts those by, and rays beside their light.
+    /// 2^-40, relative to the magnitude of a height's terms: more than the rounding error of a height, and than the error by which rays miss
+    /// their light.
     const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
-    /// More than is lost where products underflow.
+    /// More than the error of products that underflow.
     const LEAST: f64 = 1e-290;
     let (from_point, normal, size) = (light.middle - plane.point(), plane.normal(), plane.normal().abs());
     let (height, reach) = (from_point.dot(normal), (from_point.abs() + light.reach).dot(size));
+    // Oriented towards the light.
     let up = splat3(simd, normal * height.signum());
+    // The height of the lowest corner of the light's box.
     let height = splat(simd, height.abs() - light.reach.dot(size));
     for LitPoints { points, left, lanes } in packets.clone() {
         let asked = lanes & !left.lanes_of(simd, id);
@@ -298,12 +318,14 @@ fn may_part<'a, S: Simd>(
     false
 }
 
+/// Collects shapes during traversal.
 struct CandidateVisitor<'a> {
     scene: &'a PreparedScene,
     occluders: Occluders,
     bundles: Bundles<'a>,
     candidates: &'a mut Candidates,
     limits: Limits,
+    /// The greatest of the limits.
     farthest: f32,
     visits: usize,
 }
@@ -336,6 +358,7 @@ impl<S: Simd> FrustumVisitor<S> for CandidateVisitor<'_> {
         }
         self.candidates.crowded |= crowded;
         if hidden | crowded != 0 {
+            // Closes the parts.
             set_bits(hidden | crowded).for_each(|part| self.limits.set(part, f32::NEG_INFINITY));
             self.farthest = self.limits.farthest(simd);
         }
@@ -344,7 +367,7 @@ impl<S: Simd> FrustumVisitor<S> for CandidateVisitor<'_> {
 }
 
 impl CandidateVisitor<'_> {
-    /// Returns the parts that a shape hides the light from altogether.
+    /// Returns a bit mask of the parts for which a shape occludes the light completely.
     #[inline(always)]
     fn hidden<S: Simd>(&self, simd: S, leaf: LeafId, bounds: &LeafBox) -> u32 {
         let covered = self.bundles.covered(simd, bounds);
@@ -352,7 +375,7 @@ impl CandidateVisitor<'_> {
             return 0;
         }
         let (id, shape) = self.scene.leaves.get(leaf, &self.scene.geometry);
-        // Images do not fill their boxes.
+        // Images of shapes under affine maps do not fill their boxes.
         let fills = matches!(shape, ShapeRef::Sphere(_) | ShapeRef::AlignedBox(_));
         if fills && self.occluders.role(self.scene, id) == OccluderKind::Opaque { covered } else { 0 }
     }
@@ -367,7 +390,7 @@ mod tests {
     use crate::trace::scene::PreparedShape;
     use crate::trace::shapes::{AlignedBox, Sphere};
 
-    /// From the points of a square of 1.5 by 1.5 of the plane y = 0 to a light, with how far that is.
+    /// Creates the rays from a square of 1.5 by 1.5 in the plane y = 0 to a light, with their `t` at the light.
     fn ways_from_floor(light: DVec3) -> Vec<(RayPacket, Numbers)> {
         let mut ways = vec![(RayPacket::EMPTY, Numbers::splat(0.0)); 16];
         for index in 0..256_u32 {
@@ -380,7 +403,8 @@ mod tests {
         ways
     }
 
-    /// What covers all points hides the light from all, unless it is clear, the light's own, behind the light or the points, or leaves a gap.
+    /// A shape that covers all points occludes the light for all of them, unless it is transparent, the light's own shape, behind the light or
+    /// the points, or leaves a gap.
     #[test]
     fn wide_shadows_are_found_at_once() {
         let light = DVec3::new(0.0, 20.0, 0.0);
@@ -422,7 +446,7 @@ mod tests {
         }
     }
 
-    /// Few shapes are asked, and those that matter: a test of the test above, which could not fail otherwise.
+    /// Lists are short, but not all empty. Otherwise the comparisons of candidates with single rays could not fail.
     #[test]
     fn candidates_are_few() {
         let mut shapes: Vec<PreparedShape> = (0..400)

@@ -1,4 +1,4 @@
-//! The nearest of what sixteen rays meet.
+//! Closest hits of sixteen rays.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -12,10 +12,10 @@ use crate::trace::query::HitPacket;
 use crate::trace::rays::{FAR, RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
 
-/// Fewer rays are not worth it.
+/// Minimum number of active lanes; packets with fewer are left to the scalar code.
 const FEWEST: u32 = 3;
 
-/// Finds what the rays of a packet meet first. Those that single rays have to decide are left open in `hits`.
+/// Finds the closest hits of a packet. `hits.open` holds the undecided lanes, which escalate to scalar code.
 pub(crate) fn closest_hits(
     scene: &PreparedScene,
     rays: &RayPacket,
@@ -24,7 +24,7 @@ pub(crate) fn closest_hits(
     cancelled: &AtomicBool,
 ) {
     hits.clear();
-    // What is tied with others is left in as many senses as there are.
+    // A ray that leaves several coincident shapes can leave each of them on a different side.
     hits.open = rays.tied;
     let active = rays.lanes & !rays.tied;
     if active.count_ones() < FEWEST {
@@ -38,7 +38,7 @@ pub(crate) fn closest_hits(
     dispatch!(scene.simd.level(), simd => search.run(simd, active, stack, cancelled));
 }
 
-/// A packet on its way.
+/// A closest-hit search of one packet.
 pub(super) struct ClosestHitSearch<'a> {
     pub(super) scene: &'a PreparedScene,
     pub(super) asking: PacketIntersector<'a>,
@@ -60,7 +60,7 @@ impl ClosestHitSearch<'_> {
         scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
     }
 
-    /// Takes a shape into account in some lanes. Says whether any of their rays meets it nearer than all before.
+    /// Intersects the rays in some lanes with a shape. Returns whether any ray hits it nearer than all shapes before.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&mut self, simd: S, shape: ShapeQuery<'_>, lanes: u32) -> bool {
         let mut nearer = false;
@@ -89,14 +89,14 @@ impl<S: Simd> PacketVisitor<S> for ClosestHitSearch<'_> {
     }
 }
 
-/// Until where half of the rays may have their nearest hits.
+/// Returns upper bounds of the `t` of the closest hits so far, for half of the rays.
 #[inline(always)]
 pub(super) fn latest<S: Simd>(simd: S, hits: &HitPacket, half: usize) -> F64s<S> {
     hits.ts.load(simd, half) + hits.errors.load(simd, half)
 }
 
-/// Takes half of the rays' hits of a shape into account. Of hits that may be at the same place none is taken for the nearer one: such
-/// rays are open. Says whether any hit is nearer than those before.
+/// Updates the closest hits of half of the rays with their hits of a shape. If a hit may coincide with the closest hit so far, its lane is
+/// marked as undecided. Returns whether any hit is nearer than the closest hit before.
 #[inline(always)]
 fn consider<S: Simd>(
     simd: S,

@@ -1,5 +1,5 @@
-//! Where sixteen shadow rays cross the surfaces of clear shapes: what [`Crossed::cross`](crate::trace::query::Crossed::cross) says of
-//! each.
+//! Crossings of sixteen shadow rays with the surfaces of transparent shapes, as computed by
+//! [`Crossed::cross`](crate::trace::query::Crossed::cross) for single rays.
 
 use fearless_simd::prelude::*;
 
@@ -11,32 +11,32 @@ use crate::trace::query::{Crossing, HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
 use crate::trace::scene::Geometry;
 
-/// Where shadow rays cross the surface of a clear shape before the light.
+/// The crossings of shadow rays with the surface of a transparent shape before the light.
 #[derive(Clone, Debug)]
 pub(crate) struct CrossedPacket {
     pub(crate) id: ShapeId,
-    /// Lanes of rays that cross it.
+    /// Lanes of rays that cross the shape. `ts` are the first crossings.
     pub(crate) lanes: u32,
     ts: Numbers,
-    /// Of these, lanes of rays that enter it there; the others leave it.
+    /// Lanes of rays that enter the shape at the first crossing. The other rays leave it there.
     entering: u32,
-    /// Of these, lanes of rays that leave it again.
+    /// Lanes of rays that enter the shape and leave it again before the light, at `far_ts`.
     pub(crate) leaving: u32,
     far_ts: Numbers,
-    /// Of these, lanes of rays that go through another solid inside of it, and from where to where.
+    /// Lanes of rays that pass through another solid inside the shape, from `gap_ts` to `gap_far_ts`.
     gapped: u32,
     gap_ts: Numbers,
     gap_far_ts: Numbers,
 }
 
 impl CrossedPacket {
-    /// Of rays in some lanes that cross a shape once, where they start.
+    /// Creates the crossings of rays in some lanes that cross a shape once, at their origins.
     pub(crate) fn once(id: ShapeId, lanes: u32) -> Self {
         let ts = Numbers::splat(0.0);
         Self { id, lanes, ts, entering: 0, leaving: 0, far_ts: ts, gapped: 0, gap_ts: ts, gap_far_ts: ts }
     }
 
-    /// Returns how long the ways are from where rays enter the shape to where they leave it, without their gaps.
+    /// Returns the lengths of the paths through the shape, from entry to exit, minus the gaps.
     #[inline(always)]
     pub(crate) fn lengths<S: Simd>(&self, simd: S, directions: &Vectors) -> Numbers {
         let mut lengths = Numbers::splat(0.0);
@@ -56,7 +56,7 @@ impl CrossedPacket {
         lengths
     }
 
-    /// Returns the lanes of rays that leave one of two shapes before they enter the other.
+    /// Returns the lanes whose rays leave one of the two shapes before they enter the other.
     #[inline(always)]
     pub(crate) fn apart<S: Simd>(&self, simd: S, other: &Self) -> u32 {
         let mut apart = 0;
@@ -68,8 +68,8 @@ impl CrossedPacket {
         apart
     }
 
-    /// Notes the ways through another shape as gaps, of rays in some lanes that go through it while they are in this one. Returns those
-    /// of these lanes in which there is no gap yet.
+    /// Records the paths through another shape as gaps, for the rays in some lanes that enter it after this shape and leave it before. A lane
+    /// holds one gap at most. Returns the lanes in which a gap was added.
     #[inline(always)]
     pub(crate) fn leave_gaps<S: Simd>(&mut self, simd: S, inner: &Self, asked: u32) -> u32 {
         let mut within = 0;
@@ -92,7 +92,7 @@ impl CrossedPacket {
         new
     }
 
-    /// Returns what the ray in a lane crosses first, and what then.
+    /// Returns the first and the second crossing of the ray in a lane.
     #[inline]
     pub(crate) fn of(&self, lane: usize) -> [Option<Crossing>; 2] {
         let has = |lanes: u32| lanes & (1 << lane) != 0;
@@ -103,14 +103,14 @@ impl CrossedPacket {
     }
 }
 
-/// Numbers, or 0 instead of less.
+/// Returns the maximum of each number and 0.
 #[inline(always)]
 fn positive<S: Simd>(simd: S, numbers: F64s<S>) -> F64s<S> {
     let zero = splat(simd, 0.0);
     numbers.simd_gt(zero).select(numbers, zero)
 }
 
-/// What rays have met, and where: memory for one shape after the other.
+/// The hits of one transparent shape, and their surface points. Reused between shapes.
 #[derive(Clone, Debug)]
 pub(super) struct CrossingScratch {
     pub(super) hits: HitPacket,
@@ -121,8 +121,8 @@ impl CrossingScratch {
     pub(super) const EMPTY: Self = Self { hits: HitPacket::EMPTY, surfaces: SurfacePacket::EMPTY };
 }
 
-/// Finds where rays in some lanes cross a shape that no other equals, which they are known to meet, as the scratch says where about.
-/// Returns the lanes that have to be asked one by one.
+/// Computes the crossings of rays in some lanes with a shape that has no equals. The rays are known to hit it, near the `t` in the scratch.
+/// Adds the crossings to `crossed`, and returns the undecided lanes.
 #[inline(always)]
 pub(super) fn cross<S: Simd>(
     simd: S,
@@ -164,6 +164,7 @@ fn find<S: Simd>(
         if enters == 0 {
             continue;
         }
+        // The exit is measured from the refined entry point.
         let from_there = HalfRays { origin: surfaces.points.load(simd, half), direction };
         let Some(out) = exit(simd, &from_there, shape) else { continue };
         let t = surfaces.ts.load(simd, half) + out.t;

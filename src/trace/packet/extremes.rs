@@ -1,4 +1,4 @@
-//! Rays and shapes of any magnitude: every reported number is finite, and packets agree with single rays.
+//! Tests with rays and shapes of any magnitude: every reported number is finite, and packets agree with single rays.
 
 use fearless_simd::dispatch;
 use glam::{DAffine3, DMat3, DVec3};
@@ -12,7 +12,7 @@ use crate::trace::rays::RayPacket;
 use crate::trace::scene::{PreparedScene, PreparedShape};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
-/// Numbers whose decimal exponents are evenly spread, both signs, and zeros.
+/// Numbers of both signs with uniformly distributed decimal exponents, small numbers, and zeros.
 fn number(exponents: std::ops::RangeInclusive<i32>) -> impl Strategy<Value = f64> {
     let magnitude = (exponents, 1.0..9.99)
         .prop_map(|(exponent, digits): (i32, f64)| digits * libm::exp10(f64::from(exponent)));
@@ -29,7 +29,7 @@ fn vector(exponents: std::ops::RangeInclusive<i32>) -> impl Strategy<Value = DVe
     (part(), part(), part()).prop_map(DVec3::from)
 }
 
-/// A size that a scene may hold.
+/// A valid size of a shape.
 fn size() -> impl Strategy<Value = f64> {
     prop_oneof![1 => 0.1..9.0, 2 => (-149..=148, 1.0..9.99).prop_map(|(exponent, digits): (i32, f64)| digits * libm::exp10(f64::from(exponent)))]
 }
@@ -54,7 +54,7 @@ fn shape() -> impl Strategy<Value = PreparedShape> {
     )
 }
 
-/// A point that a ray is aimed at.
+/// The point at which a ray is aimed.
 fn middle(shape: &PreparedShape) -> DVec3 {
     match shape {
         PreparedShape::Sphere(sphere) => sphere.center,
@@ -65,7 +65,7 @@ fn middle(shape: &PreparedShape) -> DVec3 {
     }
 }
 
-/// A ray's origin and direction, and whether it is aimed at the shape instead.
+/// A ray's origin and direction, and a flag: if true, the ray is aimed at the shape instead.
 fn ray() -> impl Strategy<Value = (DVec3, DVec3, bool)> {
     (prop_oneof![vector(-320..=307), vector(-30..=30)], vector(-320..=307), any::<bool>())
 }
@@ -83,7 +83,7 @@ proptest! {
             let direction = if *aimed { middle(&shape) - *origin } else { *direction };
             let Some(ray) = CastRay::new(*origin, direction) else { continue };
             let found = scene.cast(&ray);
-            // Directions that are left unscaled because of a subnormal component can be too long for the tree.
+            // Directions that are not scaled, because of a subnormal component, can be too long for the tree.
             if ray.direction().abs().max_element() < 2.0 {
                 packet.set(lane, &ray);
                 let reference = closest(&scene, &ray, &mut Scratch::default());
@@ -105,7 +105,7 @@ proptest! {
     }
 }
 
-/// Compares what a packet was found to hit, and where, with what single rays hit. Error bounds may differ next to subnormal
+/// Compares the hits and surface points of a packet with the results of single rays. Error bounds may differ in packets with subnormal
 /// directions; the hits that they bound may not.
 fn agree(
     name: &str,
@@ -147,7 +147,7 @@ fn a_plane_that_a_ray_nearly_runs_along_is_hit_at_the_right_point_or_not_at_all(
         let slope: f64 = format!("1e-{exponent}").parse().unwrap();
         let ray = CastRay::new(DVec3::new(0.0, 3.0, 0.0), DVec3::new(0.0, -slope, 1.0)).unwrap();
         let found = scene.cast(&ray);
-        // The largest number is 1.8e308.
+        // The largest `f64` is 1.8e308.
         assert_eq!(found.is_some(), exponent <= 307, "1e-{exponent}");
         if let Some(hit) = found {
             let (expected, distance) = (3.0 / slope, 3.0 / slope * (1.0 + slope * slope).sqrt());

@@ -1,5 +1,6 @@
-//! One shape against half of a packet's rays: the scalar code's operations in their order, so that every `t` and every bound has
-//! the scalar code's bits. What is long and seldom asked is a function of its own for each level, as far as the compiler goes along.
+//! Intersection of half a packet with one shape: the scalar code's operations in the same order, so that every `t` and every error bound has
+//! the same bits. Long, rarely executed code is wrapped in `simd.vectorize`, which makes it a separate function for each SIMD level unless the
+//! compiler inlines it.
 
 use fearless_simd::prelude::*;
 use glam::DMat3;
@@ -17,7 +18,7 @@ pub(super) struct HalfRays<S: Simd> {
     pub(super) direction: F64s3<S>,
 }
 
-/// What they have to do with a shape.
+/// The intersection of half a packet with a shape.
 pub(super) type PacketIntersection<S> = Verdict<F64s<S>>;
 
 impl<S: Simd> HalfRays<S> {
@@ -27,8 +28,7 @@ impl<S: Simd> HalfRays<S> {
     }
 }
 
-/// Where rays meet a sphere: [`Sphere::intersect`]. `None` where all of them certainly miss it. `inverse_square` is
-/// 1 / direction.direction.
+/// Intersects rays with a sphere: [`Sphere::intersect`]. `None` if all rays certainly miss it. `inverse_square` is 1 / direction.direction.
 #[inline(always)]
 pub(super) fn sphere<S: Simd>(
     simd: S,
@@ -40,7 +40,7 @@ pub(super) fn sphere<S: Simd>(
     first_root(to_center, (rays.direction, inverse_square), sphere.radius, U)
 }
 
-/// Where rays meet an ellipsoid: [`SphereImage::intersect`]. `None` where all of them certainly miss it.
+/// Intersects rays with an ellipsoid: [`SphereImage::intersect`]. `None` if all rays certainly miss it.
 #[inline(always)]
 pub(super) fn sphere_image<S: Simd>(
     simd: S,
@@ -57,7 +57,7 @@ pub(super) fn sphere_image<S: Simd>(
     )
 }
 
-/// The ways from rays' origins to the center of an ellipsoid, and their directions, in the sphere's own space.
+/// Transforms rays to the space of an ellipsoid's sphere. Returns the vectors from their origins to the centre, and their directions.
 #[inline(always)]
 fn taken_back<S: Simd>(simd: S, rays: &HalfRays<S>, image: &SphereImage) -> (F64s3<S>, F64s3<S>) {
     let (translation, inverse) = image.back();
@@ -65,7 +65,7 @@ fn taken_back<S: Simd>(simd: S, rays: &HalfRays<S>, image: &SphereImage) -> (F64
     ([-x, -y, -z], image_of(simd, inverse, rays.direction))
 }
 
-/// A matrix times vectors.
+/// Multiplies a matrix by vectors.
 #[inline(always)]
 pub(super) fn image_of<S: Simd>(simd: S, matrix: &DMat3, [x, y, z]: F64s3<S>) -> F64s3<S> {
     let DMat3 { x_axis, y_axis, z_axis } = *matrix;
@@ -73,14 +73,14 @@ pub(super) fn image_of<S: Simd>(simd: S, matrix: &DMat3, [x, y, z]: F64s3<S>) ->
     add(sum, times(splat3(simd, z_axis), z))
 }
 
-/// Where rays come out of a sphere that they leave inwards: [`Sphere::exit`].
+/// Finds the exits of rays from a sphere that they leave inwards: [`Sphere::exit`].
 #[inline(always)]
 pub(super) fn sphere_exit<S: Simd>(simd: S, rays: &HalfRays<S>, sphere: &Sphere) -> PacketIntersection<S> {
     let to_center = subtract(splat3(simd, sphere.center), rays.origin);
     far_root(to_center, rays.direction, sphere.radius, U)
 }
 
-/// The same of an ellipsoid: [`SphereImage::exit`].
+/// Finds the exits of rays from an ellipsoid that they leave inwards: [`SphereImage::exit`].
 #[inline(always)]
 pub(super) fn sphere_image_exit<S: Simd>(
     simd: S,
@@ -96,7 +96,7 @@ pub(super) fn sphere_image_exit<S: Simd>(
     )
 }
 
-/// Where rays meet a box: [`AlignedBox::intersect`], for rays that are not slow.
+/// Intersects rays with a box: [`AlignedBox::intersect`], for rays whose reciprocals are finite.
 #[inline(always)]
 pub(super) fn aligned_box<S: Simd>(
     simd: S,
@@ -116,11 +116,12 @@ pub(super) fn aligned_box<S: Simd>(
     let close = entry.abs().max(exit.abs()) * (8.0 * U);
     let maybe = !(exit.simd_lt(zero) | entry.simd_gt(exit + close));
     let open = maybe & entry.simd_gt(exit - close);
+    // Adding zero makes a negative zero positive.
     let t = entry.simd_ge(zero).select(entry, exit) + zero;
     PacketIntersection { t, error: t * (4.0 * U), hit: maybe & !open, open }
 }
 
-/// Where rays come out of a box that they leave inwards: [`AlignedBox::exit`].
+/// Finds the exits of rays from a box that they leave inwards: [`AlignedBox::exit`].
 #[inline(always)]
 pub(super) fn box_exit<S: Simd>(simd: S, rays: &HalfRays<S>, shape: &AlignedBox) -> PacketIntersection<S> {
     let zero = splat(simd, 0.0);
@@ -132,13 +133,13 @@ pub(super) fn box_exit<S: Simd>(simd: S, rays: &HalfRays<S>, shape: &AlignedBox)
         let t = (face - rays.origin[axis]) / speed;
         nearest = (!speed.simd_eq(zero) & t.simd_lt(nearest)).select(t, nearest);
     }
-    // Of a zero the scalar code knows the sign.
+    // The scalar code determines the sign of a zero.
     let open = nearest.simd_eq(zero);
     let t = nearest.simd_gt(zero).select(nearest, zero);
     PacketIntersection { t, error: t * (4.0 * U), hit: !open, open }
 }
 
-/// Where rays meet a plane: [`Plane::intersect`].
+/// Intersects rays with a plane: [`Plane::intersect`].
 #[inline(always)]
 pub(super) fn plane<S: Simd>(simd: S, rays: &HalfRays<S>, plane: &Plane) -> PacketIntersection<S> {
     let plane = (splat3(simd, plane.point()), splat3(simd, plane.normal()));

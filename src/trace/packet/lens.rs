@@ -1,5 +1,20 @@
-//! Packets of camera rays through a lens, and what they meet. Rays of a tile's samples start all over the lens, and go to about the same
-//! places: what any of them may meet is found once, bundle by bundle, for all samples.
+//! Closest hits of camera rays through a lens.
+//!
+//! The rays of a tile's samples start anywhere on the lens, and reach about the same region. The shapes that any of them may hit are
+//! therefore collected once per tile, by part, which is half a packet:
+//!
+//! ```text
+//! find, once per tile:
+//!     for each part: bound the points, behind all shapes of the tree, that its samples reach
+//!     beam = bundle of all rays between the lens and these bounds
+//!     for each shape of the tree that the frustum of the beam may hit: store it with the parts that may hit it
+//!     with more than MOST shapes: give up
+//!     sort the shapes by their least depth
+//!
+//! lens_hits, once per sample:
+//!     intersect all packets with the shapes outside the tree
+//!     for each stored shape: intersect it with its parts, except those whose closest hits are all nearer than the shape
+//! ```
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,29 +31,31 @@ use crate::trace::query::{HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::{Camera, PreparedScene, Square};
 
-/// More shapes than a tile has rays are better found in the tree: to pass over one costs all rays together a few operations.
+/// Maximum number of candidates, the number of a tile's rays. Beyond it, traversing the tree is faster. Skipping a candidate costs a few
+/// operations for all rays together.
 const MOST: usize = PACKETS * LANES;
 
-/// The shapes of the tree that rays of a tile's samples may meet; kept for its memory.
+/// The shapes of the tree that rays of a tile's samples may hit. Reused to avoid allocations.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LensCandidates {
+    /// `None` if there is no valid list.
     beam: Option<Beam>,
     /// Nearest first.
     shapes: Vec<LensCandidate>,
 }
 
-/// A shape that rays may meet.
+/// A shape that rays may hit.
 #[derive(Clone, Copy, Debug)]
 struct LensCandidate {
     leaf: LeafId,
-    /// Bundles that may meet it, as a bit mask.
+    /// Parts that may hit it, as a bit mask.
     parts: u32,
-    /// It is not nearer than so.
+    /// Lower bound of the depth at which it begins.
     near: f32,
 }
 
 impl LensCandidates {
-    /// Finds those of the samples of a tile's pixels, packet by packet.
+    /// Collects the shapes that samples of a tile's pixels may hit. `squares` holds the pixels of each packet.
     pub(crate) fn find(
         &mut self,
         scene: &PreparedScene,
@@ -58,11 +75,12 @@ impl LensCandidates {
         });
     }
 
-    /// Lets every packet meet every shape: they are not those of the squares any more.
+    /// Assigns every shape to all parts, for packets that no longer hold the pixels of their squares.
     pub(crate) fn mix_packets(&mut self) {
         self.shapes.iter_mut().for_each(|shape| shape.parts = u32::MAX);
     }
 
+    /// Collects the shapes that the beam may hit, and sorts them.
     #[inline(always)]
     fn gather<S: Simd>(
         &mut self,
@@ -83,8 +101,8 @@ impl LensCandidates {
     }
 }
 
-/// Returns around which places, behind all shapes of the tree, the samples of pixels end up: two corners for each half of a packet, and in
-/// which lanes they are. `None` where some do not go there.
+/// Returns boxes around the points, behind all shapes of the tree, that the samples of pixels reach: two corners for each half packet, and the
+/// lanes that hold them. `None` if some samples do not reach that depth.
 fn places_beyond(
     scene: &PreparedScene,
     camera: &Camera,
@@ -106,7 +124,7 @@ fn places_beyond(
     Some(places)
 }
 
-/// Shapes on their way into a list.
+/// Collects shapes during traversal.
 struct Gathering<'a> {
     beam: &'a Beam,
     limits: Limits,
@@ -125,8 +143,8 @@ impl<S: Simd> FrustumVisitor<S> for Gathering<'_> {
     }
 }
 
-/// Finds what one sample's rays meet first, of those that candidates were found for. Those that single rays have to decide are left open in
-/// `hits`. `false`, and nothing found, where there are no candidates.
+/// Finds the closest hits of the rays of one of the samples for which candidates were collected. `hits.open` holds the undecided lanes.
+/// Returns `false`, without hits, if there is no candidate list.
 pub(crate) fn lens_hits(
     scene: &PreparedScene,
     candidates: &LensCandidates,
@@ -145,7 +163,7 @@ pub(crate) fn lens_hits(
     true
 }
 
-/// Intersects a sample's rays with what they may meet.
+/// Intersects a sample's rays with the shapes that they may hit.
 #[inline(always)]
 fn meet_all<S: Simd>(
     simd: S,
@@ -178,8 +196,8 @@ mod tests {
     use crate::trace::rays::TieLists;
     use crate::trace::scene::SpreadKeys;
 
-    /// Compares what samples through a lens find at every level with what single rays find. Returns how many were decided at once, of
-    /// how many.
+    /// Compares the hits of samples through a lens with the hits of single rays, at every SIMD level. Returns the smallest number of rays
+    /// decided in packets at any level, and the number of rays.
     fn decided_through_lens(
         scene: &mut PreparedScene,
         camera: &Camera,
@@ -235,7 +253,7 @@ mod tests {
         }
     }
 
-    /// A test of the test of samples through a lens, which could not fail otherwise.
+    /// Checks that packets decide most rays. Otherwise the comparison of lens samples with single rays could not fail.
     #[test]
     fn nearly_all_samples_through_a_lens_are_decided_at_once() {
         let camera = camera(DVec3::new(0.3, 2.0, -6.1), DVec3::new(0.01, -0.2, 1.0), 0.5).with_lens(0.3, 8.0);

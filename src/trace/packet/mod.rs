@@ -1,16 +1,16 @@
-//! Sixteen rays at once, in vectors of the width that the processor has.
+//! Queries of packets of sixteen rays, in vectors of the processor's width.
 //!
-//! What a ray meets is defined by the scalar code in `shapes` and `query`. Here the same operations are made in the same order
-//! for sixteen rays at once, so that every `t` and every bound of its error has the same bits, whatever the width. Where a
-//! verdict is not certain, or two hits may be at the same place, nothing is decided here: the ray is left to the scalar code.
+//! The scalar code in `shapes` and `query` defines the result. This code executes the same operations in the same order for sixteen rays at
+//! once, so that every `t` and every error bound has the same bits at every vector width. If a comparison is ambiguous, or two hits may
+//! coincide, the lane stays undecided, and its ray escalates to the scalar code.
 //!
-//! - [`leaves`] and [`slabs`]: one shape of a kind against half of a packet's rays; [`verdicts`]: a shape of any kind.
-//! - [`closest_hit`]: the nearest of what a packet's rays meet; [`bundle`]: the same of packets of rays from one point, and
-//!   [`lens`] of those from a lens; [`tile_packets`]: what both ask of packets.
-//! - [`occlusion`]: what stands between surface points and a light, and [`crossings`]: where it is clear; [`candidates`]: what may, for all packets of a tile;
-//!   [`roles`]: which shapes do.
-//! - [`refine`]: the surface points that hits stand for.
-//! - [`reciprocals`]: quotients that shapes ask of rays; [`scratch`]: what is kept for its memory.
+//! - [`leaves`] and [`slabs`]: intersection of half a packet with a shape of one kind; [`shape_query`]: with a shape of any kind.
+//! - [`closest_hit`]: closest hits of a packet; [`bundle`]: of packets with a common origin; [`lens`]: of packets through a lens;
+//!   [`tile_packets`]: the code that [`bundle`] and [`lens`] share.
+//! - [`occlusion`]: occlusion of a light at surface points; [`crossings`]: crossings of shadow rays with transparent shapes; [`candidates`]:
+//!   possible occluders for all packets of a tile; [`occluder_kind`]: classification of occluders.
+//! - [`refine`]: refinement of hits to surface points.
+//! - [`reciprocals`]: reciprocals of ray directions, computed once per packet; [`scratch`]: memory reused between queries.
 
 mod bundle;
 mod candidates;

@@ -1,33 +1,35 @@
-//! What shapes do to the light on its way to surfaces.
+//! Classification of shapes as occluders.
 
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::PreparedScene;
 
-/// What counts as an occluder.
+/// The shapes that occlude a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Occluders {
-    /// A shape that does not: the light's own.
+    /// The light's own shape, which does not occlude it.
     pub(crate) except: Option<ShapeId>,
-    /// Whether clear shapes hide nothing, but are crossed.
+    /// True if transparent shapes do not occlude the light, but are recorded as crossed.
     pub(crate) clear: bool,
 }
 
-/// What a shape does to a light.
+/// The effect of a shape on shadow rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum OccluderKind {
     Opaque,
-    /// It weakens it.
+    /// Attenuates the light.
     Transparent,
-    /// It and others that equal it do, for which rays are followed one by one.
+    /// Equal to other shapes, none of which is opaque, except possibly the light's own shape. Rays that hit it escalate to scalar code.
     Coincident,
+    /// The light's own shape.
     Excluded,
 }
 
 impl Occluders {
-    /// Returns what a shape does, as `PreparedScene::occluder` and `PreparedScene::occluder_or_crossed` see it.
+    /// Classifies a shape, consistently with `PreparedScene::occluder` and `PreparedScene::occluder_or_crossed`.
     #[inline(always)]
     pub(super) fn role(&self, scene: &PreparedScene, id: ShapeId) -> OccluderKind {
         let group = scene.equal_shapes.group(id);
+        // At least one shape of a group of equal shapes is not the light's own.
         if self.except == Some(id) && group.is_none() {
             return OccluderKind::Excluded;
         }

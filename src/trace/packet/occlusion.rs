@@ -1,7 +1,24 @@
-//! What stands between sixteen surface points and a light.
+//! Occlusion queries between sixteen surface points and a light.
 //!
-//! Seen from a light that is a point, rays that are not listed have a frustum of their own, as bundles of [`candidates`](super::candidates)
-//! have, and with the same right.
+//! ```text
+//! open = rays that leave several coincident shapes
+//! active lanes: neither hidden nor open
+//! test the last occluder on the active lanes without a candidate list
+//! test each shape outside the tree on the active lanes
+//! for each half packet with a candidate list:
+//!     test each candidate on its active lanes
+//! rest = active lanes without a candidate list
+//! if rest has fewer than FEWEST lanes: add it to open
+//! else: traverse the tree with rest, and test each shape that the rays may hit
+//!
+//! test(shape, lanes):
+//!     certainly beyond the light, or a miss: no effect
+//!     ambiguous, at FAR or more, or too near to the light: open
+//!     certainly before the light: hidden by an opaque shape, open for a coincident shape, crossed for a transparent shape
+//! ```
+//!
+//! The lanes in `open` escalate to scalar code. For a point light, the rays in the tree traversal are also bounded by a frustum with its
+//! apex at the light. The error analysis in [`candidates`](super::candidates) also holds for this frustum.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,34 +37,36 @@ use crate::trace::query::NEAR;
 use crate::trace::rays::{FAR, RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
 
-/// Fewer rays are not worth a walk through the tree.
+/// Minimum number of active lanes for which a packet traverses the tree.
 const FEWEST: u32 = 3;
 
-/// Shadow rays, and what may stand in their way.
+/// A packet of shadow rays, and their possible occluders.
 pub(crate) struct ShadowPacket<'a> {
     pub(crate) rays: &'a RayPacket,
-    /// How far the light is.
+    /// The `t` of each ray at the light.
     pub(crate) limits: &'a Numbers,
-    /// Where all of them end, if that is one point.
+    /// The common end point of the rays, if there is one.
     pub(crate) light: Option<DVec3>,
-    /// What may hide it.
+    /// The shapes that count as occluders.
     pub(crate) occluders: Occluders,
-    /// The shapes beside the tree that may stand in the way.
+    /// Possible occluders outside the tree.
     pub(crate) beside: &'a [ShapeId],
-    /// By half of the lanes: shapes of the tree that may stand in the way of any of them; `None` where they have to be found there.
+    /// By half packet: possible occluders in the tree; `None` if the tree has to be traversed.
     pub(crate) candidates: [Option<&'a [LeafId]>; 2],
 }
 
-/// What became of them, as bit masks. The other rays reach the light, through the clear shapes of which the scratch says where.
+/// The result of an occlusion query, as bit masks. The remaining rays reach the light, through the transparent shapes in
+/// `PacketScratch::crossed`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Occlusion {
-    /// Rays that something certainly stands in the way of.
+    /// Lanes of rays that are certainly occluded.
     pub(crate) hidden: u32,
-    /// Rays that have to be followed one by one.
+    /// Undecided lanes, which escalate to scalar code.
     pub(crate) open: u32,
 }
 
-/// Finds which shadow rays are hidden. What hid the last one that asked is asked first, and what hides any of these is noted there.
+/// Determines which shadow rays are occluded. `last_occluder` is tested first, and updated with any occluder found. After cancellation the
+/// result is incomplete.
 pub(crate) fn occluded(
     scene: &PreparedScene,
     shadow: &ShadowPacket<'_>,
@@ -58,7 +77,7 @@ pub(crate) fn occluded(
     let (rays, reciprocals) = (shadow.rays, &mut reciprocals[0]);
     reciprocals.forget();
     let asking = PacketIntersector { rays, reciprocals };
-    // What is tied with others is left in as many senses as there are.
+    // A ray that leaves several coincident shapes can leave each of them on a different side.
     let found = Occlusion { hidden: 0, open: rays.tied };
     crossed.clear();
     let mut search = OcclusionSearch { scene, shadow, asking, found, last_occluder, crossing, crossed };
@@ -79,7 +98,7 @@ struct OcclusionSearch<'a> {
 impl OcclusionSearch<'_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, stack: &mut PacketStack, cancelled: &AtomicBool) {
-        // Where there are lists, they are short.
+        // The last occluder is tested first only without a candidate list: lists are short.
         let unlisted = self.unlisted();
         if let Some(id) = *self.last_occluder
             && self.undecided() & unlisted != 0
@@ -113,7 +132,8 @@ impl OcclusionSearch<'_> {
         }
     }
 
-    /// Returns what rays in some lanes stay within, seen from the light, and up to which depth.
+    /// Returns a frustum around the rays in some lanes, with its apex at the light, and the depth up to which it extends. `None` if the rays
+    /// have no common end point, are too long or run too far apart.
     #[inline(always)]
     fn frustum<S: Simd>(&self, simd: S, lanes: u32) -> Option<(Frustum, f32)> {
         let ShadowPacket { rays, limits, light, .. } = self.shadow;
@@ -141,12 +161,13 @@ impl OcclusionSearch<'_> {
         (u32::from(first) * half_lanes(0)) | (u32::from(second) * half_lanes(1))
     }
 
+    /// Returns the active lanes.
     #[inline(always)]
     fn undecided(&self) -> u32 {
         self.shadow.rays.lanes & !self.found.hidden & !self.found.open
     }
 
-    /// Takes a shape into account in some lanes.
+    /// Tests a shape on the rays in some lanes.
     #[inline(always)]
     fn meet<S: Simd>(&mut self, simd: S, shape: ShapeQuery<'_>, lanes: u32) {
         let role = self.shadow.occluders.role(self.scene, shape.id);
@@ -159,6 +180,7 @@ impl OcclusionSearch<'_> {
                 continue;
             }
             let limit = self.shadow.limits.load(simd, half);
+            // Closer to the light, hits are compared with its exact position, by scalar code.
             let (nearer, farther) = (limit * (1.0 - NEAR), limit * (1.0 + NEAR));
             let Some(answer) = self.asking.ask(simd, shape, (half, lanes)) else { continue };
             let verdicts = answer.verdicts;

@@ -1,4 +1,4 @@
-//! Quotients that shapes ask of a packet's rays, made when the first of them does.
+//! Reciprocals of a packet's rays, computed when a shape first needs them.
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -7,12 +7,12 @@ use crate::trace::math::{F64s, F64s3, Numbers, Vectors, bits, dot, splat};
 use crate::trace::rays::RayPacket;
 use crate::trace::shapes::SLOWEST;
 
-/// The reciprocals of a packet's directions and of their squares, as far as they are known.
+/// The reciprocals of a packet's direction components and of its squared directions, each valid only if its flag is set.
 #[derive(Clone, Debug)]
 pub(super) struct Reciprocals {
     directions: Vectors,
     directions_known: bool,
-    /// Lanes with a coordinate so small that its reciprocal may not be finite.
+    /// Lanes with a direction component so small that its reciprocal may not be finite.
     slow: u32,
     squares: Numbers,
     squares_known: bool,
@@ -27,13 +27,13 @@ impl Reciprocals {
         squares_known: false,
     };
 
-    /// Makes ready for other rays.
+    /// Invalidates the reciprocals, for other rays.
     #[inline(always)]
     pub(super) fn forget(&mut self) {
         (self.directions_known, self.squares_known) = (false, false);
     }
 
-    /// Returns 1 / direction of half of the rays, coordinate by coordinate, and in which lanes of all that may not be finite.
+    /// Returns 1 / direction of half of the rays, component by component, and the lanes of the whole packet in which it may not be finite.
     #[inline(always)]
     pub(super) fn of_directions<S: Simd>(
         &mut self,

@@ -1,16 +1,16 @@
-//! What searches with packets keep for its memory.
+//! Memory reused between packet queries.
 
 use super::crossings::{CrossedPacket, CrossingScratch};
 use super::reciprocals::Reciprocals;
 use crate::trace::bvh::{PACKETS, PacketStack};
 
-/// Memory of searches with packets, as many as go together.
+/// Memory of queries with up to [`PACKETS`] packets.
 #[derive(Clone, Debug)]
 pub(crate) struct PacketScratch {
     pub(super) stack: PacketStack,
     pub(super) reciprocals: Box<[Reciprocals; PACKETS]>,
     pub(super) crossing: Box<CrossingScratch>,
-    /// The clear shapes in the ways of the shadow rays that were followed last.
+    /// Transparent shapes that the shadow rays of the last query cross.
     pub(crate) crossed: Vec<CrossedPacket>,
 }
 

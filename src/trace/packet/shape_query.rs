@@ -1,4 +1,4 @@
-//! A shape of any kind against a packet's rays.
+//! Intersection of a packet with a shape of any kind.
 
 use fearless_simd::prelude::*;
 
@@ -10,33 +10,34 @@ use crate::trace::math::{half_of, mask};
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::{PreparedScene, ShapeRef};
 
-/// A packet's rays that ask, in some lanes.
+/// A packet's rays, with their reciprocals.
 pub(super) struct PacketIntersector<'a> {
     pub(super) rays: &'a RayPacket,
     pub(super) reciprocals: &'a mut Reciprocals,
 }
 
-/// A shape, and what it is called.
+/// A shape and its id.
 #[derive(Clone, Copy)]
 pub(super) struct ShapeQuery<'a> {
     pub(super) id: ShapeId,
     pub(super) shape: ShapeRef<'a>,
 }
 
-/// What half of the lanes have to do with a shape, and in which it is the far side of one that is left inwards.
+/// The intersection of half a packet with a shape. `far` is a bit mask of the lanes that hit the far side of a shape which their rays leave
+/// inwards.
 pub(super) struct PacketHit<S: Simd> {
     pub(super) verdicts: PacketIntersection<S>,
     pub(super) far: u32,
 }
 
 impl<'a> ShapeQuery<'a> {
-    /// A shape by its id.
+    /// Looks up a shape by its id.
     #[inline(always)]
     pub(super) fn beside(scene: &'a PreparedScene, id: ShapeId) -> Self {
         Self { id, shape: scene.geometry.shape(id) }
     }
 
-    /// A shape of the tree.
+    /// Looks up a shape of the tree.
     #[inline(always)]
     pub(super) fn leaf(scene: &'a PreparedScene, leaf: LeafId) -> Self {
         let (id, shape) = scene.leaves.get(leaf, &scene.geometry);
@@ -45,8 +46,8 @@ impl<'a> ShapeQuery<'a> {
 }
 
 impl PacketIntersector<'_> {
-    /// Asks what rays in some lanes of a half have to do with a shape, as `Geometry::intersect` is asked by one that leaves no
-    /// more than one shape. `None` where none of them meets it.
+    /// Intersects the rays in some lanes of a half with a shape, like `Geometry::intersect` for rays that leave at most one shape. `None` if
+    /// all of them certainly miss it.
     #[inline(always)]
     pub(super) fn ask<S: Simd>(
         &mut self,
@@ -55,6 +56,7 @@ impl PacketIntersector<'_> {
         (half, asked): (usize, u32),
     ) -> Option<PacketHit<S>> {
         let departing = self.rays.departing & asked;
+        // Rays do not hit the shape that they leave, except for its far side if they leave it inwards.
         let leaving = if departing == 0 { 0 } else { self.rays.left.lanes_of(simd, shape.id) & departing };
         let near = asked & !leaving;
         let mut verdicts = None;
@@ -90,6 +92,7 @@ impl PacketIntersector<'_> {
         Some(PacketHit { verdicts, far: inward })
     }
 
+    /// Intersects half of the rays with a shape that they do not leave.
     #[inline(always)]
     fn near<S: Simd>(&mut self, simd: S, shape: ShapeRef<'_>, half: usize) -> Option<PacketIntersection<S>> {
         let rays = HalfRays::load(simd, self.rays, half);
@@ -102,6 +105,7 @@ impl PacketIntersector<'_> {
             ShapeRef::AlignedBox(shape) => {
                 let (inverse, slow) = self.reciprocals.of_directions(simd, self.rays, half);
                 let mut verdicts = leaves::aligned_box(simd, rays.origin, inverse, shape);
+                // Reciprocals of slow rays may not be finite.
                 let slow = mask(simd, slow, half);
                 verdicts.hit &= !slow;
                 verdicts.open |= slow;
@@ -113,7 +117,7 @@ impl PacketIntersector<'_> {
     }
 }
 
-/// Where half of a packet's rays come out of a shape that they leave inwards. `None` where they never do.
+/// Finds the exits of half of a packet's rays from a shape that they leave inwards. `None` if the shape has no exit.
 #[inline(always)]
 pub(super) fn exit<S: Simd>(
     simd: S,

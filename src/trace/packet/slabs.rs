@@ -1,4 +1,4 @@
-//! Turned and sheared boxes against half of a packet's rays: three slabs, of which rays are known within bounds.
+//! Intersection of half a packet with rotated and sheared boxes: three slabs, in whose coordinates rays are known within error bounds.
 
 use fearless_simd::prelude::*;
 
@@ -6,7 +6,7 @@ use super::leaves::{HalfRays, PacketIntersection};
 use crate::trace::math::{F64s, F64s3, Mask, dot, splat, splat3, subtract};
 use crate::trace::shapes::{AlignedBox, BoxImage, U};
 
-/// A `t` in each lane, and a bound of its error: [`BoundedT`](crate::trace::math::BoundedT).
+/// A `t` in each lane, and its error bound: [`BoundedT`](crate::trace::math::BoundedT).
 #[derive(Clone, Copy)]
 struct RootLanes<S: Simd> {
     t: F64s<S>,
@@ -29,6 +29,7 @@ impl<S: Simd> RootLanes<S> {
         Self { t: mask.select(one.t, other.t), error: mask.select(one.error, other.error) }
     }
 
+    /// Returns the larger `t`. Its error bound is the larger of both unless the roots certainly differ.
     #[inline(always)]
     fn later(self, other: Self) -> Self {
         let (first, second) = self.ordered(other);
@@ -37,6 +38,7 @@ impl<S: Simd> RootLanes<S> {
         Self { t: second.t, error: larger.select(second.error, first.error) }
     }
 
+    /// Returns the smaller `t`. Its error bound is the larger of both unless the roots certainly differ.
     #[inline(always)]
     fn earlier(self, other: Self) -> Self {
         let (first, second) = self.ordered(other);
@@ -45,19 +47,20 @@ impl<S: Simd> RootLanes<S> {
         Self { t: first.t, error: larger.select(first.error, second.error) }
     }
 
-    /// Both, the one with the smaller `t` first.
+    /// Returns both roots, the one with the smaller `t` first.
     #[inline(always)]
     fn ordered(self, other: Self) -> (Self, Self) {
         let ordered = self.t.simd_lt(other.t);
         (Self::select(ordered, self, other), Self::select(ordered, other, self))
     }
 
-    /// This one or another one if that is later, with its own error.
+    /// Returns the root with the larger `t`, with its own error bound.
     #[inline(always)]
     fn or_later(self, other: Self) -> Self {
         Self::select(self.t.simd_lt(other.t), other, self)
     }
 
+    /// Returns the root with the smaller `t`, with its own error bound.
     #[inline(always)]
     fn or_earlier(self, other: Self) -> Self {
         Self::select(other.t.simd_lt(self.t), other, self)
@@ -69,25 +72,25 @@ impl<S: Simd> RootLanes<S> {
     }
 }
 
-/// Where rays enter and leave each of a box's slabs.
+/// The `t` at which rays enter and leave each slab of a box.
 pub(super) struct SlabRoots<S: Simd> {
     nears: [RootLanes<S>; 3],
     fars: [RootLanes<S>; 3],
-    /// Where rays go towards larger coordinates.
+    /// Lanes whose rays run towards larger coordinates, by axis.
     upwards: [Mask<S>; 3],
-    /// Where a ray goes along a slab, or nearly so.
+    /// Lanes whose rays are parallel to a slab, or nearly so.
     open: Mask<S>,
 }
 
-/// The face that a ray meets, where that is certain.
+/// The face that each ray hits, if it is certain.
 pub(super) struct FaceLanes<S: Simd> {
-    /// Across which axis it is.
+    /// The axis that the face is perpendicular to.
     pub(super) at: [Mask<S>; 3],
     pub(super) upper: Mask<S>,
     pub(super) certain: Mask<S>,
 }
 
-/// Rays' heights above a plane, how fast those grow, and bounds of their errors.
+/// The heights of ray origins along an axis, their rates of change with `t`, and error bounds of both.
 struct Height<S: Simd> {
     o: F64s<S>,
     d: F64s<S>,
@@ -96,7 +99,7 @@ struct Height<S: Simd> {
 }
 
 impl<S: Simd> Height<S> {
-    /// Where they are as high as two planes.
+    /// Returns the `t` at which rays reach the heights of two planes.
     #[inline(always)]
     fn reach(&self, simd: S, [low, high]: [f64; 2]) -> (RootLanes<S>, RootLanes<S>) {
         let inverse = splat(simd, 1.0) / self.d;
@@ -117,7 +120,7 @@ fn absolute<S: Simd>([x, y, z]: F64s3<S>) -> F64s3<S> {
 }
 
 impl<S: Simd> SlabRoots<S> {
-    /// Of rays with a box.
+    /// Intersects rays with the slabs of a box.
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &HalfRays<S>, image: &BoxImage) -> Self {
         let from_center = subtract(rays.origin, splat3(simd, image.center()));
@@ -155,7 +158,7 @@ impl<S: Simd> SlabRoots<S> {
         x.earlier(y).earlier(z)
     }
 
-    /// Where rays meet the box: [`AlignedBox::first_crossing`].
+    /// Returns the first hits of the box: [`AlignedBox::first_crossing`].
     #[inline(always)]
     fn first(&self, simd: S) -> PacketIntersection<S> {
         let (entry, exit) = (self.entry(), self.exit());
@@ -169,7 +172,7 @@ impl<S: Simd> SlabRoots<S> {
         PacketIntersection { t, error, hit, open: self.open | !(missed | hit) }
     }
 
-    /// Where rays come out of the box that they leave inwards: `AlignedBox::rough_exit`.
+    /// Returns the exits of rays that leave the box inwards: `AlignedBox::rough_exit`.
     #[inline(always)]
     fn last(&self, simd: S) -> PacketIntersection<S> {
         let exit = self.exit();
@@ -177,7 +180,7 @@ impl<S: Simd> SlabRoots<S> {
         PacketIntersection { t: exit.t, error: exit.error, hit, open: !hit }
     }
 
-    /// The faces that rays meet at `t`, or at which they come out where they are `inside`: `AlignedBox::clear_face`.
+    /// Returns the faces that rays hit at `t`, or through which they exit in the lanes `inside`: `AlignedBox::clear_face`.
     #[inline(always)]
     pub(super) fn faces(&self, t: F64s<S>, inside: Mask<S>) -> FaceLanes<S> {
         let ([x, y, z], [far_x, far_y, far_z]) = (self.nears, self.fars);
@@ -195,7 +198,7 @@ impl<S: Simd> SlabRoots<S> {
     }
 }
 
-/// Where rays meet a box: [`BoxImage::intersect`].
+/// Intersects rays with a box: [`BoxImage::intersect`].
 #[inline(always)]
 pub(super) fn box_image<S: Simd>(simd: S, rays: &HalfRays<S>, image: &BoxImage) -> PacketIntersection<S> {
     simd.vectorize(
@@ -204,7 +207,7 @@ pub(super) fn box_image<S: Simd>(simd: S, rays: &HalfRays<S>, image: &BoxImage) 
     )
 }
 
-/// Where rays come out of a box that they leave inwards: [`BoxImage::exit`].
+/// Finds the exits of rays from a box that they leave inwards: [`BoxImage::exit`].
 #[inline(always)]
 pub(super) fn box_image_exit<S: Simd>(
     simd: S,

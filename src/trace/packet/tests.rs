@@ -1,4 +1,4 @@
-//! What packets find, held against single rays, at every level.
+//! Comparisons of packets with single rays, at every SIMD level.
 
 use fearless_simd::dispatch;
 use glam::{DAffine3, DMat3, DVec3};
@@ -20,10 +20,10 @@ use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
 const SIDE: u32 = 16;
 
-/// Every shape hides a light.
+/// Every shape is an opaque occluder.
 pub(super) const OPAQUE: Occluders = Occluders { except: None, clear: false };
 
-/// Often where others are, so that rays graze, start on surfaces and meet several shapes at one point.
+/// A coordinate that often coincides with others, so that rays graze shapes, start on surfaces and hit several shapes at one point.
 fn coordinate() -> impl Strategy<Value = f64> {
     let nudge = prop_oneof![Just(0.0), -1e-15..1e-15, -1e-9..1e-9, -1e-4..1e-4];
     prop_oneof![
@@ -81,7 +81,7 @@ pub(super) fn scene_of(shapes: &[PreparedShape], is_clear: impl Fn(usize) -> boo
     PreparedScene::new(geometry, (0..shapes.len()).map(material).collect::<Vec<_>>())
 }
 
-/// The camera's rays, as packets of four by four pixels.
+/// Creates the camera's rays, in packets of four by four pixels.
 fn packets(scene: &PreparedScene, camera: &Camera) -> Vec<RayPacket> {
     let centers = PixelCenters::of(camera);
     let mut packets = vec![RayPacket::EMPTY; 16];
@@ -97,7 +97,7 @@ fn packets(scene: &PreparedScene, camera: &Camera) -> Vec<RayPacket> {
     packets
 }
 
-/// Compares what a packet was found to meet with what single rays meet, and where. Returns how many rays were decided.
+/// Compares a packet's hits and surface points with the results of single rays. Returns the number of decided rays.
 pub(super) fn compare(
     name: &str,
     scene: &PreparedScene,
@@ -125,7 +125,7 @@ pub(super) fn compare(
     Ok(decided.count_ones() as usize)
 }
 
-/// Compares what a bundle finds at every level with what single rays find, and returns how many rays it decided itself.
+/// Compares a bundle's hits with the hits of single rays, at every SIMD level. Returns the smallest number of rays decided at any level.
 fn decided(scene: &mut PreparedScene, camera: &Camera) -> Result<usize, TestCaseError> {
     let mut least = usize::MAX;
     for (name, level) in SimdLevel::all() {
@@ -146,7 +146,8 @@ fn decided(scene: &mut PreparedScene, camera: &Camera) -> Result<usize, TestCase
     Ok(least)
 }
 
-/// Finds what rays of packets meet at every level, one packet after the other. Returns how many were decided.
+/// Compares the hits of separate packets with the hits of single rays, at every SIMD level. Returns the smallest number of rays decided at
+/// any level.
 fn decided_by_packets(
     scene: &mut PreparedScene,
     packets: &[RayPacket],
@@ -167,7 +168,7 @@ fn decided_by_packets(
     Ok(least)
 }
 
-/// Rays that leave the surfaces that the camera sees, mirrored or straight through, with the lists of what they are tied with.
+/// Creates rays that leave the surfaces that the camera sees, reflected or straight through, with their lists of coincident shapes.
 fn secondary(scene: &PreparedScene, camera: &Camera, inwards: bool) -> (Vec<RayPacket>, TieLists) {
     let mut scratch = Scratch::default();
     let mut packets = Vec::new();
@@ -193,7 +194,7 @@ fn secondary(scene: &PreparedScene, camera: &Camera, inwards: bool) -> (Vec<RayP
     (packets, scratch.ties)
 }
 
-/// The camera's rays, sixteen by sixteen.
+/// Creates the camera's rays, in groups of sixteen.
 fn packets_of(camera: &Camera) -> Vec<Vec<Ray>> {
     let square = |index: u32| {
         let pixels = (0..16).map(move |lane| (index % 4 * 4 + lane % 4, index / 4 * 4 + lane / 4));
@@ -206,7 +207,7 @@ pub(super) fn camera(eye: DVec3, view: DVec3, wide: f64) -> Camera {
     Camera::new(eye, view, DVec3::Y, 1.0, (wide, wide), (SIDE, SIDE))
 }
 
-/// Some direction, whatever is given.
+/// Returns the vector, or Z for the null vector.
 pub(super) fn looking(view: DVec3) -> DVec3 {
     if view == DVec3::ZERO { DVec3::Z } else { view }
 }
@@ -229,7 +230,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// From anywhere, from the surfaces of shapes outwards, and into them.
+    /// Tests rays from arbitrary points, and rays that leave surfaces outwards and inwards.
     #[test]
     fn packets_find_what_single_rays_find(
         shapes in prop::collection::vec(shape(), 1..14),
@@ -248,8 +249,8 @@ proptest! {
         }
     }
 
-    /// From points on shapes, outwards and inwards, to a light that may be on a shape or within one, with and without a list of
-    /// candidates, where some shapes are clear.
+    /// Tests shadow rays that leave shapes outwards and inwards, to a light that may be on a shape or within one, with and without candidate
+    /// lists. Some shapes are transparent.
     #[test]
     fn packets_are_hidden_where_single_rays_are(
         shapes in prop::collection::vec((shape(), any::<bool>()), 1..14),
@@ -276,7 +277,7 @@ proptest! {
             let mut scratch = Scratch { ties: ties.clone(), ..Scratch::default() };
             let mut candidates = Candidates::default();
             let listed = candidates.find(&scene, (light, occluders), &ways, &mut scratch);
-            // The light is one place of a larger one.
+            // The light is one point of an area light.
             let reach = DVec3::from_array(reach);
             let large = LightBox { middle: light + reach * DVec3::from_array(off), reach: reach * (1.0 + 1e-9) };
             let points = shadows.iter().map(|(rays, _)| LitPoints {
@@ -324,7 +325,7 @@ proptest! {
         }
     }
 
-    /// Most of them are beside what half a packet sees, or touch its edges.
+    /// Tests small spheres, most of which lie next to the parts of a bundle, or touch their edges.
     #[test]
     fn no_grain_of_many_is_lost(
         centers in prop::collection::vec((-1.0..1.0, -1.0..1.0, 0.0..4.0), 60),
@@ -339,7 +340,7 @@ proptest! {
     }
 }
 
-/// What a ray crosses, where, and whether it enters it there.
+/// The crossings of a ray: shape, bits of `t`, and true if the ray enters the shape.
 type Crossings = Vec<(u32, u64, bool)>;
 
 fn sorted(crossings: impl IntoIterator<Item = Crossing>) -> Crossings {
@@ -351,7 +352,7 @@ fn sorted(crossings: impl IntoIterator<Item = Crossing>) -> Crossings {
     all
 }
 
-/// Whether anything hides a ray, and if not, where it crosses clear shapes.
+/// Returns whether a ray is occluded and, if not, its crossings with transparent shapes.
 fn hidden(
     scene: &PreparedScene,
     ray: &Ray,
@@ -374,8 +375,8 @@ fn hidden(
     (false, sorted(crossings.drain(..)))
 }
 
-/// Few shapes stand in the way of a light with a size, and most lists of them are short: a test of the test above, which could not
-/// fail otherwise.
+/// Checks that an area light has few possible occluders, and that most lists are short enough. Otherwise the comparison of shadow rays could
+/// not fail.
 #[test]
 fn a_light_with_a_size_has_lists() {
     let scene = crowd();
@@ -397,7 +398,7 @@ fn a_light_with_a_size_has_lists() {
     assert!(candidates.beside().is_empty(), "the floor is below all points");
 }
 
-/// Rays from what the camera sees to a light, with how far that is, and the lists of what they are tied with.
+/// Creates rays from the surfaces that the camera sees to a light, with their `t` at the light, and their lists of coincident shapes.
 fn shadow_rays(
     scene: &PreparedScene,
     camera: &Camera,
@@ -423,7 +424,7 @@ fn shadow_rays(
     (shadows, scratch.ties)
 }
 
-/// Two hundred spheres and boxes over a floor.
+/// Creates two hundred spheres and boxes above a floor.
 pub(super) fn crowd() -> PreparedScene {
     let floor = PreparedShape::Plane(Plane::new(DVec3::NEG_Y, DVec3::Y).unwrap());
     let mut shapes = vec![floor];
@@ -438,7 +439,7 @@ pub(super) fn crowd() -> PreparedScene {
     scene(&shapes)
 }
 
-/// What is not close is decided at once: a test of the tests above, which could not fail otherwise.
+/// Checks that packets decide all rays without close comparisons. Otherwise the comparisons above could not fail.
 #[test]
 fn nearly_all_rays_are_decided_at_once() {
     let mut scene = crowd();
@@ -472,7 +473,7 @@ fn nearly_all_rays_are_decided_at_once() {
     assert!(hidden > 10 && lit > 100 && hidden + lit > 150, "{hidden} hidden, {lit} lit");
 }
 
-/// Where places have overflowed `f32`, and ways to them have not.
+/// Tests distances around the limit of `f32`, where origins overflow in the tree's frame, but ray parameters may not.
 #[test]
 fn from_however_far_the_nearest_is_found() {
     for places in [[0.0, 8.0], [8.0, 0.0]] {

@@ -1,4 +1,4 @@
-//! The packets of a tile on their way to what they meet first.
+//! Closest-hit search of all packets of a tile, shape by shape.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,11 +13,11 @@ use crate::trace::query::HitPacket;
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::PreparedScene;
 
-/// The first halves of packets, as parts.
+/// The parts that are first halves of packets.
 const EVERY_FIRST: u32 = 0x5555_5555;
 
-/// Packets, and what they have met so far. `depth_limit` returns the depth in the tree's frame up to which boxes are of interest to rays
-/// that go no deeper than so.
+/// The packets of a tile, and their closest hits so far. `depth_limit` maps the greatest depth that rays reach to the depth, in the tree's
+/// frame, up to which boxes are of interest to them.
 pub(super) struct TilePackets<'a, F> {
     pub(super) scene: &'a PreparedScene,
     pub(super) rays: &'a [RayPacket],
@@ -25,12 +25,12 @@ pub(super) struct TilePackets<'a, F> {
     pub(super) reciprocals: &'a mut [Reciprocals; PACKETS],
     pub(super) depth: Depth,
     pub(super) depth_limit: F,
-    /// The depths up to which shapes are of interest.
+    /// The depths up to which shapes are of interest, by part.
     pub(super) limits: Limits,
 }
 
 impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
-    /// Intersects all rays with the shapes beside the tree. `false` once nobody waits for that any more.
+    /// Intersects all rays with the shapes outside the tree. Returns `false` if cancelled.
     #[inline(always)]
     pub(super) fn meet_beside<S: Simd>(&mut self, simd: S, cancelled: &AtomicBool) -> bool {
         for packet in 0..self.rays.len() {
@@ -45,7 +45,7 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
         true
     }
 
-    /// Intersects the rays of some parts with a shape. Says whether any of them meets that nearer than all before.
+    /// Intersects the rays of some parts with a shape. Returns whether any ray hits it nearer than all shapes before.
     #[inline(always)]
     pub(super) fn meet_parts<S: Simd>(&mut self, simd: S, parts: u32, shape: ShapeQuery<'_>) -> bool {
         let mut nearer = false;
@@ -60,7 +60,7 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
         nearer
     }
 
-    /// Intersects a packet's rays, in some lanes, with a shape. Says whether any of them meets that nearer than all before.
+    /// Intersects a packet's rays in some lanes with a shape. Returns whether any ray hits it nearer than all shapes before.
     #[inline(always)]
     fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: ShapeQuery<'_>) -> bool {
         let rays = &self.rays[packet];
@@ -69,7 +69,7 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
         search.meet(simd, shape, lanes & rays.lanes)
     }
 
-    /// Limits both halves of a packet to the greatest depth at which any of its rays may have its nearest hit.
+    /// Limits each half of a packet to the greatest depth at which any of its rays may have its closest hit.
     #[inline(always)]
     fn update_limits<S: Simd>(&mut self, simd: S, packet: usize) {
         let (rays, hits) = (&self.rays[packet], &self.hits[packet]);

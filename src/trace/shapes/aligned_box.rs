@@ -1,4 +1,4 @@
-//! Boxes along the world's axes.
+//! Axis-aligned boxes.
 
 use glam::DVec3;
 
@@ -13,14 +13,14 @@ use crate::trace::rays::Ray;
 pub struct AlignedBox {
     /// Smallest coordinates.
     pub min: DVec3,
-    /// Largest coordinates, greater than `min` in each.
+    /// Largest coordinates, each greater than that in `min`.
     pub max: DVec3,
 }
 
-/// Below this a direction's reciprocal might not be finite.
+/// Magnitude below which a direction component's reciprocal might not be finite.
 pub(crate) const SLOWEST: f64 = 1e-300;
 
-/// A ray in a space of its own that it was taken into, and by how much each coordinate may be off.
+/// A ray transformed into another space, with an error bound for each coordinate.
 pub(crate) struct LocalRay {
     pub(crate) origin: DVec3,
     pub(crate) direction: DVec3,
@@ -28,15 +28,15 @@ pub(crate) struct LocalRay {
     pub(crate) direction_error: DVec3,
 }
 
-/// What `f64` can say of an inexact ray and a slab.
+/// Result of intersecting an inexact ray with a slab in `f64`.
 enum Along {
-    /// It enters here and leaves there.
+    /// The ray enters at the first `t` and leaves at the second.
     Through(BoundedT, BoundedT),
-    /// It goes along it, inside.
+    /// The ray is parallel to the slab, and inside it.
     Inside,
-    /// It goes along it, outside.
+    /// The ray is parallel to the slab, and outside it.
     Outside,
-    /// Too close to call.
+    /// The rounding errors are too large to decide.
     Open,
 }
 
@@ -54,7 +54,7 @@ impl LocalRay {
             let (at_min, at_max) = (meet(min), meet(max));
             return if d > 0.0 { Along::Through(at_min, at_max) } else { Along::Through(at_max, at_min) };
         }
-        // A sum of zeros is exactly zero.
+        // An error bound of 0 means that all terms are zero, so that the component is exactly zero.
         if d_error > 0.0 {
             Along::Open
         } else if o - o_error > min && o + o_error < max {
@@ -67,7 +67,8 @@ impl LocalRay {
     }
 }
 
-/// One of a box's three slabs, as a ray sees it: its planes are `low` and `high` ahead, and come closer with `speed`.
+/// One of a box's three slabs relative to a ray. `low` and `high` are the heights of its planes above the ray's origin; `speed` is the
+/// direction's component across the slab. The planes are hit at t = low / speed and t = high / speed.
 pub(crate) struct Slab {
     pub(crate) low: Exact,
     pub(crate) high: Exact,
@@ -75,7 +76,7 @@ pub(crate) struct Slab {
 }
 
 impl Slab {
-    /// Where the ray enters and where it leaves the slab.
+    /// Returns the entry and the exit of the ray.
     fn meetings(&self, axis: usize) -> [ExactHit; 2] {
         let upwards = self.speed.sign().is_gt();
         let (near, far) = if upwards { (&self.low, &self.high) } else { (&self.high, &self.low) };
@@ -88,7 +89,7 @@ impl Slab {
     }
 }
 
-/// Where a line enters and where it leaves what three slabs have in common, closed ones: a line in a face touches it.
+/// Returns the entry and the exit of a line through the intersection of three closed slabs. A line in a face touches the box.
 pub(crate) fn cross_exactly(slabs: &[Slab; 3]) -> Option<ExactCrossing> {
     let mut crossing: Option<ExactCrossing> = None;
     for (axis, slab) in slabs.iter().enumerate() {
@@ -111,7 +112,7 @@ pub(crate) fn cross_exactly(slabs: &[Slab; 3]) -> Option<ExactCrossing> {
     crossing.filter(|[entry, exit]| entry.t <= exit.t)
 }
 
-/// The nearest of the planes ahead, where a line comes out that is inside or goes inwards from the surface.
+/// Returns the exit of a line that starts inside, or goes inwards from the surface: the nearest of the planes ahead.
 pub(crate) fn exit_exactly(slabs: &[Slab; 3]) -> Option<ExactHit> {
     let moving = slabs.iter().enumerate().filter(|(_, slab)| slab.speed.sign().is_ne());
     let exits = moving.map(|(axis, slab)| {
@@ -121,7 +122,7 @@ pub(crate) fn exit_exactly(slabs: &[Slab; 3]) -> Option<ExactHit> {
     exits.min_by(|one, other| one.t.cmp(&other.t)).map(ExactHit::ahead)
 }
 
-/// A face's outward normal.
+/// Returns a face's outward normal.
 #[inline]
 pub(crate) fn outward(face: Face) -> DVec3 {
     let mut normal = DVec3::ZERO;
@@ -130,12 +131,12 @@ pub(crate) fn outward(face: Face) -> DVec3 {
 }
 
 impl AlignedBox {
-    /// The smallest `t >= 0` on the box.
+    /// Returns the smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Intersection {
         let (origin, direction) = (ray.origin(), ray.direction());
-        // A difference times a reciprocal is rounded three times; its sign is right.
+        // A difference times a reciprocal is rounded three times; its sign is exact.
         let (entry, exit) = if direction.abs().min_element() > SLOWEST {
             let inverse = direction.recip();
             let (at_min, at_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
@@ -150,12 +151,12 @@ impl AlignedBox {
         if entry > exit - close {
             return Intersection::Ambiguous;
         }
-        // Adding zero makes a negative zero positive.
+        // Adding zero turns a negative zero into a positive one.
         let t = if entry >= 0.0 { entry } else { exit } + 0.0;
         Intersection::ShapeHit(BoundedT::within(t, 4.0 * U * t))
     }
 
-    /// As [`AlignedBox::intersect`], for a ray that is known within bounds.
+    /// Returns the result of [`AlignedBox::intersect`] for a ray with error bounds.
     #[inline]
     pub(crate) fn first_crossing(&self, ray: &LocalRay) -> Intersection {
         let (mut entry, mut exit) =
@@ -184,13 +185,12 @@ impl AlignedBox {
         }
     }
 
-    /// Where the ray's line is in the box, decided exactly.
+    /// Returns the exact entry and exit of the ray's line.
     pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
         cross_exactly(&self.exact_slabs(origin, direction))
     }
 
-    /// Where a ray that starts on the box and goes inwards comes out, decided exactly. From an edge it may come out at once, by the
-    /// other face.
+    /// Returns the exact exit of a ray that starts on the box and goes inwards. A ray from an edge may exit at once through the other face.
     pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
         exit_exactly(&self.exact_slabs(origin, direction))
     }
@@ -204,23 +204,23 @@ impl AlignedBox {
         })
     }
 
-    /// The meeting near an inexact `t`. `None` near edges, where more than one face might be met.
+    /// Returns the hit near an approximate `t`. Returns `None` near edges, where the face is uncertain.
     #[must_use]
     #[inline(always)]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
-        /// Quotients of smaller numbers might lose digits.
+        /// Magnitude below which quotients might lose digits.
         const TINY: f64 = 1e-140;
         let face = self.only_face(origin, direction, t).filter(|face| direction[face.axis].abs() > TINY)?;
         let t = Double::difference(self.plane(face), origin[face.axis]) / direction[face.axis].into();
         Some(self.surface_point(origin, direction, t, face))
     }
 
-    /// Every `t` of which few bits are certain is solved exactly.
+    /// Always returns `None`: a `t` with few certain bits is solved exactly.
     pub(crate) fn solve(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<RefinedHit> {
         None
     }
 
-    /// The only face whose plane the ray is on at `t`, as far as can be told of a `t` that was rounded a few times.
+    /// Returns the face that is hit at `t`, if its plane is the only one within the error of a `t` that was rounded a few times.
     #[inline]
     fn only_face(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<Face> {
         let way = direction * t;
@@ -233,7 +233,7 @@ impl AlignedBox {
         alone.then(|| Face { axis: (lower | upper).trailing_zeros() as usize, upper: upper != 0 })
     }
 
-    /// The face that a ray certainly meets at `t`, or, if it is inside already, at which it certainly comes out.
+    /// Returns the face that is certainly hit at `t`, or, for a ray that starts inside, through which it certainly exits.
     #[inline]
     pub(crate) fn clear_face(&self, ray: &LocalRay, t: f64, inside: bool) -> Option<Face> {
         let never = |t: f64| (BoundedT::within(t, 0.0), Face::default());
@@ -258,8 +258,8 @@ impl AlignedBox {
         (rivals == 1).then_some(chosen.1)
     }
 
-    /// Where the ray enters and leaves the three slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), closed ones: a
-    /// ray in a face touches it. A direction component of zero is an interval test.
+    /// Returns the entry and the exit of the three closed slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986). A ray in a face
+    /// touches the box. A direction component of zero becomes an interval test.
     fn slow_crossing(&self, origin: DVec3, direction: DVec3) -> (f64, f64) {
         let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
@@ -278,7 +278,7 @@ impl AlignedBox {
         (entry, exit)
     }
 
-    /// Where a ray that starts on the box and goes inwards comes out: only faces ahead count.
+    /// Returns the exit of a ray that starts on the box and goes inwards. Only faces ahead are considered.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         let mut nearest = f64::INFINITY;
@@ -293,7 +293,7 @@ impl AlignedBox {
         Intersection::ShapeHit(BoundedT::within(t, 4.0 * U * t))
     }
 
-    /// The same for a ray that is known within bounds.
+    /// Returns the result of [`AlignedBox::exit`] for a ray with error bounds.
     pub(crate) fn rough_exit(&self, ray: &LocalRay) -> Intersection {
         let mut exit = BoundedT::within(f64::INFINITY, 0.0);
         for axis in 0..3 {
@@ -306,7 +306,7 @@ impl AlignedBox {
         if exit.earliest() > 0.0 { Intersection::ShapeHit(exit) } else { Intersection::Ambiguous }
     }
 
-    /// The meeting at `t` with a face: the point has the face's own coordinate.
+    /// Returns the hit at `t` on a face. The point's coordinate along the face's axis is exactly the coordinate of the face.
     #[inline(always)]
     pub(crate) fn surface_point(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> RefinedHit {
         let place = Compensated::along(origin, direction, t.rounded()).moved(direction * t.rest());
@@ -315,25 +315,25 @@ impl AlignedBox {
         RefinedHit { t, point, normal: outward(face) }
     }
 
-    /// A face's coordinate.
+    /// Returns a face's coordinate along its axis.
     #[inline]
     pub(crate) fn plane(&self, face: Face) -> f64 {
         if face.upper { self.max[face.axis] } else { self.min[face.axis] }
     }
 
-    /// The plane of the only face that can be met there.
+    /// Returns the plane of the only face that can be hit at `t`.
     pub(crate) fn facet(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<Facet> {
         let face = self.only_face(origin, direction, t)?;
         Some(Facet { row: DVec3::AXES[face.axis], offset: self.plane(face) })
     }
 
-    /// Returns whether the point is within, not on the surface.
+    /// Returns whether the point is strictly inside.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         point.cmpgt(self.min).all() && point.cmplt(self.max).all()
     }
 
-    /// A box around it.
+    /// Returns the bounding box.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         Bounds { min: self.min, max: self.max }
@@ -392,7 +392,7 @@ mod tests {
     #[test]
     fn a_ray_into_the_box_comes_out_once() {
         assert_eq!(far(DVec3::new(0.0, 0.0, -1.0), DVec3::Z), Some(2.0));
-        // From an edge it comes out at once, by the other face.
+        // From an edge, the ray exits at once through the other face.
         let (origin, direction) = (DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, 1.0, 1.0));
         assert_eq!(far(origin, direction), Some(0.0));
         let face = UNIT.exit_exactly(origin, &direction.into()).unwrap().face;

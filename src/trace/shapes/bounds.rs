@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// An axis-aligned box that contains a shape. By default it contains the origin.
+/// An axis-aligned bounding box. The default contains only the origin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
     /// Smallest coordinates.
@@ -12,7 +12,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// All points within `half` of `center`, rounded outwards.
+    /// Returns the box of half-extent `half` around `center`, rounded outwards.
     #[must_use]
     pub fn around(center: DVec3, half: DVec3) -> Self {
         let down = DVec3::from_array((center - half).to_array().map(f64::next_down));
@@ -20,13 +20,13 @@ impl Bounds {
         Self { min: down, max: up }
     }
 
-    /// The middle.
+    /// Returns the centre.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         0.5 * self.min + 0.5 * self.max
     }
 
-    /// The longest edge.
+    /// Returns the length of the longest edge.
     #[must_use]
     pub fn extent(&self) -> f64 {
         (self.max - self.min).max_element()

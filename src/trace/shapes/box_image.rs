@@ -1,4 +1,4 @@
-//! Affine images of boxes: turned, sheared or both.
+//! Affine images of boxes: rotated, sheared or both.
 
 use glam::{DAffine3, DVec3};
 
@@ -12,39 +12,39 @@ use crate::trace::rays::Ray;
 
 /// A box under an affine map.
 ///
-/// It is what three slabs have in common, each between two parallel planes, low <= row.p <= high, and exactly what these numbers
-/// say. A row depends on the direction of its planes alone: its largest component is 1. So faces that were written flush are in
-/// one plane to the last bit, of boxes turned together as of a turned box that stands on one along the axes, whose rows are
-/// the axes themselves.
+/// It is the intersection of three slabs low <= row.p <= high, which these numbers define exactly. A row depends only on the direction of
+/// its planes and is scaled so that its largest component is 1. Faces that are flush in the scene are therefore coplanar to the last bit,
+/// both between boxes that are rotated together and between a rotated box and an axis-aligned one that it stands on, whose rows are the
+/// axes themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxImage {
     rows: [DVec3; 3],
     low: DVec3,
     high: DVec3,
-    /// The rows, of length 1.
+    /// The rows, normalized.
     normals: [DVec3; 3],
-    /// Near the middle: from here `f64` has the most digits.
+    /// A point near the centre of the box. Coordinates relative to it have the most digits in `f64`.
     center: DVec3,
-    /// The slabs as seen from there.
+    /// The slabs relative to `center`.
     near: AlignedBox,
-    /// How far those are off.
+    /// Error bound of `near`.
     near_error: DVec3,
-    /// How many times a rounding error can grow on the way back through the map.
+    /// Bound of the growth of rounding errors under the inverse map.
     condition: f64,
     forward: DAffine3,
     half: DVec3,
 }
 
 impl BoxImage {
-    /// The image of an origin-centred box with these half edge lengths. `None` where it has no inside by rounding: for a map that
-    /// cannot be inverted, or a box too small for where it is.
+    /// Creates the image of an origin-centred box with these half-extents. Returns `None` if rounding leaves it no interior: for a singular
+    /// map, or for a box too small for its distance from the origin.
     #[must_use]
     pub fn new(forward: DAffine3, half: DVec3) -> Option<Self> {
         let columns = [forward.matrix3.x_axis, forward.matrix3.y_axis, forward.matrix3.z_axis];
         Self::exact(columns.map(Double3::from), forward.translation.into(), half.into())
     }
 
-    /// The same with more digits: slabs are rounded once.
+    /// Creates the image from double-double values. Each slab is rounded once.
     #[must_use]
     pub fn exact(columns: [Double3; 3], translation: Double3, half: Double3) -> Option<Self> {
         let [a, b, c] = columns.map(Double3::rounded);
@@ -76,46 +76,46 @@ impl BoxImage {
         sound.then_some(image)
     }
 
-    /// The map, rounded.
+    /// Returns the map, rounded.
     #[must_use]
     pub fn forward(&self) -> &DAffine3 {
         &self.forward
     }
 
-    /// Half the box's edge lengths before it is mapped, rounded.
+    /// Returns the half-extents before the map, rounded.
     #[must_use]
     pub fn half(&self) -> DVec3 {
         self.half
     }
 
-    /// The slabs: the rows, and what they are between.
+    /// Returns the slabs: their rows, each with its lower and upper offset.
     #[must_use]
     pub fn slabs(&self) -> [(DVec3, [f64; 2]); 3] {
         std::array::from_fn(|axis| (self.rows[axis], [self.low[axis], self.high[axis]]))
     }
 
-    /// From where on rays are taken into account, near the middle.
+    /// Returns the point near the centre that rays are taken relative to.
     pub(crate) fn center(&self) -> DVec3 {
         self.center
     }
 
-    /// The slabs as seen from there.
+    /// Returns the slabs relative to [`BoxImage::center`].
     pub(crate) fn near(&self) -> &AlignedBox {
         &self.near
     }
 
-    /// How far those are off.
+    /// Returns the error bound of [`BoxImage::near`].
     pub(crate) fn near_error(&self) -> DVec3 {
         self.near_error
     }
 
-    /// The slabs' rows, of length 1.
+    /// Returns the normalized rows of the slabs.
     pub(crate) fn normals(&self) -> &[DVec3; 3] {
         &self.normals
     }
 
-    /// The ray by its heights above the planes through the center that are parallel to the slabs. A difference, three products and
-    /// their sum are rounded by less than 5 u, the slabs as seen from the center by u.
+    /// Returns the ray in terms of its heights above the planes through `center` that are parallel to the slabs. The difference, the three
+    /// products and their sum have an error of less than 5 u, the slabs relative to `center` of u.
     #[inline]
     fn seen(&self, origin: DVec3, direction: DVec3) -> LocalRay {
         let from_center = origin - self.center;
@@ -132,19 +132,19 @@ impl BoxImage {
         }
     }
 
-    /// The smallest `t >= 0` on the box.
+    /// Returns the smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Intersection {
         self.near.first_crossing(&self.seen(ray.origin(), ray.direction()))
     }
 
-    /// Where the ray's line is in the box, decided exactly.
+    /// Returns the exact entry and exit of the ray's line.
     pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
         cross_exactly(&self.exact_slabs(origin, direction))
     }
 
-    /// Where a ray that starts on the box and goes inwards comes out, decided exactly.
+    /// Returns the exact exit of a ray that starts on the box and goes inwards.
     pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
         exit_exactly(&self.exact_slabs(origin, direction))
     }
@@ -159,8 +159,8 @@ impl BoxImage {
         })
     }
 
-    /// The meeting near an inexact `t`, by a Newton step towards the face. `far` says that the ray comes from inside. `None` near
-    /// edges, where more than one face might be met.
+    /// Returns the hit near an approximate `t`, after one Newton step towards the face. `far` is true if the ray comes from inside. Returns
+    /// `None` near edges, where the face is uncertain.
     #[must_use]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> Option<RefinedHit> {
         let face = self.near.clear_face(&self.seen(origin, direction), t, far)?;
@@ -173,12 +173,12 @@ impl BoxImage {
         Some(RefinedHit { t: Double::sum(t, step), point, normal: self.normal(face) })
     }
 
-    /// Every `t` of which few bits are certain is solved exactly.
+    /// Always returns `None`: a `t` with few certain bits is solved exactly.
     pub(crate) fn solve(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<RefinedHit> {
         None
     }
 
-    /// The meeting at `t` on a face.
+    /// Returns the hit at `t` on a face.
     pub(crate) fn surface_point(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> RefinedHit {
         let place = Compensated::along(origin, direction, t.rounded());
         RefinedHit { t, point: place.moved(direction * t.rest()).into(), normal: self.normal(face) }
@@ -188,20 +188,20 @@ impl BoxImage {
         if face.upper { self.normals[face.axis] } else { -self.normals[face.axis] }
     }
 
-    /// Where a ray that starts on the box and goes inwards comes out.
+    /// Returns the exit of a ray that starts on the box and goes inwards.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         self.near.rough_exit(&self.seen(origin, direction))
     }
 
-    /// The plane of the face that is certainly met there.
+    /// Returns the plane of the face that is certainly hit at `t`.
     pub(crate) fn facet(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> Option<Facet> {
         let face = self.near.clear_face(&self.seen(origin, direction), t, far)?;
         let offset = if face.upper { self.high[face.axis] } else { self.low[face.axis] };
         Some(Facet { row: self.rows[face.axis], offset })
     }
 
-    /// Returns whether the point is within, not on the surface.
+    /// Returns whether the point is strictly inside.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         (0..3).all(|axis| {
@@ -210,14 +210,14 @@ impl BoxImage {
         })
     }
 
-    /// A box around it, unless its own numbers are too rough to say where it ends.
+    /// Returns the bounding box, or `None` if the map is too ill-conditioned for a reliable one.
     #[must_use]
     pub fn bounds(&self) -> Option<Bounds> {
         bounds_of_image(&self.forward, self.half, self.condition)
     }
 }
 
-/// The largest component: of several that are equal as far as forty bits tell, the first.
+/// Returns the component of largest magnitude. Components within a relative 2^-40 of it count as equal, and the first of them is returned.
 fn pivot(row: Double3) -> Double {
     /// 1 - 2^-40
     const NEARLY: f64 = 1.0 - 1.0 / 1_099_511_627_776.0;

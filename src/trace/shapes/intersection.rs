@@ -1,4 +1,4 @@
-//! What is said of where a ray meets a shape.
+//! Results of ray-shape intersections.
 
 use glam::DVec3;
 
@@ -6,36 +6,36 @@ use crate::trace::math::{BoundedT, Double, ExactRoot, Real};
 #[cfg(test)]
 use crate::trace::rays::Ray;
 
-/// A meeting to the last bit of `f64`, with the surface there.
+/// A hit accurate to the last bit of `f64`, with the surface point and normal.
 #[derive(Clone, Copy, Debug)]
 pub struct RefinedHit {
-    /// Right to some bits beyond an `f64`'s.
+    /// Ray parameter, accurate to some bits beyond an `f64`.
     pub t: Double,
-    /// origin + t direction, rounded once.
+    /// The point origin + t direction, rounded once.
     pub point: DVec3,
     /// The outward unit normal.
     pub normal: DVec3,
 }
 
-/// What `f64` can say about where a ray meets a shape.
+/// Result of an intersection in `f64`.
 #[derive(Clone, Copy, Debug)]
 pub enum Intersection {
-    /// It does.
+    /// The ray hits the shape.
     ShapeHit(BoundedT),
-    /// It does not.
+    /// The ray misses the shape.
     Miss,
-    /// Too close to call.
+    /// The rounding errors are too large to decide.
     Ambiguous,
 }
 
-/// What a ray has to do with a shape, or each ray of half a packet.
+/// Result of an intersection, generic over one ray and the rays of half a packet.
 #[derive(Clone, Copy)]
 pub(crate) struct Verdict<R: Real> {
     pub(crate) t: R,
     pub(crate) error: R,
-    /// Where it certainly meets it, at `t`.
+    /// Rays that certainly hit the shape, at `t`.
     pub(crate) hit: R::Mask,
-    /// Where it is not certain that it meets it or not.
+    /// Rays that are undecided.
     pub(crate) open: R::Mask,
 }
 
@@ -52,7 +52,7 @@ impl From<Verdict<f64>> for Intersection {
     }
 }
 
-/// None stands for what all rays certainly miss.
+/// Converts `None`, the result if all rays certainly miss, to [`Intersection::Miss`].
 impl From<Option<Verdict<f64>>> for Intersection {
     #[inline(always)]
     fn from(verdict: Option<Verdict<f64>>) -> Self {
@@ -60,10 +60,10 @@ impl From<Option<Verdict<f64>>> for Intersection {
     }
 }
 
-/// Where a line enters and where it leaves a convex shape.
+/// Entry and exit of a line through a convex shape.
 pub(crate) type ExactCrossing = [ExactHit; 2];
 
-/// Where a line meets a surface, without any rounding.
+/// An exact hit of a line on a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactHit {
     pub(crate) t: ExactRoot,
@@ -78,18 +78,18 @@ pub(crate) struct Facet {
     pub(crate) offset: f64,
 }
 
-/// From which side a surface is met.
+/// Direction in which a line crosses a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Side {
     /// The line enters the shape.
     Entry,
-    /// It leaves the shape.
+    /// The line leaves the shape.
     Exit,
     /// A plane has no inside.
     Either,
 }
 
-/// One of a box's six faces. Other shapes have but one.
+/// One of a box's six faces. Other shapes have a single face.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Face {
     pub(crate) axis: usize,
@@ -97,12 +97,12 @@ pub(crate) struct Face {
 }
 
 impl ExactHit {
-    /// Of a shape with one face.
+    /// Creates a hit on a shape with a single face.
     pub(crate) fn new(t: ExactRoot, side: Side) -> Self {
         Self { t, face: Face::default(), side }
     }
 
-    /// The same, or at once, where rounding has put the ray's origin beyond it.
+    /// Clamps `t` to 0, for a ray whose rounded origin lies beyond the hit.
     pub(crate) fn ahead(self) -> Self {
         if self.t.sign().is_lt() { Self { t: ExactRoot::ZERO, ..self } } else { self }
     }
@@ -110,8 +110,8 @@ impl ExactHit {
 
 #[cfg(test)]
 impl Intersection {
-    /// The `t` for a direction as it was before it became a [`Ray`](super::Ray)'s, if there is one; `exact` has the last word where
-    /// the verdict is open.
+    /// Returns the `t` in terms of `direction`, the direction that [`Ray`] was created from, or `None` for a miss. `exact` decides
+    /// ambiguous intersections.
     pub(crate) fn decided(
         self,
         direction: glam::DVec3,

@@ -1,20 +1,19 @@
-//! The shapes and the questions that are asked of them.
+//! Shapes and their ray queries.
 //!
-//! Every shape answers the same, for a ray `origin + t direction`:
+//! Every shape supports these queries, for a ray `origin + t direction`:
 //!
-//! - `intersect`: the smallest `t >= 0` on the surface, with a bound of its error, unless `f64` leaves open whether there is
-//!   one. Shapes are closed sets: touching counts. Spheres and boxes are shells that are seen from inside too.
-//! - `exit`: where a ray comes out that starts on the surface and goes into the shape.
-//! - `cross_exactly`: where its line enters and where it leaves the shape, without any rounding: for what `f64` leaves open, and for
-//!   comparisons too close to call.
-//! - `exit_exactly`: what `exit` asks, likewise.
-//! - `refine`: from a `t` that is nearly right, one that is right to the last bit of an `f64`, with the point and the outward
-//!   unit normal there.
-//! - `solve`: the same from a `t` that is so rough that one Newton step would not do.
-//! - `surface_point`: the same at a `t` and on a face that are right already, from `cross_exactly` or from `exit_exactly`.
-//! - `facet`: the plane of the face that is met at a `t`, if the surface is flat there and it is certain which face that is.
-//! - `contains`: is a point inside, as solids go? Behind, of a plane.
-//! - `bounds`: a box around it, for shapes that have one.
+//! - `intersect`: the smallest `t >= 0` on the surface with its error bound, a miss, or ambiguous if `f64` cannot decide. Shapes are closed
+//!   sets: touching counts as a hit. Spheres and boxes are shells, which are also hit from inside.
+//! - `exit`: the exit of a ray that starts on the surface and enters the shape.
+//! - `cross_exactly`: the entry and the exit of the ray's line, without rounding. It resolves ambiguous intersections and comparisons that
+//!   are too close.
+//! - `exit_exactly`: the result of `exit`, without rounding.
+//! - `refine`: a `t` accurate to the last bit of an `f64`, computed from an approximate `t`, with the point and the outward unit normal.
+//! - `solve`: the same, from a `t` too rough for a single Newton step.
+//! - `surface_point`: the same, at an accurate `t` and face from `cross_exactly` or `exit_exactly`.
+//! - `facet`: the plane of the face that is hit at a `t`, if the surface is flat there and the face is certain.
+//! - `contains`: whether a point is strictly inside the solid; for a plane, strictly behind it.
+//! - `bounds`: the bounding box, for shapes that have one.
 
 mod aligned_box;
 mod bounds;

@@ -13,12 +13,12 @@ use crate::trace::rays::Ray;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     point: DVec3,
-    /// Of a length that does not matter to any `t`: dividing by it would only round.
+    /// Normal of any length. Its length cancels in every `t`; normalizing would only add rounding.
     normal: DVec3,
     unit_normal: DVec3,
 }
 
-/// Where rays meet a plane, given by a point and a normal of any length.
+/// Intersects rays with a plane, given by a point and a normal of any length.
 #[inline(always)]
 pub(crate) fn only_root<R: Real>(
     (point, normal): ([R; 3], [R; 3]),
@@ -38,7 +38,7 @@ pub(crate) fn only_root<R: Real>(
     Verdict { t, error, hit, open: !hit & !miss }
 }
 
-/// One Newton step from the height that is left near a plane, in twice the working precision.
+/// Refines a `t` near a plane by one Newton step. The residual, the remaining height, is computed in twice the working precision.
 #[inline(always)]
 pub(crate) fn stepped_to_plane<R: Real>(
     (point, normal): ([R; 3], [R; 3]),
@@ -57,37 +57,37 @@ pub(crate) fn stepped_to_plane<R: Real>(
 }
 
 impl Plane {
-    /// The plane through a point whose normal has this direction. `None` where it has none: zero, or not finite.
+    /// Creates the plane through a point with a normal of any length. Returns `None` if the normal is zero or not finite.
     #[must_use]
     pub fn new(point: DVec3, normal: DVec3) -> Option<Self> {
-        // By a power of two: no digit is lost, and no product of it overflows.
+        // Scaling by a power of two is exact and avoids overflow in products.
         let (normal, _) = scaled(normal)?;
         Some(Self { point, normal, unit_normal: normal / normal.length() })
     }
 
-    /// A point of the plane.
+    /// Returns a point of the plane.
     #[must_use]
     pub fn point(&self) -> DVec3 {
         self.point
     }
 
-    /// The normal, of any length.
+    /// Returns the normal, which may have any length.
     pub(crate) fn normal(&self) -> DVec3 {
         self.normal
     }
 
-    /// The unit normal.
+    /// Returns the unit normal.
     #[must_use]
     pub fn unit_normal(&self) -> DVec3 {
         self.unit_normal
     }
 
-    /// All points times a power of two.
+    /// Returns the plane with all points multiplied by a power of two.
     pub(crate) fn scaled(&self, power: f64) -> Self {
         Self { point: self.point * power, ..*self }
     }
 
-    /// The `t >= 0` on the plane. A ray along the plane misses it, also when it lies in it.
+    /// Returns the `t >= 0` on the plane. A ray parallel to the plane misses it, even if it lies in the plane.
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Intersection {
@@ -95,7 +95,7 @@ impl Plane {
         only_root((self.point.into(), self.normal.into()), ray).into()
     }
 
-    /// Where the ray's line meets the plane, decided exactly: it leaves as it enters.
+    /// Returns the exact hit of the ray's line, as both entry and exit.
     pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
         let normal = Exact3::from(self.normal);
         let speed = normal.dot(direction);
@@ -107,7 +107,8 @@ impl Plane {
         Some([meeting.clone(), meeting])
     }
 
-    /// The meeting near an inexact `t`: one Newton step from the height that is left there, in twice the working precision.
+    /// Returns the hit near an approximate `t`, after one Newton step. The residual, the remaining height, is computed in twice the working
+    /// precision.
     #[must_use]
     #[inline(always)]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
@@ -116,36 +117,36 @@ impl Plane {
         Some(RefinedHit { t, point: point.into(), normal: self.unit_normal })
     }
 
-    /// Every `t` of which few bits are certain is solved exactly.
+    /// Always returns `None`: a `t` with few certain bits is solved exactly.
     pub(crate) fn solve(&self, _origin: DVec3, _direction: DVec3, _t: f64) -> Option<RefinedHit> {
         None
     }
 
-    /// The plane of a face that may be flush with one of a box: only across an axis they are the same numbers.
+    /// Returns the plane as a facet that may be flush with a face of a box. Only axis-aligned planes have exactly a face's numbers.
     pub(crate) fn facet(&self, _origin: DVec3, _direction: DVec3, _t: f64, _far: bool) -> Option<Facet> {
         let row = self.unit_normal.abs();
         let axis = (0..3).find(|axis| row[*axis] == 1.0)?;
         Some(Facet { row, offset: self.point[axis] })
     }
 
-    /// Returns whether the point is in the half-space behind it, not on it.
+    /// Returns whether the point is strictly behind the plane.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         exact_dot(Double3::difference(point, self.point), self.normal).sign().is_lt()
     }
 
-    /// A straight ray never meets the plane that it leaves again.
+    /// Always misses: a straight ray never hits the plane again that it starts on.
     #[must_use]
     pub fn exit(&self, _origin: DVec3, _direction: DVec3) -> Intersection {
         Intersection::Miss
     }
 
-    /// Likewise.
+    /// Always returns `None`, as [`Plane::exit`].
     pub(crate) fn exit_exactly(&self, _origin: DVec3, _direction: &Exact3) -> Option<ExactHit> {
         None
     }
 
-    /// The meeting at `t`.
+    /// Returns the hit at `t`.
     #[must_use]
     pub(crate) fn surface_point(
         &self,

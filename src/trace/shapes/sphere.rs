@@ -15,20 +15,19 @@ use crate::trace::rays::Ray;
 pub struct Sphere {
     /// The centre.
     pub center: DVec3,
-    /// Greater than 0.
+    /// The radius, greater than 0.
     pub radius: f64,
 }
 
-/// Half a unit in the last place of 1.
+/// Unit roundoff of `f64`: half a unit in the last place of 1.
 pub(crate) const U: f64 = f64::EPSILON / 2.0;
 
-/// The first `t >= 0` at which `t direction` is `radius` away from `to_center`.
+/// Returns the first `t >= 0` at which `t direction` is `radius` away from `to_center`.
 ///
-/// Not the schoolbook formula, whose discriminant loses all digits for distant and for huge spheres: the discriminant
-/// comes from the ray's distance to the centre, and the root that would cancel from the other one
-/// (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019,
-/// chapter 7). `inverse_square` is 1 / direction.direction, and the arguments are rounded by `u` of themselves. `None` where all
-/// rays certainly miss it.
+/// The naive quadratic formula loses all digits of its discriminant for distant and for huge spheres. Here the discriminant comes from the
+/// ray's distance to the centre, and the root that would cancel comes from the other root (Haines, Günther, Akenine-Möller, "Precision
+/// Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019, chapter 7). `inverse_square` is 1 / direction.direction. `u` bounds
+/// the relative error of the arguments. Returns `None` if all rays certainly miss.
 #[inline(always)]
 pub(crate) fn first_root<R: Real>(
     to_center: [R; 3],
@@ -41,7 +40,7 @@ pub(crate) fn first_root<R: Real>(
     let projection = b * inverse_square;
     let nearest = subtract(to_center, times(direction, projection));
     let q = squared_radius - dot(nearest, nearest);
-    // The worst that was ever seen is half of this.
+    // Twice the largest error observed.
     let q_error = (b * projection + squared_radius) * (32.0 * u);
     let maybe = !q.less(-q_error);
     if !maybe.any() {
@@ -50,12 +49,12 @@ pub(crate) fn first_root<R: Real>(
     let squared_distance = dot(to_center, to_center);
     let root = (dot(direction, direction) * q).sqrt();
     let s = b + root.copysign(b);
-    // Bounds every error of both roots: those of b, of q under the root, of c, and of the roots' own rounding, since
-    // (L^2 + r^2)/root is at least |L|/|d| and at least half of |t|.
+    // Bounds all errors of both roots: the errors of b, of q under the root, of c, and of the rounding of the roots, since (L^2 + r^2)/root
+    // is at least |L|/|d| and at least half of |t|.
     let error = (squared_distance + squared_radius) * (64.0 * u) / root;
     let clear = q.greater(q_error * 1024.0);
     let one = (squared_distance - squared_radius) / s;
-    // From outside, ahead: the other root is farther.
+    // The origin is outside and the sphere ahead: the other root is farther.
     let ahead = clear & s.greater(zero) & one.greater(error);
     if ahead.settled() {
         return Some(Verdict { t: one, error, hit: ahead, open: !ahead });
@@ -72,7 +71,7 @@ pub(crate) fn first_root<R: Real>(
     Some(Verdict { t, error, hit, open: maybe & !hit & !far_behind })
 }
 
-/// Where a line through the zero point is `radius` away from `to_center`, without any rounding.
+/// Returns the exact crossing of a line through the origin with the sphere of this `radius` around `to_center`.
 pub(crate) fn roots(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> Option<ExactCrossing> {
     let (a, b) = (direction.dot(direction), to_center.dot(direction));
     let c = &to_center.dot(to_center) - &(radius * radius);
@@ -80,8 +79,8 @@ pub(crate) fn roots(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> O
     Some([ExactHit::new(near, Side::Entry), ExactHit::new(far, Side::Exit)])
 }
 
-/// Where such a line comes out that starts on the sphere and goes inwards: where it comes nearest to the center, if rounding has put
-/// it beside the sphere.
+/// Returns the exact exit of a line that starts on the sphere and goes inwards. If rounding of the origin makes the line miss the sphere,
+/// returns the point of the line closest to the centre.
 pub(crate) fn last_root(to_center: &Exact3, direction: &Exact3, radius: &Exact) -> ExactHit {
     let far = roots(to_center, direction, radius).map(|[_, far]| far);
     let nearest = || {
@@ -91,7 +90,7 @@ pub(crate) fn last_root(to_center: &Exact3, direction: &Exact3, radius: &Exact) 
     far.unwrap_or_else(nearest).ahead()
 }
 
-/// The farther root, as [`first_root`] computes it, of a ray that starts on the sphere and goes inwards.
+/// Returns the farther root of a ray that starts on the sphere and goes inwards, computed as in [`first_root`].
 #[inline(always)]
 pub(crate) fn far_root<R: Real>(to_center: [R; 3], direction: [R; 3], radius: f64, u: f64) -> Verdict<R> {
     let (a, b) = (dot(direction, direction), dot(to_center, direction));
@@ -107,20 +106,21 @@ pub(crate) fn far_root<R: Real>(to_center: [R; 3], direction: [R; 3], radius: f6
     Verdict { t, error, hit, open: !hit }
 }
 
-/// A Newton step, or none where the ray grazes so that it leads nowhere.
+/// Returns a Newton step, or 0 where the slope is too small for a finite step, as on a grazing ray.
 #[inline(always)]
 pub(crate) fn newton_step<R: Real>(residual: R, slope: R) -> R {
     let step = -residual / slope;
     step.abs().if_less(step.of(f64::INFINITY), step, step.of(0.0))
 }
 
-/// How far it is along a ray from a place near an origin-centred sphere to the sphere, from a residual in twice the working precision.
+/// Returns the Newton step in `t` from a point near an origin-centred sphere to the sphere. The residual is computed in twice the working
+/// precision.
 #[inline(always)]
 pub(crate) fn sphere_step<R: Real>(place: Compensated<R>, direction: [R; 3], radius: R) -> R {
     newton_step(place.beyond(radius), dot(place.rounded(), direction) * 2.0)
 }
 
-/// The unit vector along another one, and where there is one.
+/// Returns the normalized vector, and a mask of the lanes in which it is defined.
 #[inline(always)]
 pub(crate) fn unit<R: Real>(vector: [R; 3]) -> ([R; 3], R::Mask) {
     let square = dot(vector, vector);
@@ -129,17 +129,17 @@ pub(crate) fn unit<R: Real>(vector: [R; 3]) -> ([R; 3], R::Mask) {
     (times(vector, reciprocal), is_one)
 }
 
-/// A step from near a sphere or a plane to it.
+/// Result of a Newton step from near a sphere or a plane to its surface.
 pub(crate) struct RefinedStep<R> {
     pub(crate) t: Double<R>,
-    /// The place before the step, from the centre or from the point of a plane.
+    /// The point before the step, relative to the centre of the sphere or the point of the plane.
     pub(crate) from_shape: [R; 3],
     pub(crate) point: [R; 3],
-    /// Not yet of length one.
+    /// Outward normal, not normalized.
     pub(crate) outwards: [R; 3],
 }
 
-/// One Newton step for |from_center|^2 = radius^2.
+/// Performs one Newton step for |from_center|^2 = radius^2.
 #[inline(always)]
 pub(crate) fn stepped<R: Real>(
     (center, radius): ([R; 3], R),
@@ -165,7 +165,7 @@ fn normal(outwards: [f64; 3]) -> DVec3 {
 }
 
 impl Sphere {
-    /// The smallest `t >= 0` on the sphere.
+    /// Returns the smallest `t >= 0` on the sphere.
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Intersection {
@@ -173,18 +173,18 @@ impl Sphere {
         first_root(to_center, (ray.direction().into(), ray.inverse_square()), self.radius, U).into()
     }
 
-    /// Where the ray's line enters and leaves the sphere, decided exactly.
+    /// Returns the exact entry and exit of the ray's line.
     pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
         roots(&(&Exact3::from(self.center) - &origin.into()), direction, &self.radius.into())
     }
 
-    /// Where a ray that starts on the sphere and goes inwards comes out, decided exactly.
+    /// Returns the exact exit of a ray that starts on the sphere and goes inwards.
     pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
         Some(last_root(&(&Exact3::from(self.center) - &origin.into()), direction, &self.radius.into()))
     }
 
-    /// The meeting near an inexact `t`: one Newton step for |from_center|^2 = radius^2, from a residual in twice the working
-    /// precision.
+    /// Returns the hit near an approximate `t`, after one Newton step for |from_center|^2 = radius^2. The residual is computed in twice the
+    /// working precision.
     #[must_use]
     #[inline(always)]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
@@ -198,8 +198,8 @@ impl Sphere {
         RefinedHit { t, point: point.into(), normal: normal(outwards) }
     }
 
-    /// The same near a `t` of which few bits are certain. Where [`Sphere::intersect`] is certain of a hit, its error is at most a
-    /// 256th of half the chord, so that three Newton steps leave less than 2^-60 of it.
+    /// Returns the hit near a `t` with few certain bits. If [`Sphere::intersect`] reports a hit, its error is at most 1/256 of half the
+    /// chord, so that three Newton steps reduce the error to less than 2^-60 of it.
     #[must_use]
     pub(crate) fn solve(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<RefinedHit> {
         let better = self.stepped(origin, direction, t).t.rounded();
@@ -207,13 +207,13 @@ impl Sphere {
         Some(self.stepped(origin, direction, good))
     }
 
-    /// Where a ray that starts on the sphere and goes inwards comes out. A ray that only grazes it comes out at once.
+    /// Returns the exit of a ray that starts on the sphere and goes inwards. A grazing ray exits at once.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         far_root((self.center - origin).into(), direction.into(), self.radius, U).into()
     }
 
-    /// The meeting at `t`.
+    /// Returns the hit at `t`.
     #[must_use]
     pub(crate) fn surface_point(
         &self,
@@ -227,18 +227,18 @@ impl Sphere {
         RefinedHit { t, point: place.moved(way).into(), normal: normal(from_center.moved(way)) }
     }
 
-    /// It has none.
+    /// Always returns `None`: a sphere has no flat face.
     pub(crate) fn facet(&self, _origin: DVec3, _direction: DVec3, _t: f64, _far: bool) -> Option<Facet> {
         None
     }
 
-    /// Returns whether the point is within, not on the surface.
+    /// Returns whether the point is strictly inside.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         square_difference(Double3::difference(point, self.center), self.radius).sign().is_lt()
     }
 
-    /// A box around it.
+    /// Returns the bounding box.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         Bounds::around(self.center, DVec3::splat(self.radius))

@@ -1,6 +1,6 @@
 //! Ellipsoids: affine images of spheres.
 //!
-//! The ray is taken back into the sphere's own space, where `t` is the same.
+//! Rays are transformed into the sphere's own space, which leaves `t` unchanged.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -21,11 +21,11 @@ pub struct SphereImage {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct AffineMap {
     forward: DAffine3,
-    /// The inverse of the linear part; the translation is subtracted first, which keeps more digits.
+    /// Inverse of the linear part. The translation is subtracted first, which keeps more digits.
     inverse: DMat3,
-    /// Its rows in double-double: the geometry is what the entries of `forward` say, exactly.
+    /// Rows of the inverse in double-double. The entries of `forward` define the geometry exactly.
     exact_inverse: [Double3; 3],
-    /// How many times a rounding error can grow on the way back.
+    /// Bound of the growth of rounding errors under the inverse map.
     condition: f64,
 }
 
@@ -61,19 +61,19 @@ impl AffineMap {
         self.exact_inverse.map(|row| from_translation.dot_exact(row.rounded(), row.rest())).into()
     }
 
-    /// How many times worse than rounded once points and directions are that were taken back.
+    /// Returns the relative error of points and directions mapped back, in units of the unit roundoff.
     fn roughness(&self) -> f64 {
         8.0 * self.condition
     }
 
-    /// Normals go by the inverse transpose; a mirroring map does not turn them inside out.
+    /// Transforms a normal by the inverse transpose. Mirroring maps keep normals outward.
     fn normal(&self, normal: DVec3) -> DVec3 {
         (self.inverse.transpose() * normal).normalize_or(DVec3::Y)
     }
 }
 
-/// The box around the image of an origin-centred box, padded for rounding. `None` for a map that stretches one direction so much
-/// more than another that the way back loses the digits which boxes in `f32` have to spare.
+/// Returns the bounding box of the image of an origin-centred box, padded for rounding. Returns `None` for an ill-conditioned map, whose
+/// inverse loses more digits than bounding boxes in `f32` have to spare.
 pub(crate) fn bounds_of_image(forward: &DAffine3, half: DVec3, condition: f64) -> Option<Bounds> {
     const WORST_CONDITION: f64 = 1e7;
     if condition > WORST_CONDITION {
@@ -81,29 +81,30 @@ pub(crate) fn bounds_of_image(forward: &DAffine3, half: DVec3, condition: f64) -
     }
     let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *forward;
     let reach = x_axis.abs() * half.x + y_axis.abs() * half.y + z_axis.abs() * half.z;
-    // Planes that are off by some units in the last place meet at corners that are off by so many times more.
+    // Errors of a few units in the last place of the planes grow by the condition number at the corners.
     let pad = 64.0 * f64::EPSILON * condition * (reach.max_element() + translation.abs().max_element());
     Some(Bounds::around(translation, reach + DVec3::splat(pad)))
 }
 
-/// How many times a rounding error can grow on the way back through a map.
+/// Returns a bound of the growth of rounding errors under the inverse of a map.
 pub(crate) fn condition(matrix: DMat3) -> f64 {
     let norm = |matrix: DMat3| matrix.x_axis.length() + matrix.y_axis.length() + matrix.z_axis.length();
     let inverse = inverse(matrix);
     let condition = norm(matrix) * norm(inverse);
-    // Where all digits are lost the inverse is none, and says nothing of the condition.
+    // If all digits are lost, the computed inverse is wrong and gives no condition number.
     let lost = norm(matrix * inverse - DMat3::IDENTITY) > 1e-3;
     if lost { condition.max(f64::EPSILON.recip()) } else { condition }
 }
 
-/// A rounded inverse. By a power of two into the middle of the range first: a determinant is a product of three lengths.
+/// Returns the rounded inverse. The matrix is scaled by a power of two first, because its determinant is a product of three lengths and
+/// might overflow or underflow.
 pub(crate) fn inverse(matrix: DMat3) -> DMat3 {
     let largest = matrix.to_cols_array().into_iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
     let scale = libm::ldexp(1.0, -libm::ilogb(largest).clamp(-1000, 1000));
     (matrix * scale).inverse() * scale
 }
 
-/// The rows of an inverse, in double-double: cross products of the columns over the determinant.
+/// Returns the rows of the inverse in double-double: cross products of the columns over the determinant.
 pub(crate) fn exact_inverse(columns: [Double3; 3]) -> [Double3; 3] {
     let largest =
         columns.iter().fold(0.0, |largest: f64, column| largest.max(column.rounded().abs().max_element()));
@@ -115,40 +116,40 @@ pub(crate) fn exact_inverse(columns: [Double3; 3]) -> [Double3; 3] {
 }
 
 impl SphereImage {
-    /// The image of an origin-centred sphere. The map must be invertible.
+    /// Creates the image of an origin-centred sphere. The map must be invertible.
     #[must_use]
     pub fn new(forward: DAffine3, radius: f64) -> Self {
         Self { map: AffineMap::new(forward), sphere: Sphere { center: DVec3::ZERO, radius } }
     }
 
-    /// The map.
+    /// Returns the map.
     #[must_use]
     pub fn forward(&self) -> &DAffine3 {
         &self.map.forward
     }
 
-    /// How it is mapped back: what is subtracted first, and the inverse of the linear part.
+    /// Returns the inverse map as the translation, which is subtracted first, and the inverse of the linear part.
     pub(crate) fn back(&self) -> (DVec3, &DMat3) {
         (self.map.forward.translation, &self.map.inverse)
     }
 
-    /// The rows of that inverse in double-double.
+    /// Returns the rows of the inverse of the linear part in double-double.
     pub(crate) fn exact_inverse(&self) -> &[Double3; 3] {
         &self.map.exact_inverse
     }
 
-    /// How many times worse than rounded once rays are in the sphere's own space.
+    /// Returns the relative error of rays in the sphere's own space, in units of the unit roundoff.
     pub(crate) fn roughness(&self) -> f64 {
         self.map.roughness()
     }
 
-    /// The sphere's radius before it is mapped.
+    /// Returns the radius of the sphere before the map.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.sphere.radius
     }
 
-    /// The smallest `t >= 0` on the ellipsoid.
+    /// Returns the smallest `t >= 0` on the ellipsoid.
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Intersection {
@@ -157,20 +158,20 @@ impl SphereImage {
         first_root(to_center, (way.into(), inverse_square), self.sphere.radius, u).into()
     }
 
-    /// Where the ray's line enters and leaves the ellipsoid, decided exactly.
+    /// Returns the exact entry and exit of the ray's line.
     pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
         let (own, way, radius) = self.exactly_back(origin, direction);
         roots(&own, &way, &radius)
     }
 
-    /// Where a ray that starts on the ellipsoid and goes inwards comes out, decided exactly.
+    /// Returns the exact exit of a ray that starts on the ellipsoid and goes inwards.
     pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
         let (own, way, radius) = self.exactly_back(origin, direction);
         Some(last_root(&own, &way, &radius))
     }
 
-    /// The way from the origin to the center, the direction and the radius in the sphere's own space, all times the determinant of
-    /// the map: so nothing is divided by.
+    /// Returns the vector from the origin to the centre, the direction and the radius in the sphere's own space, all multiplied by the
+    /// determinant of the map, which avoids divisions.
     fn exactly_back(&self, origin: DVec3, direction: &Exact3) -> (Exact3, Exact3, Exact) {
         let DAffine3 { matrix3, translation } = self.map.forward;
         let [a, b, c] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Exact3::from);
@@ -180,7 +181,7 @@ impl SphereImage {
         (back(&to_center), back(direction), &a.dot(&rows[0]) * &self.sphere.radius.into())
     }
 
-    /// The meeting near an inexact `t`, by a Newton step in the sphere's own space.
+    /// Returns the hit near an approximate `t`, after one Newton step in the sphere's own space.
     #[must_use]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
         Some(self.stepped(origin, direction, t))
@@ -195,7 +196,7 @@ impl SphereImage {
         RefinedHit { t: Double::sum(t, step), point: place.moved(direction * step).into(), normal }
     }
 
-    /// The same near a `t` of which few bits are certain, as [`Sphere::solve`].
+    /// Returns the hit near a `t` with few certain bits, as [`Sphere::solve`].
     #[must_use]
     pub(crate) fn solve(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<RefinedHit> {
         let better = self.stepped(origin, direction, t).t.rounded();
@@ -203,14 +204,14 @@ impl SphereImage {
         Some(self.stepped(origin, direction, good))
     }
 
-    /// Where a ray that starts on the ellipsoid and goes inwards comes out.
+    /// Returns the exit of a ray that starts on the ellipsoid and goes inwards.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
         far_root((-own).into(), way.into(), self.sphere.radius, U * self.roughness()).into()
     }
 
-    /// The meeting at `t`.
+    /// Returns the hit at `t`.
     #[must_use]
     pub(crate) fn surface_point(
         &self,
@@ -224,18 +225,18 @@ impl SphereImage {
         RefinedHit { t, point: place.moved(direction * t.rest()).into(), normal: self.map.normal(own.into()) }
     }
 
-    /// It has none.
+    /// Always returns `None`: an ellipsoid has no flat face.
     pub(crate) fn facet(&self, _origin: DVec3, _direction: DVec3, _t: f64, _far: bool) -> Option<Facet> {
         None
     }
 
-    /// Returns whether the point is within, not on the surface.
+    /// Returns whether the point is strictly inside.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
         square_difference(self.map.exact_point_back(point), self.sphere.radius).sign().is_lt()
     }
 
-    /// A box around it, unless its own numbers are too rough to say where it ends.
+    /// Returns the bounding box, or `None` if the map is too ill-conditioned for a reliable one.
     #[must_use]
     pub fn bounds(&self) -> Option<Bounds> {
         bounds_of_image(&self.map.forward, DVec3::splat(self.sphere.radius), self.map.condition)
@@ -263,7 +264,7 @@ mod tests {
         let (origin, direction) = (DVec3::new(2.0, 0.0, 0.0), DVec3::Z);
         let t = first(origin, direction).unwrap();
         let RefinedHit { point, normal, .. } = ellipsoid.stepped(origin, direction, t);
-        // x^2/9 + z^2/0.25 = 1, gradient (2x/9, 0, 2z/0.25).
+        // The ellipse is x^2/9 + z^2/0.25 = 1, its gradient (2x/9, 0, 2z/0.25).
         assert!((4.0 / 9.0 + (point.z - 5.0) * (point.z - 5.0) / 0.25 - 1.0).abs() < 1e-14);
         let gradient = DVec3::new(2.0 * point.x / 9.0, 0.0, 2.0 * (point.z - 5.0) / 0.25).normalize();
         assert!((normal - gradient).length() < 1e-14);

@@ -1,4 +1,4 @@
-//! Images of small things in mirrors and glass: geometry does not know in which pixels they are.
+//! Images of small shapes in mirrors and glass, whose pixels geometry cannot determine.
 
 use glam::DVec3;
 
@@ -10,22 +10,22 @@ use crate::trace::shapes::Bounds;
 /// The image of a shape in another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Image {
-    /// About how many pixels it covers.
+    /// Approximate area in pixels.
     pub(crate) area: f64,
-    /// A bound of its radiance, in any channel.
+    /// Upper bound of its radiance in any channel.
     pub(crate) radiance: f32,
-    /// The number of images that it stands for.
+    /// Number of images that this one represents.
     pub(crate) count: f64,
 }
 
-/// Larger images are met by samples of some pixel, if they are to be seen at all.
+/// Maximum area of an image. Samples of some pixel hit larger images if they are visible.
 const LARGEST: f64 = 64.0;
-/// More pairs of shapes are not looked at one by one: some stand for others.
+/// Maximum number of shape pairs examined. Beyond it, some pairs represent others.
 const PAIRS: usize = 1 << 16;
 
-/// Returns the images that a picture may show of shapes in mirrors and glass that are at most a few pixels large. They are estimates: a convex
-/// mirror of radius R makes an image of about R/(2 D) of the size of what is D away from it, and any other one an image as large as it would
-/// look as far away as the light's path is long.
+/// Returns images, of at most a few pixels, of shapes in mirrors and glass that a picture may show. Their sizes are estimates. A convex
+/// mirror of radius R scales the image of a shape at distance D by about R/(2 D). An unbounded mirror shows a shape about as large as the
+/// camera sees it directly.
 pub(crate) fn hidden_images(scene: &PreparedScene, camera: &Camera) -> Vec<Image> {
     let ids = || scene.beside.iter().copied().chain(scene.leaves.ids());
     let sends_on = |id: &ShapeId| scene.material(*id).continues();
@@ -33,7 +33,7 @@ pub(crate) fn hidden_images(scene: &PreparedScene, camera: &Camera) -> Vec<Image
     let shown: Vec<(ShapeId, Ball)> =
         ids().filter_map(|id| Some((id, Ball::around(&scene.geometry().bounds(id)?)))).collect();
     let [right, down] = camera.steps().map(DVec3::length);
-    // Pixels of a length of 1 at a distance of 1.
+    // Length in pixels of a unit length at unit distance.
     let pixels = camera.distance() / right.min(down);
     let stride = (mirrors.len() * shown.len()).div_ceil(PAIRS).max(1);
     let mut images = Vec::new();
@@ -62,7 +62,7 @@ pub(crate) fn hidden_images(scene: &PreparedScene, camera: &Camera) -> Vec<Image
     images
 }
 
-/// A ball in the bounds of a shape.
+/// A ball approximating a shape's bounds.
 struct Ball {
     middle: DVec3,
     radius: f64,

@@ -1,23 +1,23 @@
-//! Visibility of surfaces in pixels, from geometry instead of samples.
+//! Geometric visibility of surfaces in pixels, without sampling.
 //!
-//! For every pixel of a tile it is decided whether more than one surface can show in it: an edge, two surfaces that touch, a border between
-//! squares of a checker, or a shape smaller than the pixel. Samples can miss all of those; geometry cannot. The decision is conservative:
-//! a pixel without a [feature](Feature) shows a single smooth surface, or the background.
+//! For every pixel of a tile, decides whether more than one surface can show in it: an edge, two surfaces that touch, a border between
+//! squares of a checker, or a shape smaller than the pixel. Samples can miss all of these; the geometric search cannot. The decision is
+//! conservative: a pixel without a [feature](Feature) shows a single smooth surface, or the background.
 //!
 //! ```text
 //! for each shape that can be hit through the tile:          (the tree's frustum traversal)
 //!     find its outline: functions that are positive inside  (`outline`)
 //! for each square of pixels, and for each pixel in it:
-//!     find the shapes that are seen there: whether they cover it whole, and bounds of their inverse depth
-//!     the cover is the nearest shape that covers it whole; remove those that are behind it for certain
+//!     find the shapes seen there: whether they cover it fully, and bounds of their inverse depth
+//!     the cover is the nearest shape that covers it fully; discard the shapes that are certainly behind it
 //! for each shape that remains in a pixel:
-//!     it is the cover      -> no feature, unless it shows two faces or squares of a checker
-//!     it covers it whole   -> edge: surfaces may cross
-//!     it covers a part     -> feature of the shape's size
+//!     it is the cover     -> no feature, unless it shows two faces or squares of a checker
+//!     it covers it fully  -> edge: surfaces may intersect
+//!     it covers a part    -> feature of the shape's size
 //! ```
 //!
-//! With a lens every pixel sees a disc of each plane: squares are widened by the circle of confusion. The result depends on the shapes alone,
-//! not on the order in which the tree offers them.
+//! With a lens, every pixel sees a disc of each plane: squares are widened by the circle of confusion. The result depends only on the
+//! shapes, not on the order in which the tree visits them.
 
 mod hidden;
 mod outline;
@@ -38,24 +38,24 @@ use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use hidden::{Image, hidden_images};
 use outline::{Covers, Outline, Squares, TileRays, where_less};
 
-/// The smallest thing that samples of a pixel can miss.
+/// The smallest feature that the samples of a pixel can miss.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Feature {
-    /// The part of the pixel that it covers, 0 where a single surface shows, 1 for what is larger than a pixel.
+    /// Fraction of the pixel that the feature covers: 0 if a single surface shows, 1 for features larger than a pixel.
     pub(crate) area: f32,
-    /// A bound of its radiance, in any channel; 0 for edges of large shapes, which samples nearby show.
+    /// Upper bound of the radiance in any channel; 0 for edges of large shapes, whose radiance nearby samples measure.
     pub(crate) radiance: f32,
 }
 
 impl Feature {
-    /// An edge of a large shape.
+    /// The edge of a large shape.
     pub(crate) const EDGE: Self = Self { area: 1.0, radiance: 0.0 };
-    /// A single surface.
+    /// No feature: a single surface shows.
     pub(crate) const NONE: Self = Self { area: 0.0, radiance: 0.0 };
 
-    /// Keeps the one that matters more: what is small and may be bright.
+    /// Keeps the more important of the two features: with the larger product of area and radiance, then the larger area.
     pub(crate) fn join(&mut self, other: Self) {
-        // A total order, so that it does not matter which comes first.
+        // A total order makes the result independent of the order of the features.
         let key = |feature: &Self| (feature.area * feature.radiance, feature.area);
         if key(&other) > key(self) {
             *self = other;
@@ -63,15 +63,15 @@ impl Feature {
     }
 }
 
-/// The features of a tile's pixels, and what covers those without.
+/// The features of a tile's pixels, and the shapes that fully cover them.
 #[derive(Clone, Debug)]
 pub(crate) struct TileFeatures {
-    /// By the pixel's index in the tile.
+    /// Features by pixel index in the tile.
     features: [Feature; TILE_PIXELS],
     covers: [CoverPacket; PACKETS],
 }
 
-/// The shapes that cover the pixels of a packet, [`UNCOVERED`] where none does, and bounds of their radiance.
+/// The shapes that fully cover the pixels of a packet ([`UNCOVERED`] if none does), and upper bounds of their radiance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CoverPacket {
     pub(crate) ids: [ShapeId; LANES],
@@ -79,13 +79,13 @@ pub(crate) struct CoverPacket {
 }
 
 impl CoverPacket {
-    /// The same in all pixels, without radiance.
+    /// Creates the same cover in all pixels, without radiance.
     pub(crate) const fn all(id: ShapeId) -> Self {
         Self { ids: [id; LANES], radiance: [0.0; LANES] }
     }
 }
 
-/// No shape: there are at most 2^28.
+/// The cover of pixels without one. No shape has this id: there are at most 2^28.
 pub(crate) const UNCOVERED: ShapeId = ShapeId(u32::MAX);
 
 impl TileFeatures {
@@ -94,35 +94,37 @@ impl TileFeatures {
         self.features.iter().all(|feature| *feature == Feature::NONE)
     }
 
-    /// Returns the features and the covers of a packet's pixels.
+    /// Returns the features and covers of a packet's pixels.
     #[inline(always)]
     pub(crate) fn of(&self, packet: usize) -> (&[Feature], &CoverPacket) {
         (&self.features[packet * LANES..][..LANES], &self.covers[packet])
     }
 }
 
-/// The memory of the search.
+/// Reusable memory of the search.
 #[derive(Debug, Default)]
 pub(crate) struct FeatureScratch {
     seen: Vec<SeenShape>,
 }
 
+/// A shape seen through a tile.
 #[derive(Debug)]
 struct SeenShape {
     id: ShapeId,
     outline: Outline,
-    /// Half of the side of the square that a pixel sees of it.
+    /// Half the side of the square around a pixel's centre in which the pixel sees the shape, in pixels.
     half: f64,
-    /// A bound of its radiance.
+    /// Upper bound of the shape's radiance.
     radiance: f32,
-    /// Its relation to the squares of packets.
+    /// Coverage of the squares of the tile's packets.
     blocks: Covers<PACKETS>,
 }
 
-/// More shapes are not searched one by one where the tree cannot be.
+/// Maximum number of shapes for a linear scan if the tree cannot be traversed.
 const FEW: usize = 4096;
 
-/// Finds the features of a tile's pixels at an instant, by the tree. While the shutter is open even large shapes may pass between samples.
+/// Finds the features of a tile's pixels at an instant, by traversing the tree. With an open shutter (`is_open`), even large shapes may
+/// pass between samples.
 pub(crate) fn features(
     scene: &PreparedScene,
     camera: &Camera,
@@ -169,12 +171,12 @@ pub(crate) fn reference_features(
     if known { resolve(scene, &rays, (tile, is_open), &seen) } else { unknown() }
 }
 
-/// Every pixel may show anything.
+/// Returns an edge in every pixel: any number of surfaces may show.
 fn unknown() -> TileFeatures {
     TileFeatures { features: [Feature::EDGE; TILE_PIXELS], covers: [CoverPacket::all(UNCOVERED); PACKETS] }
 }
 
-/// Returns the rays of a tile. `None` if they are not finite.
+/// Returns the rays of a tile; `None` if they are not finite.
 fn tile_rays(camera: &Camera, tile: &Tile) -> Option<TileRays> {
     let first = camera.through(f64::from(tile.i), f64::from(tile.j));
     let steps = camera.steps();
@@ -187,16 +189,16 @@ fn tile_rays(camera: &Camera, tile: &Tile) -> Option<TileRays> {
     })
 }
 
-/// From the centre of a tile's first pixel to the tile's middle, in pixels along either side.
+/// Distance from the centre of a tile's first pixel to the middle of the tile along either axis, in pixels.
 const MIDDLE: f64 = (TILE as f64 - 1.0) / 2.0;
 
-/// From a pixel's centre to beyond its edge, farther than that of [`TileRays::may_meet`].
+/// Distance from a pixel's centre to just beyond its edge. The margin exceeds the margin of [`TileRays::may_meet`].
 const WIDER: f64 = 0.5 + 1e-5;
 
-/// Half of a pixel, and a little more than what rounding moves samples by.
+/// Half a pixel, and a margin that exceeds the rounding of sample positions.
 const HALF: f64 = 0.5 + 1e-9;
 
-/// Adds what is seen of a shape through the tile. Returns `false` if that is not known.
+/// Appends a shape if it may be seen through the tile. Returns `false` if its outline is unknown.
 fn see(
     scene: &PreparedScene,
     camera: &Camera,
@@ -210,12 +212,12 @@ fn see(
         return true;
     }
     let Ok(outline) = Outline::of(scene.geometry().shape(id), rays) else { return false };
-    /// Wider than any tile, and a number.
+    /// Finite and larger than any tile.
     const WIDEST: f64 = 1e6;
     let half = HALF + if camera.has_lens() { confusion(scene, camera, id).min(WIDEST) } else { 0.0 };
     if let Some(mut outline) = outline {
         if half > 1.0 {
-            // Spread over the circle of confusion.
+            // The image of the shape is spread over the circle of confusion.
             outline.area /= 4.0 * half * half;
         }
         let blocks = dispatch!(scene.simd.level(), _simd => outline.covers(&BLOCKS.widened(half)));
@@ -242,7 +244,7 @@ fn confusion(scene: &PreparedScene, camera: &Camera, id: ShapeId) -> f64 {
     camera.confusion([1.0 / (depth + reach).max(f64::MIN_POSITIVE), nearest], right.min(down))
 }
 
-/// Shapes of the tree on their way into the list.
+/// Collects the shapes of the tree that are seen through a tile.
 struct FeatureVisitor<'a> {
     scene: &'a PreparedScene,
     camera: &'a Camera,
@@ -259,7 +261,7 @@ impl<S: Simd> FrustumVisitor<S> for FeatureVisitor<'_> {
     }
 }
 
-/// Visits the shapes of the tree that can be hit through the tile. `false` where there is no frustum.
+/// Visits the shapes of the tree that can be hit through the tile. Returns `false` if there is no frustum.
 #[inline(always)]
 fn visit<S: Simd>(
     simd: S,
@@ -278,7 +280,7 @@ fn visit<S: Simd>(
     {
         corners.set(lane, camera.through(column, row));
     }
-    // The axis of [`TileRays::may_meet`], so that both agree.
+    // The main axis of `TileRays::may_meet`, so that both tests agree.
     let depth = Depth::along(visitor.rays.middle);
     let slopes = SlopeRange::of(simd, (&corners, 0b1111), (depth, 1.0));
     let tree = &visitor.scene.tree;
@@ -289,13 +291,13 @@ fn visit<S: Simd>(
     true
 }
 
-/// Shapes of so many pixels are met by first samples of some of their pixels, with which others are compared.
+/// Minimum area in pixels of a large shape. The first samples of some of its pixels hit it, and neighbouring pixels are compared with them.
 const LARGE: f64 = 16.0;
 
-/// Half of the side of a packet's square of pixels, to the middles of those.
+/// Half the side of a packet's square, between the centres of its outermost pixels.
 const HALF_BLOCK: f64 = (SIDE as f64 - 1.0) / 2.0;
 
-/// The squares of a tile's packets, to the middles of their pixels.
+/// The squares of a tile's packets, bounded by the centres of their outermost pixels.
 const BLOCKS: Squares<PACKETS> = {
     let (mut x, mut y) = ([0.0; PACKETS], [0.0; PACKETS]);
     let across = (TILE / SIDE) as usize;
@@ -308,8 +310,8 @@ const BLOCKS: Squares<PACKETS> = {
     Squares { x, y, half: HALF_BLOCK }
 };
 
-/// Decides what each pixel shows of the shapes that are seen through the tile. Squares of four by four pixels are looked at first: what lies
-/// behind a shape that covers one whole is not looked for in its pixels.
+/// Determines the features of each pixel from the shapes that are seen through the tile. First resolves squares of four by four pixels:
+/// shapes behind a shape that covers a square fully are skipped in its pixels.
 fn resolve(
     scene: &PreparedScene,
     rays: &TileRays,
@@ -350,7 +352,7 @@ fn resolve(
     found
 }
 
-/// Returns the squares of a packet's pixels, of no size.
+/// Returns the centres of a packet's pixels as squares of size 0.
 #[inline(always)]
 fn pixels(packet: usize) -> Squares<LANES> {
     let (x, y) = (BLOCKS.x[packet] - HALF_BLOCK, BLOCKS.y[packet] - HALF_BLOCK);
@@ -362,7 +364,7 @@ fn pixels(packet: usize) -> Squares<LANES> {
     }
 }
 
-/// The nearest of the shapes that cover squares whole: the greatest bound from below of their inverse depth, 0 if there is none.
+/// The nearest shape that covers each square fully: the greatest lower bound of inverse depth, 0 if there is none.
 struct NearestCovers<const N: usize> {
     depth: [f64; N],
     ids: [ShapeId; N],
@@ -373,12 +375,12 @@ impl<const N: usize> NearestCovers<N> {
         Self { depth: [0.0; N], ids: [UNCOVERED; N] }
     }
 
-    /// Takes a shape into account.
+    /// Updates the nearest covers with a shape.
     #[inline(always)]
     fn note(&mut self, shape: &SeenShape, cover: &Covers<N>) {
         for lane in 0..N {
             let (depth, id) = (cover.depth[0][lane], self.ids[lane]);
-            // Of those as near, the order does not matter.
+            // Ties are resolved by id, independently of the order of shapes.
             let is_nearer = depth > self.depth[lane] || (depth == self.depth[lane] && shape.id.0 < id.0);
             if is_nearer && depth > 0.0 && (cover.whole & cover.seen) >> lane & 1 == 1 {
                 (self.depth[lane], self.ids[lane]) = (depth, shape.id);
@@ -386,13 +388,13 @@ impl<const N: usize> NearestCovers<N> {
         }
     }
 
-    /// Returns the squares in which a shape may be seen before it.
+    /// Returns the squares in which a shape may be visible in front of the nearest cover.
     #[inline(always)]
     fn visible(&self, cover: &Covers<N>) -> u32 {
         cover.seen & !where_less(&cover.depth[1], &self.depth)
     }
 
-    /// Returns the squares in which a shape is the nearest.
+    /// Returns the squares in which a shape is the nearest cover.
     #[inline(always)]
     fn of(&self, id: ShapeId) -> u32 {
         (0..N).fold(0, |mask, lane| mask | u32::from(self.ids[lane] == id) << lane)
@@ -400,7 +402,7 @@ impl<const N: usize> NearestCovers<N> {
 }
 
 impl SeenShape {
-    /// Finds how the shape lies to the pixels of a packet.
+    /// Computes the shape's coverage of the pixels of a packet.
     #[inline(always)]
     fn covers(&self, packet: usize, pixels: &Squares<LANES>) -> Covers<LANES> {
         let is = |mask: u32| mask >> packet & 1 == 1;
@@ -411,7 +413,7 @@ impl SeenShape {
         self.outline.covers(&pixels.widened(self.half))
     }
 
-    /// Returns the feature of a pixel that the shape covers in part.
+    /// Returns the feature of a pixel that the shape covers partially.
     fn feature(&self, is_open: bool) -> Feature {
         if is_open || self.outline.area < LARGE {
             Feature { area: to_f32(self.outline.area.min(1.0)), radiance: self.radiance }
@@ -420,7 +422,7 @@ impl SeenShape {
         }
     }
 
-    /// Returns the pixels, of some, in which it shows more than one square of a checker.
+    /// Returns the pixels in `pixels` in which the shape shows more than one square of a checker.
     fn checkered(
         &self,
         scene: &PreparedScene,

@@ -1,14 +1,17 @@
-//! The outline of a shape on the screen, and its inverse depth, as functions of the place in a tile.
+//! The outline and the inverse depth of a shape on the screen, as functions of the position in a tile.
 //!
-//! A camera ray through place (x, y), in pixels from the middle of a tile, has the direction d = d0 + x du + y dv, not normalised; u = 1/t is
-//! its inverse depth. All shapes are convex, so that each is seen through the places where a few functions are positive:
+//! The camera ray through position (x, y), in pixels from the middle of a tile, has the direction d = d0 + x du + y dv, not normalised. Its
+//! inverse depth is u = 1/t. All shapes are convex. Each is visible where a few functions are all positive:
 //!
-//! - a sphere of centre L, seen from the eye, and radius r: r² d·d - (L x d)², the quarter of the discriminant without its cancellation, and L·d;
-//! - a box: n·d for the normal n of the plane through the eye and each edge between a face that faces the eye and one that does not;
+//! - a sphere of radius r, with the vector L from the eye to its centre: r² d·d - (L x d)², a quarter of the discriminant without its
+//!   cancellation, and L·d;
+//! - a box: n·d for the normal n of the plane through the eye and each silhouette edge, between a face that faces the eye and one that does
+//!   not;
 //! - a plane: its inverse depth, which is linear.
 //!
-//! Bounds of a quadratic function over a pixel's square follow from its value, its gradient and its second derivatives in the middle. Inverse depth is linear on every flat face, and on a sphere the sum of a linear function
-//! and the root of the first one above. Images of spheres and boxes are taken back to the sphere and the box: t stays the same.
+//! Bounds of a quadratic function over a pixel's square follow from its value, its gradient and its second derivatives in the middle.
+//! Inverse depth is linear on every flat face. On a sphere it is, up to a constant factor, a linear function plus or minus the square root
+//! of the first function above. Images of spheres and boxes are mapped back to the sphere and the box, which preserves t.
 
 use std::f64::consts::TAU;
 
@@ -18,69 +21,69 @@ use crate::trace::scene::ShapeRef;
 use crate::trace::shapes::{AlignedBox, Bounds, Sphere};
 use crate::trace::stages::TILE;
 
-/// Half of the side of a tile, in pixels, and a little more.
+/// Half the side of a tile in pixels, with a margin.
 const HALF_TILE: f64 = TILE as f64 / 2.0 + 1e-6;
 
 /// The camera rays of a tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TileRays {
     pub(super) eye: DVec3,
-    /// The direction through the middle of the tile.
+    /// Direction through the middle of the tile.
     pub(super) middle: DVec3,
-    /// The change of the direction from one column to the next, and from one row to the next.
+    /// Change of the direction per column and per row.
     pub(super) steps: [DVec3; 2],
 }
 
-/// A quadratic function of the place: constant + linear·place + xx x² + xy x y + yy y².
+/// A quadratic function of the position p = (x, y): constant + linear·p + xx x² + xy x y + yy y².
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Quadratic {
     constant: f64,
     linear: DVec2,
-    /// The coefficients of x², x y and y².
+    /// Coefficients of x², x y and y².
     quadratic: [f64; 3],
 }
 
 /// The inverse depth of a shape.
 #[derive(Clone, Debug)]
 enum InverseDepth {
-    /// (b + sign sqrt(q)) / c.
+    /// (b + sqrt(q)) / c seen from outside, (b - sqrt(q)) / c from inside.
     Sphere { b: Quadratic, q: Quadratic, c: f64 },
-    /// Of a convex solid seen from outside: the least of its faces'.
+    /// Minimum over the faces of a convex solid that face the eye, which is outside.
     Nearest(Vec<Quadratic>),
-    /// Of one seen from inside: the greatest of its faces'.
+    /// Maximum over all faces of a convex solid around the eye.
     Farthest(Vec<Quadratic>),
 }
 
 /// A shape as seen through a tile.
 #[derive(Clone, Debug)]
 pub(super) struct Outline {
-    /// Positive inside.
+    /// Functions that are all positive inside the outline.
     inside: Vec<Quadratic>,
     depth: InverseDepth,
-    /// The area that it covers on the screen, or its least width times a pixel, whichever is less, in pixels.
+    /// Projected area in pixels, or the least projected width times one pixel if that is smaller.
     pub(super) area: f64,
 }
 
-/// Squares of a tile, in pixels from its middle. Loops go through them, so that compilers make vectors of them.
+/// Squares of a tile, in pixels from its middle. Loops run over the squares, so that compilers vectorize them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Squares<const N: usize> {
-    /// Their middles.
+    /// Coordinates of their centres.
     pub(super) x: [f64; N],
     pub(super) y: [f64; N],
-    /// Half of their side.
+    /// Half their side.
     pub(super) half: f64,
 }
 
-/// Relation of a shape to squares. Masks have a bit for each of them.
+/// Coverage of squares by a shape. Masks have one bit per square.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Covers<const N: usize> {
-    /// Those that may show it.
+    /// Squares that may show the shape.
     pub(super) seen: u32,
-    /// Those that it covers whole.
+    /// Squares that the shape covers fully.
     pub(super) whole: u32,
-    /// Those in which a single face is seen.
+    /// Squares in which a single face is visible.
     pub(super) one_face: u32,
-    /// The least and the greatest bounds of its inverse depth over each.
+    /// Lower and upper bounds of inverse depth over each square.
     pub(super) depth: [[f64; N]; 2],
 }
 
@@ -90,10 +93,10 @@ impl Quadratic {
         Self { constant: of(rays.middle), linear: DVec2::new(of(right), of(down)), quadratic: [0.0; 3] }
     }
 
-    /// Returns the least and the greatest bounds over each of some squares.
+    /// Returns lower and upper bounds over each square.
     #[inline(always)]
     fn bounds<const N: usize>(&self, Squares { x, y, half }: &Squares<N>) -> [[f64; N]; 2] {
-        /// More than rounding adds to a sum of a dozen terms, relative to the largest of them.
+        /// Upper bound of the rounding error of a sum of a dozen terms, relative to the largest term.
         const ROUNDING: f64 = 1e-13;
         let Self { constant, linear: DVec2 { x: right, y: down }, quadratic: [xx, xy, yy] } = *self;
         let reach = HALF_TILE + half;
@@ -124,18 +127,18 @@ impl Quadratic {
 }
 
 impl<const N: usize> Covers<N> {
-    /// All squares.
+    /// Mask of all squares.
     const ALL: u32 = if N < 32 { (1 << N) - 1 } else { u32::MAX };
 }
 
 impl<const N: usize> Squares<N> {
-    /// Squares so much farther to all sides.
+    /// Returns the squares extended by `by` to all sides.
     pub(super) fn widened(&self, by: f64) -> Self {
         Self { half: self.half + by, ..*self }
     }
 }
 
-/// Returns the numbers that a condition holds for, as a bit mask.
+/// Returns the indices of the numbers that satisfy a condition, as a bit mask.
 #[inline(always)]
 fn which<const N: usize>(numbers: &[f64; N], holds: impl Fn(f64) -> bool) -> u32 {
     (0..N).fold(0, |mask, lane| mask | u32::from(holds(numbers[lane])) << lane)
@@ -152,8 +155,8 @@ fn greater(one: f64, other: f64) -> f64 {
 }
 
 impl Outline {
-    /// Finds the outline of a shape. `None` if no ray of the tile can hit it; with `Err` nothing is known of it: the eye is on its surface, or
-    /// numbers are too large.
+    /// Computes the outline of a shape. Returns `None` if no ray of the tile can hit it, and `Err` if the outline is unknown: the eye is on
+    /// the surface, or numbers are too large.
     pub(super) fn of(shape: ShapeRef<'_>, rays: &TileRays) -> Result<Option<Self>, UnknownOutline> {
         let found = match shape {
             ShapeRef::Plane(plane) => {
@@ -202,7 +205,7 @@ impl Outline {
         depths && self.inside.iter().all(finite)
     }
 
-    /// The outline of a sphere around the origin.
+    /// Computes the outline of a sphere around the origin; `None` if the eye is on its surface.
     fn of_sphere(rays: &TileRays, radius: f64) -> Option<Self> {
         let (to_center, square) = (-rays.eye, radius * radius);
         let [x, y, z] = [rays.middle, rays.steps[0], rays.steps[1]];
@@ -216,7 +219,7 @@ impl Outline {
         };
         let b = Quadratic::linear(|direction| to_center.dot(direction), rays);
         let c = to_center.length_squared() - square;
-        /// Nearer to the surface the eye counts as on it.
+        /// Minimum of |c| / radius² for an eye off the surface.
         const NEAR: f64 = 1e-9;
         if c.abs() < NEAR * square {
             return None;
@@ -226,10 +229,10 @@ impl Outline {
         Some(Self { inside, depth: InverseDepth::Sphere { b, q, c }, area })
     }
 
-    /// The outline of a box around the origin, along the axes.
+    /// Computes the outline of an axis-aligned box around the origin; `None` if the eye is on its surface.
     fn of_box(rays: &TileRays, half: DVec3) -> Option<Self> {
         let eye = rays.eye;
-        // By axis and side: how far the eye is outside of the face.
+        // Signed distance of the eye from the plane of a face, positive outside.
         let outside = |axis: usize, side: f64| side * eye[axis] - half[axis];
         let sides = [-1.0, 1.0];
         let all = (0..3).flat_map(|axis| sides.map(|side| (axis, side)));
@@ -250,6 +253,7 @@ impl Outline {
         for along in 0..3 {
             let (first, second) = ((along + 1) % 3, (along + 2) % 3);
             for (one, other) in sides.into_iter().flat_map(|one| sides.map(|other| (one, other))) {
+                // The edge is on the silhouette only if exactly one of its faces faces the eye.
                 if facing(first, one) == facing(second, other) {
                     continue;
                 }
@@ -258,6 +262,7 @@ impl Outline {
                     (one * half[first], other * half[second], half[along]);
                 let start = end - eye - DVec3::AXES[along] * (2.0 * half[along]);
                 let normal = start.cross(end - eye);
+                // The centre of the box is on the positive side.
                 let normal = normal * (-eye).dot(normal).signum();
                 inside.push(Quadratic::linear(|direction| normal.dot(direction), rays));
             }
@@ -266,7 +271,7 @@ impl Outline {
         Some(Self { inside, depth: InverseDepth::Nearest(faces), area })
     }
 
-    /// Finds how the shape lies to squares.
+    /// Computes the shape's coverage of squares.
     #[inline(always)]
     pub(super) fn covers<const N: usize>(&self, squares: &Squares<N>) -> Covers<N> {
         let (mut seen, mut whole) = (Covers::<N>::ALL, Covers::<N>::ALL);
@@ -282,7 +287,7 @@ impl Outline {
         Covers { seen: seen & !which(&depth[1], |most| most <= 0.0), whole, one_face, depth }
     }
 
-    /// Returns where the ray through a place hits the shape.
+    /// Returns the point at which the ray through a position hits the shape.
     pub(super) fn point(&self, rays: &TileRays, DVec2 { x, y }: DVec2) -> DVec3 {
         let direction = rays.middle + rays.steps[0] * x + rays.steps[1] * y;
         let ([[depth], _], _) = self.depth.bounds(&Squares { x: [x], y: [y], half: 0.0 });
@@ -291,7 +296,7 @@ impl Outline {
 }
 
 impl InverseDepth {
-    /// Returns the least and the greatest bounds over squares, and in which of them a single face is seen.
+    /// Returns lower and upper bounds over squares, and the squares in which a single face is visible.
     #[inline(always)]
     fn bounds<const N: usize>(&self, squares: &Squares<N>) -> ([[f64; N]; 2], u32) {
         match self {
@@ -301,7 +306,7 @@ impl InverseDepth {
                     *root = greater(0.0, *root).sqrt();
                 }
                 if *c <= 0.0 {
-                    // The far side is seen from inside.
+                    // The far side is visible from inside.
                     q = q.map(|roots| roots.map(|root| -root));
                     b.swap(0, 1);
                 }
@@ -311,6 +316,7 @@ impl InverseDepth {
             Self::Nearest(faces) => {
                 let (mut least, mut most) = ([f64::INFINITY; N], [f64::INFINITY; N]);
                 let mut others = [f64::INFINITY; N];
+                // The face with the least upper bound is nearest. `others` bounds all other faces from below.
                 for [low, high] in faces.iter().map(|face| face.bounds(squares)) {
                     for lane in 0..N {
                         let (before, is_nearest) = (least[lane], high[lane] < most[lane]);
@@ -327,6 +333,7 @@ impl InverseDepth {
             Self::Farthest(faces) => {
                 let (mut least, mut most) = ([f64::NEG_INFINITY; N], [f64::NEG_INFINITY; N]);
                 let mut others = [f64::NEG_INFINITY; N];
+                // The face with the greatest lower bound is visible. `others` bounds all other faces from above.
                 for [low, high] in faces.iter().map(|face| face.bounds(squares)) {
                     for lane in 0..N {
                         let other = if low[lane] > least[lane] { most[lane] } else { high[lane] };
@@ -342,18 +349,18 @@ impl InverseDepth {
     }
 }
 
-/// Returns where numbers are less than others, as a bit mask.
+/// Returns the indices at which numbers are less than others, as a bit mask.
 #[inline(always)]
 pub(super) fn where_less<const N: usize>(numbers: &[f64; N], others: &[f64; N]) -> u32 {
     (0..N).fold(0, |mask, lane| mask | u32::from(numbers[lane] < others[lane]) << lane)
 }
 
-/// Says that nothing is known of an outline.
+/// Error for a shape with an unknown outline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UnknownOutline;
 
 impl Quadratic {
-    /// Returns the area of the ellipse in which it is positive; infinite if it is none.
+    /// Returns the area of the ellipse in which the function is positive; infinite if it is not an ellipse.
     fn area(&self) -> f64 {
         let [xx, xy, yy] = self.quadratic;
         let determinant = 4.0 * xx * yy - xy * xy;
@@ -368,8 +375,8 @@ impl Quadratic {
 }
 
 impl TileRays {
-    /// Returns whether a ray of the tile may meet a box: `false` only if all lie on the same side of a plane through the eye, along an axis. The
-    /// tree's frusta, which are rounded outwards, accept all of those boxes.
+    /// Returns whether a ray of the tile may hit a box: `false` only if a plane through the eye, parallel to a coordinate axis, separates
+    /// the box from all rays. The tree's frusta, which are rounded outwards, accept every box that this test accepts.
     pub(super) fn may_meet(&self, bounds: &Bounds) -> bool {
         let axis = self.middle.abs().max_position();
         let (sign, reach) = (self.middle[axis].signum(), HALF_TILE);
@@ -392,7 +399,7 @@ impl TileRays {
         })
     }
 
-    /// The same rays, with the origin at a point.
+    /// Returns the same rays with the origin moved to `point`.
     fn seen_from(&self, point: DVec3) -> Self {
         Self { eye: self.eye - point, ..*self }
     }
@@ -401,11 +408,11 @@ impl TileRays {
         Self { eye: *map * self.eye, middle: *map * self.middle, steps: self.steps.map(|step| *map * step) }
     }
 
-    /// Returns the area that a box around the origin covers on the screen, or its least width if that is less: near the middle of the tile,
-    /// where it is long.
+    /// Returns the projected area of a box around the origin, or its least projected width times one pixel if that is smaller. Both are
+    /// measured at the part of a long box nearest to the middle of the tile.
     fn projected_area(&self, half: DVec3) -> f64 {
         let to_screen = DMat3::from_cols(self.middle, self.steps[0], self.steps[1]).inverse();
-        // Of the axis line through the box along its longest side, the point next to the ray through the middle.
+        // The point on the box's longest axis nearest to the ray through the middle of the tile.
         let longest = half.max_position();
         let (axis, ray) = (DVec3::AXES[longest], self.middle);
         let (across, along) = (axis.dot(ray), ray.dot(ray));

@@ -1,4 +1,4 @@
-//! Features against what many samples of every pixel hit.
+//! Comparison of features with the surfaces that many samples of every pixel hit.
 
 use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ use crate::trace::{Geometry, PreparedShape, SurfaceMaterial};
 
 const SIDE_PIXELS: u32 = 20;
 
-/// The shape that a ray hits, and the axis and the side of the face of a box.
+/// The shape that a ray hits, and for boxes the axis and side of the face.
 type Surface = Option<(ShapeId, [i8; 3])>;
 
 fn surface(scene: &PreparedScene, ray: &Ray, search: &mut Scratch<'_>) -> Surface {
@@ -24,7 +24,7 @@ fn surface(scene: &PreparedScene, ray: &Ray, search: &mut Scratch<'_>) -> Surfac
     Some((point.hit.id, face))
 }
 
-/// Returns the pixels of a camera's film whose samples hit more than one surface but that have no feature, and the number of all without.
+/// Returns the pixels without a feature whose samples hit more than one surface, and the total number of pixels without a feature.
 fn missed(scene: &PreparedScene, camera: &Camera, samples: u32) -> (Vec<(u32, u32)>, usize) {
     let (columns, rows) = camera.resolution();
     let (mut missed, mut plain) = (Vec::new(), 0);
@@ -121,7 +121,7 @@ proptest! {
     }
 }
 
-/// A test of the test: most pixels of a simple scene have no feature, and shapes of a tenth of a pixel have.
+/// Checks the test itself: most pixels of a simple scene have no feature, and shapes of a tenth of a pixel have one.
 #[test]
 fn plain_pixels_have_no_feature_and_tiny_shapes_have() {
     let sphere = |x: f64, radius| PreparedShape::Sphere(Sphere { center: DVec3::new(x, 0.0, 0.0), radius });

@@ -1,4 +1,4 @@
-//! Images of spheres and of boxes under affine maps.
+//! Refinement of hits of spheres and boxes under affine maps.
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -12,7 +12,7 @@ use crate::trace::packet::slabs::{FaceLanes, SlabRoots};
 use crate::trace::scene::ShapeRef;
 use crate::trace::shapes::{BoxImage, SphereImage, newton_step, sphere_step, unit};
 
-/// Refines hits of an image, where the mask is true for rays that come from inside; `None` of other shapes.
+/// Refines hits of an image; `None` for other shapes. `far` is true in lanes whose rays come from inside.
 #[inline(always)]
 pub(super) fn refine<S: Simd>(
     simd: S,
@@ -27,7 +27,7 @@ pub(super) fn refine<S: Simd>(
     }
 }
 
-/// `SphereImage::refine`.
+/// Refines hits of an ellipsoid: `SphereImage::refine`.
 #[inline(always)]
 fn sphere_image<S: Simd>(simd: S, inexact: &RefineInput<S>, image: &SphereImage) -> Points<S> {
     let RefineInput { origin, direction, t } = *inexact;
@@ -52,7 +52,7 @@ fn sphere_image<S: Simd>(simd: S, inexact: &RefineInput<S>, image: &SphereImage)
     Points { t, rest, point: place.moved(times(direction, step)), normal, found }
 }
 
-/// `BoxImage::refine`, where the mask is true for rays that come from inside.
+/// Refines hits of a transformed box: `BoxImage::refine`. `far` is true in lanes whose rays come from inside.
 #[inline(always)]
 fn box_image<S: Simd>(simd: S, inexact: &RefineInput<S>, image: &BoxImage, far: Mask<S>) -> Points<S> {
     let RefineInput { origin, direction, t } = *inexact;
@@ -73,7 +73,7 @@ fn box_image<S: Simd>(simd: S, inexact: &RefineInput<S>, image: &BoxImage, far: 
     Points { t, rest, point: place.moved(times(direction, step)), normal, found }
 }
 
-/// What belongs to the axis at which each ray is.
+/// Selects, in each lane, the value of the axis whose mask is true.
 #[inline(always)]
 fn of_axis<S: Simd>(simd: S, at: [Mask<S>; 3], [x, y, z]: [DVec3; 3]) -> F64s3<S> {
     select3(at[0], splat3(simd, x), select3(at[1], splat3(simd, y), splat3(simd, z)))

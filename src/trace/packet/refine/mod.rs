@@ -1,4 +1,4 @@
-//! Refinement of sixteen hits at once: the operations of the shapes' `refine`, in their order.
+//! Refinement of sixteen hits at once: the operations of the shapes' `refine` in the same order.
 
 mod images;
 mod points;
@@ -15,8 +15,8 @@ use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::{Geometry, PreparedScene, ShapeKind};
 
-/// Finds the surface points that hits in some lanes stand for, where one step from a `t` that is nearly right leads there. Returns
-/// the lanes of the others, which `PreparedScene::surface` finds one by one.
+/// Computes the surface points of the hits in some lanes by one step from their approximate `t`. Returns the lanes for which one step does not
+/// suffice; `PreparedScene::surface` refines those one by one.
 #[inline(always)]
 pub(crate) fn refine<S: Simd>(
     simd: S,
@@ -26,6 +26,7 @@ pub(crate) fn refine<S: Simd>(
     asked: u32,
     surfaces: &mut SurfacePacket,
 ) -> u32 {
+    // Coincident hits and hits of equal shapes escalate to scalar code.
     let mut special = asked & hits.tied;
     if scene.equal_shapes.any() {
         let grouped =
@@ -47,7 +48,7 @@ pub(crate) fn refine<S: Simd>(
     asked & !found
 }
 
-/// The same of hits of one shape that no other equals.
+/// Refines hits of one shape that has no equals. Returns the lanes that were not refined.
 #[inline(always)]
 pub(super) fn refine_one<S: Simd>(
     simd: S,
@@ -60,7 +61,7 @@ pub(super) fn refine_one<S: Simd>(
     asked & !refine_lanes(simd, geometry, (rays, hits), &shape, asked, surfaces)
 }
 
-/// Returns the lanes in which that was right.
+/// Refines hits in some lanes. Returns the lanes that were refined.
 #[inline(always)]
 fn refine_lanes<S: Simd>(
     simd: S,
@@ -79,7 +80,7 @@ fn refine_lanes<S: Simd>(
     found
 }
 
-/// Returns the lanes of half of a packet that have to be refined one by one.
+/// Refines hits of half a packet. Returns its lanes that have to be refined one by one.
 #[inline(always)]
 fn refine_half<S: Simd>(
     simd: S,

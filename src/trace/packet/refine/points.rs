@@ -1,22 +1,22 @@
-//! What refinement starts from, and where it leads.
+//! Input and result of refinement.
 
 use fearless_simd::prelude::*;
 
 use crate::trace::math::{F64s, F64s3, Mask, select3};
 
-/// Points of half of the lanes.
+/// The refined hits of half a packet.
 #[derive(Clone, Copy)]
 pub(super) struct Points<S: Simd> {
-    /// The parameter, rounded, and what that leaves over.
+    /// The rounded ray parameter. `rest` is the remainder.
     pub(super) t: F64s<S>,
     pub(super) rest: F64s<S>,
     pub(super) point: F64s3<S>,
     pub(super) normal: F64s3<S>,
-    /// Where that is right.
+    /// Lanes in which the refinement is valid.
     pub(super) found: Mask<S>,
 }
 
-/// A ray each, and the inexact `t` of its hit.
+/// The rays of half a packet, and the approximate `t` of their hits.
 #[derive(Clone, Copy)]
 pub(super) struct RefineInput<S: Simd> {
     pub(super) origin: F64s3<S>,
@@ -25,7 +25,7 @@ pub(super) struct RefineInput<S: Simd> {
 }
 
 impl<S: Simd> Points<S> {
-    /// These where the mask is true, else others.
+    /// Selects `these` in lanes in which the mask is true, and `others` elsewhere.
     #[inline(always)]
     pub(super) fn select(mask: Mask<S>, these: Self, others: Option<Self>) -> Self {
         let Some(others) = others else { return these };

@@ -1,4 +1,4 @@
-//! What the shapes are that rays have met, lane by lane.
+//! Parameters of the shapes that rays hit, by lane.
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -8,30 +8,30 @@ use crate::trace::rays::{ShapeId, ShapeIds};
 use crate::trace::scene::{Geometry, ShapeKind, ShapeLocation};
 use crate::trace::shapes::{AlignedBox, Sphere};
 
-/// What a shape is made of.
+/// The parameters of a shape. Those that its kind does not have hold neutral values; an image has only its kind.
 #[derive(Clone, Copy)]
 pub(super) struct ShapeParameters {
     pub(super) kind: ShapeKind,
-    /// A sphere's centre, a plane's point, or the lower corner of a box.
+    /// The centre of a sphere, the point of a plane, or the lower corner of a box.
     place: DVec3,
-    /// A plane's normal, or the upper corner of a box.
+    /// The normal of a plane, or the upper corner of a box.
     other: DVec3,
-    /// A plane's unit normal.
+    /// The unit normal of a plane.
     unit: DVec3,
     radius: f64,
 }
 
-/// Shapes in lanes.
+/// The shapes in the lanes of a packet.
 pub(super) trait Shapes {
-    /// Lanes that have a shape of a kind that is no image.
+    /// Returns the lanes with shapes of a kind other than an image.
     fn lanes_of(&self, kind: ShapeKind) -> u32;
-    /// Lanes that have an image of either kind.
+    /// Returns the lanes with images of either kind.
     fn images(&self) -> u32;
     fn places<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
     fn others<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
     fn units<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
     fn radii<S: Simd>(&self, simd: S, half: usize) -> F64s<S>;
-    /// Says where radii and normals are [`moderate`].
+    /// Returns the lanes in which the radius and the normal or upper corner are [`moderate`].
     fn moderate<S: Simd>(&self, simd: S, half: usize) -> Mask<S>;
 }
 
@@ -42,7 +42,7 @@ pub(super) struct OneShape {
     moderate: bool,
 }
 
-/// A shape of its own in each lane.
+/// A separate shape in each lane.
 pub(super) struct ManyShapes {
     places: Vectors,
     others: Vectors,
@@ -55,7 +55,7 @@ pub(super) struct ManyShapes {
 }
 
 impl ShapeParameters {
-    /// Of an image nothing but that it is one.
+    /// Looks up the parameters of a shape.
     #[inline(always)]
     pub(super) fn of(geometry: &Geometry, id: ShapeId) -> Self {
         let ShapeLocation { kind, index } = geometry.locations[id.index()];
@@ -91,6 +91,7 @@ impl OneShape {
 impl Shapes for OneShape {
     #[inline(always)]
     fn moderate<S: Simd>(&self, simd: S, _half: usize) -> Mask<S> {
+        // One bit per lane of half a packet.
         Mask::<S>::from_bitmask(simd, if self.moderate { 0xff } else { 0 })
     }
 

@@ -1,4 +1,4 @@
-//! Spheres, planes and boxes as they are in the world.
+//! Refinement of hits of spheres, planes and axis-aligned boxes in world space.
 
 use fearless_simd::prelude::*;
 
@@ -7,7 +7,7 @@ use super::shapes::Shapes;
 use crate::trace::math::{Compensated, Double, F64s3, moderate, moderate3, quick_two_sum, splat, times};
 use crate::trace::shapes::{RefinedStep, U, stepped, stepped_to_plane, unit};
 
-/// `Sphere::refine`.
+/// Refines hits of spheres: `Sphere::refine`.
 #[inline(always)]
 pub(super) fn spheres<S: Simd>(
     simd: S,
@@ -23,7 +23,7 @@ pub(super) fn spheres<S: Simd>(
     Points { t: t.high, rest: t.low, point, normal, found }
 }
 
-/// `Plane::refine`.
+/// Refines hits of planes: `Plane::refine`.
 #[inline(always)]
 pub(super) fn planes<S: Simd>(
     simd: S,
@@ -38,7 +38,7 @@ pub(super) fn planes<S: Simd>(
     Points { t: t.high, rest: t.low, point, normal: shapes.units(simd, half), found }
 }
 
-/// `AlignedBox::refine`.
+/// Refines hits of boxes: `AlignedBox::refine`.
 #[inline(always)]
 pub(super) fn boxes<S: Simd>(
     simd: S,
@@ -46,11 +46,11 @@ pub(super) fn boxes<S: Simd>(
     shapes: &impl Shapes,
     half: usize,
 ) -> Points<S> {
-    /// Quotients of smaller numbers might lose digits.
+    /// Minimum speed: quotients of smaller numbers can lose digits.
     const TINY: f64 = 1e-140;
     let RefineInput { origin, direction, t } = *inexact;
     let (min, max) = (shapes.places(simd, half), shapes.others(simd, half));
-    // The only face whose plane the ray is on at `t`.
+    // Finds the only face whose plane contains the ray's point at `t`.
     let none = t.simd_lt(t);
     let (mut lower, mut upper) = ([none; 3], [none; 3]);
     let (mut once, mut twice) = (none, none);
@@ -70,7 +70,7 @@ pub(super) fn boxes<S: Simd>(
     let face = is_upper.select(pick(max), pick(min));
     let (from, speed) = (pick(origin), pick(direction));
     let found = once & !twice & speed.abs().simd_gt(splat(simd, TINY));
-    // The difference over the speed, in double-double.
+    // Divides the distance to the face by the speed, in double-double.
     let ahead = Double::difference(face, from);
     let first = ahead.high / speed;
     let found = found & moderate(simd, first);
@@ -78,7 +78,7 @@ pub(super) fn boxes<S: Simd>(
     let left = ahead - Double { high: speed, low: zero } * first;
     let (t, rest) = quick_two_sum(first, left.high / speed);
     let place = Compensated::along(origin, direction, t).moved(times(direction, rest));
-    // The step is along the parameter that the division found.
+    // `place` is computed from this `t` instead of the approximate one.
     let found = found & moderate(simd, t);
     let one = splat(simd, 1.0);
     let sign = is_upper.select(one, -one);
