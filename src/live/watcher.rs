@@ -44,12 +44,12 @@ pub enum Watching {
 #[derive(Debug)]
 pub struct Watcher {
     files: Arc<Mutex<WatchedFiles>>,
-    messages: Sender<Message>,
+    messages: Sender<WatcherMessage>,
     thread: Option<JoinHandle<()>>,
 }
 
 #[derive(Debug)]
-enum Message {
+enum WatcherMessage {
     Told(notify::Result<Event>),
     /// The set of watched files has changed.
     WatchAgain,
@@ -68,7 +68,7 @@ impl Watcher {
             // If the system reports nothing, the files are polled.
             let eyes = match watching {
                 Watching::Events => notify::recommended_watcher(move |event| {
-                    let _ = tell.send(Message::Told(event));
+                    let _ = tell.send(WatcherMessage::Told(event));
                 })
                 .ok(),
                 Watching::Polling => None,
@@ -120,7 +120,7 @@ impl Watcher {
     /// read after a [`look`](Self::look). Writes in the meantime count as changes.
     pub fn follow(&self, files: &[PathBuf], since: SystemTime) {
         lock(&self.files).follow(files, since);
-        let _ = self.messages.send(Message::WatchAgain);
+        let _ = self.messages.send(WatcherMessage::WatchAgain);
     }
 }
 
@@ -130,7 +130,7 @@ fn lock(files: &Mutex<WatchedFiles>) -> MutexGuard<'_, WatchedFiles> {
 
 impl Drop for Watcher {
     fn drop(&mut self) {
-        let _ = self.messages.send(Message::Stop);
+        let _ = self.messages.send(WatcherMessage::Stop);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -139,7 +139,7 @@ impl Drop for Watcher {
 
 /// The state of the watcher's thread.
 struct WatcherThread {
-    inbox: Receiver<Message>,
+    inbox: Receiver<WatcherMessage>,
     eyes: Option<RecommendedWatcher>,
     heartbeat: Duration,
     files: Arc<Mutex<WatchedFiles>>,
@@ -189,17 +189,17 @@ impl WatcherThread {
         }
     }
 
-    fn read(&mut self, message: Message) -> Hint {
+    fn read(&mut self, message: WatcherMessage) -> Hint {
         match message {
-            Message::Told(Ok(event)) => self.weigh(&event),
+            WatcherMessage::Told(Ok(event)) => self.weigh(&event),
             // Some events were lost.
-            Message::Told(Err(_)) => Hint::Look,
-            Message::WatchAgain => {
+            WatcherMessage::Told(Err(_)) => Hint::Look,
+            WatcherMessage::WatchAgain => {
                 self.watch_again();
                 // The files may have been written before they were watched.
                 self.look_after()
             }
-            Message::Stop => Hint::Stop,
+            WatcherMessage::Stop => Hint::Stop,
         }
     }
 

@@ -1,10 +1,11 @@
-//! Tests of the repository: the layers of the sources, the links of the documentation, and the examples of the README.
+//! Tests of the repository: layers and words of the sources, links of the documentation, and examples of the README.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
 mod layering;
 mod links;
 mod readme;
+mod words;
 
 use std::fs;
 use std::path::{Path, PathBuf};

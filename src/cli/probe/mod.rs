@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
         return rays::run(rays, &engine, arguments.json);
     }
     engine.seek_sample(time, arguments.sample.unwrap_or(0))?;
-    let at = pixel::At {
+    let at = pixel::PixelAt {
         file: &file,
         sources: &sources,
         pixel: arguments.pixel.unwrap_or((0, 0)),

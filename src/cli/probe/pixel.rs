@@ -21,7 +21,7 @@ use super::tree::TreeNode;
 const NESTED: usize = 6;
 
 /// The pixel to explain, with its scene and moment.
-pub(super) struct At<'a> {
+pub(super) struct PixelAt<'a> {
     pub(super) file: &'a str,
     pub(super) sources: &'a Sources,
     /// The column and the row.
@@ -35,7 +35,7 @@ pub(super) struct At<'a> {
     pub(super) time: Time,
 }
 
-pub(super) fn run(at: &At<'_>, engine: &Engine, json: bool) -> Result<(), Failure> {
+pub(super) fn run(at: &PixelAt<'_>, engine: &Engine, json: bool) -> Result<(), Failure> {
     let film = engine.film_settings();
     let (column, row) = at.pixel;
     ensure_pixel(at.pixel, (film.width, film.height))?;
@@ -87,7 +87,7 @@ fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
 
 /// The contents of an explanation.
 struct PixelExplanation<'a> {
-    at: &'a At<'a>,
+    at: &'a PixelAt<'a>,
     engine: &'a Engine,
     probe: Probe<'a>,
     lines: EntityLines<'a>,

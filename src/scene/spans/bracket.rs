@@ -11,12 +11,12 @@ pub(in crate::scene) struct Bracket {
     pub(in crate::scene) opening: u8,
     /// The byte offset of its content.
     pub(in crate::scene) start: usize,
-    pub(in crate::scene) members: Vec<Member>,
+    pub(in crate::scene) members: Vec<BracketMember>,
 }
 
 /// A field, a value of a list or a tuple, or an entry of a map.
 #[derive(Clone, Debug)]
-pub(in crate::scene) struct Member {
+pub(in crate::scene) struct BracketMember {
     /// The span of the field's name or of the entry's key.
     pub(in crate::scene) name: Option<Range<usize>>,
     pub(in crate::scene) value: Range<usize>,
@@ -75,7 +75,7 @@ pub(in crate::scene) fn is_one_value(text: &str) -> bool {
 }
 
 impl Scanner<'_, '_> {
-    fn member(&mut self, is_entry: bool) -> Member {
+    fn member(&mut self, is_entry: bool) -> BracketMember {
         let start = self.at;
         let name = if is_entry {
             self.value(&[]);
@@ -91,6 +91,6 @@ impl Scanner<'_, '_> {
         self.skip_space();
         let start = self.at;
         self.value(&[]);
-        Member { name, value: start..self.at }
+        BracketMember { name, value: start..self.at }
     }
 }

@@ -1,4 +1,4 @@
-//! What changes a fingerprint, and what does not.
+//! Tests of the input that a fingerprint depends on.
 
 use glam::DVec3;
 
