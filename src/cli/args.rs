@@ -1,4 +1,4 @@
-//! Command-line arguments as typed. Their doc comments are the text of `--help`.
+//! Definitions of the command-line arguments. Their doc comments are the text of `--help`.
 
 mod measuring;
 
@@ -24,28 +24,28 @@ use super::values::{
 
 pub(super) use measuring::{AccuracyArguments, CompareArguments};
 
-/// Ray-traced animation from plain text scenes: exact, repeatable frame sequences.
+/// Ray-traced animation from plain text scenes: exact, reproducible frame sequences.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "Examples:
-  rayreel new ball.ron                     start from a small commented scene
-  rayreel check ball.ron                   say what is wrong with it, if anything
-  rayreel watch ball.ron                   see it in the browser while editing it
-  rayreel render ball.ron                  render all its frames into out/ball/
-  rayreel render ball.ron --frames 0-47x4  every fourth frame of the first two seconds
-  rayreel verify out/ball                  say whether all its frames are there, whole and up to date
-  rayreel render ball.ron --sheet 6x4      24 of its frames in one picture
-  rayreel explain ball.ron                 tell which effects it calls for, and what they cost
-  rayreel accuracy ball.ron                measure what each setting costs, and what it is worth
-  rayreel compare a.png b.png              tell how far two pictures are from each other
-  rayreel probe ball.ron --pixel 320,180   tell what that pixel sees, and why it has its colour
+  rayreel new ball.ron                     write a small commented scene to start from
+  rayreel check ball.ron                   report the errors in the scene
+  rayreel watch ball.ron                   preview the scene in the browser while editing it
+  rayreel render ball.ron                  render all frames into out/ball/
+  rayreel render ball.ron --frames 0-47x4  render every fourth frame of the first two seconds
+  rayreel verify out/ball                  check that all frames are complete and up to date
+  rayreel render ball.ron --sheet 6x4      render 24 frames into one picture
+  rayreel explain ball.ron                 list the effects of the scene and their costs
+  rayreel accuracy ball.ron                measure the cost and the error of each setting
+  rayreel compare a.png b.png              print the difference of two pictures
+  rayreel probe ball.ron --pixel 320,180   print the ray tree of a pixel, which explains its colour
 
 Exit codes:
-  0    it is done; of `verify`, all frames are whole and up to date; of `check`, no scene has a mistake; of `compare`,
-       the pictures are equal
-  1    something is wrong, and told on standard error; of `compare`, the pictures are different
-  2    the arguments are not understood; of `compare`, the pictures cannot be compared
-  129  SIGHUP, 130 Ctrl-C or SIGINT, 143 SIGTERM: it was ended, and what is written is whole")]
+  0    success; `verify`: all frames are complete and up to date; `check`: no scene has an error; `compare`: the
+       pictures are equal
+  1    error, reported on standard error; `compare`: the pictures are different
+  2    invalid arguments; `compare`: the pictures cannot be compared
+  129  SIGHUP, 130 Ctrl-C or SIGINT, 143 SIGTERM: interrupted; all written files are complete")]
 pub(super) struct Arguments {
     #[command(subcommand)]
     pub(super) command: Command,
@@ -53,27 +53,27 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Render a scene's frames into out/<scene>/<scene>.0000.png and so on
+    /// Render the frames of a scene into out/<scene>/<scene>.0000.png and so on
     Render(RenderArguments),
-    /// Show a scene in the browser, and again after every edit
+    /// Show a live preview of a scene in the browser, updated after every edit
     Watch(WatchArguments),
-    /// Say what is wrong with scenes: file, line, column, cause and remedy
+    /// Report the errors in scenes: file, line, column, cause and remedy
     Check(CheckArguments),
-    /// Tell which effects a scene calls for, why, and what each of them costs
+    /// List the effects of a scene, their reasons and costs
     Explain(ExplainArguments),
-    /// Measure what accuracy costs in time: errors and prices of all settings and effects
+    /// Measure the trade-off between error and time for all settings and effects
     Accuracy(AccuracyArguments),
     /// Compare two pictures: largest difference, RMS error, PSNR, SSIM and FLIP
     Compare(CompareArguments),
-    /// Tell what a pixel sees, or what rays of one's own meet
+    /// Print the ray tree of a pixel, or the hits of given rays
     Probe(ProbeArguments),
-    /// Say whether a folder of frames is whole: what is missing, torn, stale or surplus
+    /// Check a folder of frames: list missing, corrupt (torn), outdated (stale) and leftover (surplus) files
     Verify(VerifyArguments),
-    /// Print job scripts that render a sequence on a farm of machines
+    /// Print job scripts that render a sequence on a render farm
     Farm(FarmArguments),
     /// Write a small commented scene to start from
     New(NewArguments),
-    /// Print completions for a shell
+    /// Print a shell completion script
     Completions(CompletionsArguments),
     /// Print a manual page
     Man(ManArguments),
@@ -95,137 +95,136 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron --format exr --alpha --passes depth,normal,id
   rayreel render scenes/first_light.ron --json > report.json
 
-Frames that are done are kept: those whose files are whole, and were rendered from just what would be
-rendered now. So the same command goes on where it was interrupted, and after an edit renders what
-the edit changes. `rayreel verify` tells what is done.
+Finished frames are kept if their files are intact and their input is unchanged. Repeating the same
+command therefore resumes an interrupted run, and after an edit renders only the frames that changed.
+`rayreel verify` lists missing and outdated frames.
 
-Every frame is a function of the scene and its index: it has the same bytes whether it is rendered
-alone or with the others, with one thread or many. Ctrl-C keeps the frames that are written, drops
-the one being rendered, and exits with 130 (SIGTERM with 143, SIGHUP with 129); of a sheet it leaves
-nothing. What a killed process left half-written in the folder is removed.")]
+Every frame depends only on the scene and its frame number: it has the same bytes whether it is
+rendered alone or in a sequence, on one thread or many. Ctrl-C keeps the frames already written,
+discards the frame being rendered, and exits with 130 (SIGTERM with 143, SIGHUP with 129); an
+interrupted sheet leaves no file. Partial files of killed processes are removed from the folder.")]
 pub(super) struct RenderArguments {
-    /// The scene file; - is standard input, of at most 1 GiB
+    /// The scene file; - reads standard input, at most 1 GiB
     pub(super) scene: PathBuf,
-    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
+    /// Only these frames: numbers, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// Only this moment, in seconds, as in 1.5s; it need not be a frame's
+    /// Render only this instant, in seconds, as in 1.5s; it can lie between frames
     #[arg(long, value_name = "SECONDS", conflicts_with = "frames", allow_hyphen_values = true)]
     pub(super) at: Option<Time>,
-    /// Only one of several parts of the frames, for as many machines: its number, from 0, and how many there are, as in 0/4
+    /// Render one of several disjoint parts of the frames, one per machine: its index, from 0, and their count, as in 0/4
     #[arg(long, value_name = "INDEX/COUNT", conflicts_with_all = ["at", "sheet"])]
     pub(super) shard: Option<Shard>,
-    /// Which frames come first
+    /// Order of rendering
     #[arg(long, value_enum, default_value_t = OrderName::Ascending, conflicts_with_all = ["at", "sheet"])]
     pub(super) order: OrderName,
-    /// Render frames again that are done
+    /// Render frames again that are already done
     #[arg(long)]
     pub(super) overwrite: bool,
-    /// Remove files from the folder that look like frames of this sequence and are none: of a longer timeline, or of another size
+    /// Delete leftover frames of this sequence from the folder, such as those of a longer timeline or of another size
     #[arg(long, conflicts_with_all = ["at", "sheet"])]
     pub(super) clean: bool,
-    /// The folder for the frame files; - is standard output, for programs that read video [default: out/<scene>]
+    /// Folder for the frame files; - streams video to standard output [default: out/<scene>]
     #[arg(long, value_name = "FOLDER")]
     pub(super) out: Option<PathBuf>,
-    /// The names of the frame files without their endings, as shot_#### or shot_%04d: the number's digits are written there; a
-    /// single frame needs no number
+    /// Name pattern of the frame files without extension, as shot_#### or shot_%04d, where #### or %04d stands for the digits of
+    /// the frame number; optional for a single frame
     /// [default: <scene>.####]
     #[arg(long, value_name = "PATTERN", conflicts_with_all = ["at", "sheet"])]
     pub(super) name: Option<FrameNames>,
-    /// Pixels, instead of the scene's own, as in 1280x720
+    /// Frame size in pixels, as in 1280x720 [default: the scene's size]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
-    /// Put frames side by side into one picture, <scene>.sheet.png: as many as fit into so many columns and rows, spread evenly
-    /// from the first to the last, each with its number and its time below. --size is the size of one of them; without it the
-    /// sheet is at most 1920 pixels wide
+    /// Render a contact sheet of this many columns and rows, <scene>.sheet.png: frames evenly spaced from the first to the last,
+    /// each with its number and time below. --size is the size of one frame; without it the sheet is at most 1920 pixels
+    /// wide
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = parse_sheet, conflicts_with = "at", allow_hyphen_values = true)]
     pub(super) sheet: Option<(u32, u32)>,
-    /// Quick pictures to look at, in a folder draft within the other: a third of the film's width and height, unless --size
-    /// says otherwise, one sample a pixel, sharp throughout, a depth of 5 at most, and 4 samples of an area light at most
+    /// Render fast low-quality frames into the subfolder draft: a third of the film's width and height, unless --size is given,
+    /// one sample per pixel, no motion blur or depth of field, a depth of at most 5, and at most 4 samples per area light
     #[arg(long)]
     pub(super) draft: bool,
-    /// Threads to render on [default: one a core]
+    /// Number of render threads [default: one per core]
     #[arg(long, value_name = "COUNT", value_parser = parse_threads, allow_hyphen_values = true)]
     pub(super) threads: Option<u16>,
-    /// How exactly it is found where rays meet shapes
+    /// Precision of ray-shape intersections
     #[arg(long, value_enum, default_value_t = PrecisionName::Guaranteed)]
     pub(super) precision: PrecisionName,
-    /// Leave out rays that are too faint to be seen: those that certainly change a pixel, all together, by less than so many of
-    /// the 255 steps of a colour. 0 follows them all [default: the scene's own]
+    /// Skip faint rays: those whose total contribution to a pixel is certainly less than this many 8-bit levels; 0 traces all
+    /// rays [default: the scene's value]
     #[arg(long, value_name = "STEPS", value_parser = parse_cutoff, allow_hyphen_values = true)]
     pub(super) cutoff: Option<f32>,
-    /// Add samples where they are needed until the estimated error of each frame is at most this many 8-bit levels, RMS or --norm; a frame depends
-    /// on no other frame. --samples is the most that a pixel gets [default of that: 65536]
+    /// Add samples per pixel until the estimated error of each frame is at most this many 8-bit levels, RMS or as set by --norm.
+    /// Frames are independent of each other. --samples is the maximum per pixel [default maximum: 65536]
     #[arg(long, value_name = "STEPS", value_parser = parse_max_error, allow_hyphen_values = true, conflicts_with_all = ["deadline", "settings", "draft"])]
     pub(super) max_error: Option<f32>,
-    /// Give frames as many samples as there is time for, so that all are rendered within it, as 90s, 10m or 1.5h
+    /// Choose the number of samples so that all frames are rendered within this time, as in 90s, 10m or 1.5h
     #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_hyphen_values = true, conflicts_with_all = ["settings", "draft", "samples"])]
     pub(super) deadline: Option<Duration>,
-    /// Give frames the samples in this file, which --max-error and --deadline write beside the frames: the same bytes again
+    /// Reproduce the same bytes from the settings file that --max-error and --deadline write next to the frames
     #[arg(long, value_name = "FILE", conflicts_with_all = ["draft", "samples"])]
     pub(super) settings: Option<PathBuf>,
-    /// Compute with every effect, also with those that the scene does not call for: slower, and the same bytes
+    /// Compute all effects, even those that the scene does not need: slower, with the same bytes
     #[arg(long)]
     pub(super) full: bool,
-    /// The files' format, or that of standard output [default: png, and y4m there]
+    /// Format of the files or of standard output [default: png for files, y4m for standard output]
     #[arg(long, value_enum)]
     pub(super) format: Option<Format>,
-    /// Add passes to OpenEXR files: depth, distance, normal, id, albedo, position, with commas between them [default of the
-    /// format then: exr]
+    /// Add passes to OpenEXR files: depth, distance, normal, id, albedo, position, separated by commas [default format with
+    /// passes: exr]
     ///
-    /// Passes describe the surface that the ray through the middle of each pixel hits first; they are never blurred. depth:
-    /// distance from the eye along the camera's view axis, in scene units (channel Z). distance: distance from the eye along
-    /// the ray. normal: unit normal in world space, on the visible side. id: index of the shape among the shapes drawn in the
-    /// frame, in document order, from 1. albedo: k_d times the surface colour, linear. position: point in world space. The
-    /// background has infinite depth and distance, and 0 in all other passes.
+    /// Passes describe the first hit of the ray through the centre of each pixel; they are never blurred. depth: distance from
+    /// the camera along its view axis, in scene units (channel Z). distance: distance from the camera along the ray. normal:
+    /// unit normal in world space, on the visible side. id: index of the shape among the shapes drawn in the frame, in document
+    /// order, from 1. albedo: k_d times the surface colour, linear. position: point in world space. The background has infinite
+    /// depth and distance, and 0 in all other passes.
     #[arg(long, value_name = "PASSES")]
     pub(super) passes: Option<Passes>,
-    /// Leave the background out, and tell which share of each pixel the scene covers, to put frames over other pictures: png, png16
-    /// or exr
+    /// Add an alpha channel holding pixel coverage and omit the background, for compositing; formats png, png16 and exr
     #[arg(long)]
     pub(super) alpha: bool,
-    /// Make a movie of the frames, too, once all are there: .mp4, .mov, .mkv or .webm by ffmpeg, or .gif or .apng
+    /// Also encode a movie when all frames are complete: .mp4, .mov, .mkv or .webm with ffmpeg, .gif or .apng without
     #[arg(long, value_name = "FILE", value_parser = parse_movie, conflicts_with_all = ["at", "sheet", "shard"])]
     pub(super) movie: Option<PathBuf>,
-    /// How it is told which frames are done
+    /// Format of progress reports
     #[arg(long, value_enum, default_value_t = ProgressName::Auto)]
     pub(super) progress: ProgressName,
-    /// Tell nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long)]
     pub(super) quiet: bool,
-    /// Tell of every frame what it took, that it is kept, or why its file is not
+    /// Print the cost of each rendered frame, whether a frame is kept, and why an existing file is not
     #[arg(short, long, conflicts_with_all = ["progress", "quiet"])]
     pub(super) verbose: bool,
-    /// Print a report as one JSON object at the end: for every frame the seconds of each phase, the rays of each kind, the effects
-    /// that were needed and how often plain arithmetic was not exact enough; and the most memory that was used
+    /// Print a report as one JSON object at the end: the seconds of each phase, the rays of each kind, the effects needed and the
+    /// number of escalations to more exact arithmetic for every frame, and the peak memory usage
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]
     pub(super) overrides: OverrideArguments,
 }
 
-/// Values in the place of the scene's own, for one run.
+/// Overrides of scene values for one run.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Instead of the scene's own")]
+#[command(next_help_heading = "Scene overrides")]
 pub(super) struct OverrideArguments {
-    /// A value in the place of another, both as in the file: camera.fov=40, entities.ball.shape.radius=2, film.transfer=Classic or
-    /// 'materials.clay.color=(255, 0, 0)'. Lists are counted from 0, as in camera.position.1=3; what the file leaves out is added
+    /// Override a scene value, in the syntax of the scene file: camera.fov=40, entities.ball.shape.radius=2, film.transfer=Classic
+    /// or 'materials.clay.color=(255, 0, 0)'. List indices start at 0, as in camera.position.1=3; missing fields are added
     /// [can be repeated]
     #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
     values: Vec<Override>,
-    /// Samples per pixel: --set sampling.samples=COUNT
+    /// Samples per pixel; same as --set sampling.samples=COUNT
     #[arg(long, value_name = "COUNT", value_parser = parse_samples, allow_hyphen_values = true)]
     samples: Option<Override>,
-    /// The fewest samples of a pixel with an error target: --set sampling.min_samples=COUNT
+    /// Minimum number of samples per pixel with an error target; same as --set sampling.min_samples=COUNT
     #[arg(long, value_name = "COUNT", value_parser = parse_min_samples, allow_hyphen_values = true)]
     min_samples: Option<Override>,
-    /// The norm of an error target: rms, max or p99, the 99th percentile: --set sampling.norm=Rms
+    /// Norm of an error target: rms, max or p99 (99th percentile); same as --set sampling.norm=Rms
     #[arg(long, value_name = "NORM", value_parser = parse_norm)]
     norm: Option<Override>,
-    /// Generations of rays: --set quality.depth=COUNT
+    /// Maximum ray depth, 1 for camera rays only; same as --set quality.depth=COUNT
     #[arg(long, value_name = "COUNT", value_parser = parse_depth, allow_hyphen_values = true)]
     depth: Option<Override>,
-    /// Leave an effect out, though the scene calls for it, as in --without shadows [can be repeated]
+    /// Disable an effect that the scene uses, as in --without shadows [can be repeated]
     #[arg(long, value_name = "EFFECT", value_parser = parse_effect)]
     pub(super) without: Vec<Effect>,
 }
@@ -250,11 +249,11 @@ impl OverrideArguments {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum PrecisionName {
-    /// Every verdict and every digit right
+    /// Every decision and every digit is correct
     Guaranteed,
-    /// The schoolbook's formulas in double precision, to compare with
+    /// Naive textbook formulas in double precision, for comparison
     TextbookF64,
-    /// The same in single precision
+    /// Naive textbook formulas in single precision
     TextbookF32,
 }
 
@@ -270,21 +269,21 @@ impl From<PrecisionName> for Precision {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum ProgressName {
-    /// A bar on a terminal; elsewhere a line for every frame, and one every ten seconds while a frame takes long
+    /// Progress bar on a terminal; otherwise one line per frame, and one every ten seconds during long frames
     Auto,
-    /// A JSON object in a line of standard error for every frame, its event `kept` or `rendered`: its number, file, seconds, rays and
-    /// error, and how many are done of how many; and while a frame takes long one a second, `rendering`, with the share that is done.
-    /// Warnings, and without --quiet the lines at the end, are objects with a message: `warning` and `note`
+    /// One JSON object per line on standard error: for every frame an event `kept` or `rendered` with its number, file, seconds, rays
+    /// and error, the number of finished frames and the total; during long frames an event `rendering` once a second with the
+    /// finished fraction. Warnings, and without --quiet the final lines, are events `warning` and `note` with a message
     Json,
-    /// Not at all
+    /// No progress reports
     None,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum OrderName {
-    /// One after the other
+    /// Ascending by frame number
     Ascending,
-    /// Every eighth, then those in the middle between them, and so on
+    /// Every eighth frame first, then the frames midway between them, and so on
     Coarse,
 }
 
@@ -299,19 +298,19 @@ impl From<OrderName> for RenderOrder {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
-    /// Lossless, compressed, 8 bits a channel
+    /// PNG: 8 bits per channel, lossless compression
     Png,
-    /// The same with 16 bits a channel, for grading
+    /// PNG with 16 bits per channel, for grading
     Png16,
-    /// Portable pixmap, uncompressed, 8 bits a channel
+    /// Portable pixmap: 8 bits per channel, uncompressed
     Ppm,
-    /// Portable float map: linear light in 32 bits a channel, uncompressed
+    /// Portable float map: linear light, 32 bits per channel, uncompressed
     Pfm,
-    /// OpenEXR: linear light in 32 bits a channel, and what --passes asks for, compressed without loss
+    /// OpenEXR: linear light, 32 bits per channel, with the channels of --passes, lossless compression
     Exr,
-    /// On standard output: YUV4MPEG2, uncompressed video that says its size and rate; its colours are those of BT.709, 4:4:4
+    /// Standard output only: YUV4MPEG2, uncompressed video with a header of size and frame rate, BT.709, 4:4:4
     Y4m,
-    /// On standard output: red, green and blue of pixel after pixel, and nothing else
+    /// Standard output only: red, green and blue of each pixel in turn, without headers
     Raw,
 }
 
@@ -322,26 +321,26 @@ pub(super) enum Format {
   rayreel watch scenes/first_light.ron --out now.png
   rayreel watch scenes/first_light.ron --port 4000 --allow-host localhost:9000
 
-Prints the address of a page for this machine's browser: the picture, the timeline, what is wrong
-with the files, and what each pixel sees. Every save of the scene, of what it includes and of its
-scripts is seen at once; while something is wrong with them, the last good scene stays.
-Ctrl-C ends it, with 130.")]
+Prints the address of a page for a browser on this machine, which shows the picture, the timeline,
+errors in the files, and the ray data of a clicked pixel. The preview is updated after each save of
+the scene, its included files or its scripts; while the files contain errors, the last valid scene
+stays. Ctrl-C stops the preview with exit code 130.")]
 pub(super) struct WatchArguments {
     /// The scene file
     pub(super) scene: PathBuf,
-    /// The page's port on 127.0.0.1; 0 is one that is free [default: 0]
+    /// Port of the page on 127.0.0.1; 0 selects a free port [default: 0]
     #[arg(long, value_name = "NUMBER")]
     pub(super) port: Option<u16>,
-    /// Answer under this name too, as localhost:9000 with `ssh -L 9000:127.0.0.1:4000`; without a port, at any [can be repeated]
+    /// Additional host name to accept, as localhost:9000 for `ssh -L 9000:127.0.0.1:4000`; without a port, any port [can be repeated]
     #[arg(long, value_name = "NAME[:PORT]")]
     pub(super) allow_host: Vec<HostName>,
-    /// The first frame to show [default: 0]
+    /// Frame to show first [default: 0]
     #[arg(long, value_name = "INDEX", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) frame: Option<u32>,
     /// Write the current frame to this file, .png, .ppm, .pfm or .exr, after every edit
     #[arg(long, value_name = "FILE")]
     pub(super) out: Option<PathBuf>,
-    /// Look at the files ten times a second, where the system does not tell of changes: in network folders
+    /// Poll the files ten times a second, for network folders and other places without change notifications
     #[arg(long)]
     pub(super) poll: bool,
     #[command(flatten)]
@@ -352,12 +351,12 @@ pub(super) struct WatchArguments {
 #[command(after_help = "Example:
   rayreel check scenes/*.ron
 
-Scripts are run for the first, the middle and the last frame. Exits with 1 if any scene has a mistake.")]
+Scripts are run for the first, the middle and the last frame. Exits with 1 if any scene has an error.")]
 pub(super) struct CheckArguments {
     /// The scene files
     #[arg(required = true)]
     pub(super) scenes: Vec<PathBuf>,
-    /// Print a JSON list of mistakes, with line, column, cause and remedy
+    /// Print the errors as a JSON list, with line, column, cause and remedy
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]
@@ -371,33 +370,33 @@ pub(super) struct CheckArguments {
   rayreel explain scenes/first_light.ron --json
   rayreel explain scenes/fly_around.ron --path path.svg
 
-What a frame does not call for is left out, and left out for a reason: no material has the effect,
-its coefficient is 0 at this time, the light is off, nothing moves while the shutter is open, or
-nothing that shows it can be seen. The picture is the same, bit for bit, as with everything in it
+Effects that a frame does not need are disabled, and the reason is given: no material has the effect,
+its coefficient is 0 at this time, the light is off, nothing moves while the shutter is open, or no
+shape with the effect is visible. The picture is the same, bit for bit, as with all effects
 (render --full).
 
-Of more than 10000 frames so many are looked at, spread evenly. Rays and seconds are those of up to
-three of them, spread over the timeline. What an effect costs is what is saved by rendering without
-it; with --measure, in five rounds that take turns, with half of the distance between the extremes.
-What it is worth (--measure) is how far the picture is then off, in steps of 8 bits: at most, and as
-the root of the mean square.")]
+At most 10000 frames, evenly spaced, are examined. Rays and seconds are measured in up to three of
+them, spread over the timeline. The cost of an effect is the saving from rendering without it; with
+--measure, it is measured in five interleaved rounds, and printed with half the range between the
+extremes. --measure also prints the error of the picture without the effect, maximum and RMS, in
+8-bit levels.")]
 pub(super) struct ExplainArguments {
     /// The scene file
     pub(super) scene: PathBuf,
-    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
+    /// Only these frames: numbers, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// Pixels, instead of the scene's own, as in 1280x720
+    /// Frame size in pixels, as in 1280x720 [default: the scene's size]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
-    /// Threads to render on [default: one a core]
+    /// Number of render threads [default: one per core]
     #[arg(long, value_name = "COUNT", value_parser = parse_threads, allow_hyphen_values = true)]
     pub(super) threads: Option<u16>,
-    /// Tell too what the picture loses without each effect
+    /// Also print the error of the picture without each effect
     #[arg(long)]
     pub(super) measure: bool,
-    /// Draw the camera's path into this SVG file instead: from above, from the side, and its speed over time; of very many
-    /// frames 4000, spread evenly
+    /// Draw the camera's path into this SVG file instead: from above, from the side, and its speed over time; at most 4000
+    /// frames, evenly spaced
     #[arg(long, value_name = "FILE", conflicts_with_all = ["size", "threads", "measure", "json"])]
     pub(super) path: Option<PathBuf>,
     /// Print one JSON object
@@ -415,39 +414,40 @@ pub(super) struct ExplainArguments {
   rayreel probe scenes/first_light.ron --rays rays.csv > hits.csv
   echo 0,1,-8,0,0,1 | rayreel probe scenes/first_light.ron --at 1.5s --rays -
 
-A pixel is answered with the tree of its rays. What a ray finds gives light, the sum of what stands
-below it; times the ray's throughput it goes to the pixel, whose colour is the sum over all rays.
-Where pixels have several samples, this is one of them, and the pixel is the mean of all.
+--pixel prints the tree of a pixel's rays. The light of each hit is the sum of the contributions
+listed below it; multiplied by the ray's throughput, it is added to the pixel, whose colour is the
+sum over all rays. If pixels have several samples, one sample is printed, and the pixel is the mean
+of all samples.
 
-A ray is a line ox,oy,oz,dx,dy,dz, its origin and its direction, which may have any length but zero;
-a first line with just these names is skipped. It is answered with a line
-hit,entity,t,px,py,pz,nx,ny,nz: 1 and the first surface it meets, or 0 and nothing. The entity is
-its name or, where it has none, # and its place in the scene's list from 0; the point is
-origin + t direction, and t is left out where it is beyond 1.8e308, the largest number there is;
-the normal is on the side that the ray came from. Both are the renderer's own
-answers, and every number reads back to the same bits.")]
+--rays reads one ray per line, ox,oy,oz,dx,dy,dz: its origin and its direction, which may have any
+length except zero; a header line with these names is skipped. For each ray, a line
+hit,entity,t,px,py,pz,nx,ny,nz is printed: 1 and the first hit, or 0 and empty fields. The entity is
+its name or, if it has none, # and its index in the scene's list, from 0. The point is
+origin + t direction; t is omitted if it exceeds 1.8e308, the largest finite number. The normal is on
+the side of the ray's origin. Both outputs are the renderer's own results, and every number reads
+back to the same bits.")]
 pub(super) struct ProbeArguments {
     /// The scene file
     pub(super) scene: PathBuf,
-    /// Tell everything about this pixel: column and row from 0 at the top left
+    /// Print the ray tree of this pixel: column and row, from 0 at the top left
     #[arg(long, value_name = "COLUMN,ROW", value_parser = parse_pixel, allow_hyphen_values = true)]
     pub(super) pixel: Option<(u32, u32)>,
-    /// Tell this sample of the pixel, from 0 [default: 0]
+    /// Index of the sample to print, from 0 [default: 0]
     #[arg(long, value_name = "INDEX", conflicts_with = "rays", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) sample: Option<u32>,
-    /// Tell what the rays in this CSV file meet; - is standard input
+    /// Print the hits of the rays in this CSV file; - reads standard input
     #[arg(long, value_name = "FILE")]
     pub(super) rays: Option<PathBuf>,
-    /// The frame to look at [default: 0]
+    /// Frame to probe [default: 0]
     #[arg(long, value_name = "INDEX", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) frame: Option<u32>,
-    /// The moment to look at, in seconds, as in 1.5s; it need not be a frame's
+    /// Instant to probe, in seconds, as in 1.5s; it can lie between frames
     #[arg(long, value_name = "SECONDS", conflicts_with = "frame", allow_hyphen_values = true)]
     pub(super) at: Option<Time>,
-    /// Pixels, instead of the scene's own, as in 1280x720
+    /// Frame size in pixels, as in 1280x720 [default: the scene's size]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "rays", allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
-    /// Print JSON: one object for a pixel, one object a line for rays
+    /// Print JSON: one object for a pixel, one object per line for rays
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]
@@ -459,17 +459,18 @@ pub(super) struct ProbeArguments {
   rayreel verify out/first_light
   rayreel verify out/first_light --frames 0-47 --json
 
-Reads every frame to its last byte and holds it against the scene: `missing`, `torn` (not whole, or
-with other pixels than were written), `stale` (not what would be rendered now) and `unknown` (not
-known from what it was rendered), each with frames as `render --frames` takes them; and `surplus`,
-files that look like frames and are none. Exits with 0 if all are whole and up to date, else with 1.")]
+Reads every frame file completely and compares it with the scene. Lists frames, in the syntax of
+`render --frames`, that are `missing`, `torn` (incomplete, or with altered pixels), `stale`
+(outdated: rendering them now would use different input) or `unknown` (without a record of their
+input), and `surplus` files (leftovers that look like frames of the sequence). Exits with 0 if all
+frames are complete and up to date, otherwise with 1.")]
 pub(super) struct VerifyArguments {
-    /// The folder, as `render` has written it
+    /// A folder written by `render`
     pub(super) folder: PathBuf,
-    /// Only these frames: single ones, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
+    /// Only these frames: numbers, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// The scene file, if it is not where it was, or if there are frames of several scenes
+    /// The scene file, if it has moved, or if the folder has frames of several scenes
     #[arg(long, value_name = "FILE")]
     pub(super) scene: Option<PathBuf>,
     /// Print one JSON object
@@ -484,38 +485,38 @@ pub(super) struct VerifyArguments {
   rayreel farm openjd scenes/first_light.ron --shards 8 > job.json
   rayreel farm kubernetes scenes/first_light.ron --shards 8 --image ours/rayreel --claim frames
 
-The scene and the options are checked first. All machines must see the scene, and the folder of the
-frames, under the same names. Every script ends with a job that verifies the frames. In a pipe to sh,
-an error of farm leaves an empty script, and sh exits with 0, except after `set -o pipefail`.")]
+The scene and the options are checked first. The scene and the folder of the frames must have the
+same paths on all machines. Every script ends with a job that verifies the frames. If `farm` fails in
+a pipe to sh, the script is empty and sh exits with 0, unless `set -o pipefail` is in effect.")]
 pub(super) struct FarmArguments {
-    /// Who distributes the work
+    /// Scheduler
     pub(super) scheduler: SchedulerName,
     /// The scene file
     pub(super) scene: PathBuf,
-    /// How many jobs render a part of the frames each
+    /// Number of jobs, each of which renders one part of the frames
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(super) shards: u32,
-    /// The folder for the frame files [default: out/<scene>]
+    /// Folder for the frame files [default: out/<scene>]
     #[arg(long, value_name = "FOLDER")]
     pub(super) out: Option<PathBuf>,
-    /// The container image with rayreel in it, for Kubernetes
+    /// Container image that contains rayreel, for Kubernetes
     #[arg(long, value_name = "IMAGE", value_parser = NonEmptyStringValueParser::new())]
     pub(super) image: Option<String>,
-    /// The persistent volume claim with the scene in it, in whose folder jobs run, for Kubernetes
+    /// Persistent volume claim that contains the scene and is the working directory of the jobs, for Kubernetes
     #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     pub(super) claim: Option<String>,
-    /// Further options of `render`, behind `--`
+    /// Further options for `render`, after `--`
     #[arg(last = true, value_name = "OPTIONS")]
     pub(super) options: Vec<String>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum SchedulerName {
-    /// A script that submits a job array, and a job that verifies it
+    /// Shell script that submits a job array and a verification job
     Slurm,
-    /// A template of Open Job Description, 2023-09
+    /// Open Job Description template, 2023-09
     Openjd,
-    /// An indexed job, and one that verifies it
+    /// Indexed job and a verification job
     Kubernetes,
 }
 
@@ -532,7 +533,7 @@ pub(super) struct NewArguments {
   rayreel man > rayreel.1
   rayreel man render | man -l -")]
 pub(super) struct ManArguments {
-    /// The command that the page is of; without it, of all
+    /// Command to document [default: all commands]
     pub(super) command: Option<String>,
 }
 
