@@ -161,7 +161,10 @@ impl Worker {
     /// changing, since they may be empty or truncated while they are being written.
     fn read(&mut self) -> Result<(LoadedScene, f64), LoadFailure> {
         let first = Instant::now();
+        let mut files = vec![self.settings.scene.clone()];
         loop {
+            // A file that can be opened after the read may not have been readable during the read.
+            let was_unreadable = is_unreadable(&files);
             let (since, start) = (SystemTime::now(), Instant::now());
             let error = match PreviewScene::read(&mut self.reader, &self.settings.scene) {
                 Ok(read) => {
@@ -170,8 +173,9 @@ impl Worker {
                 }
                 Err(error) => error,
             };
-            let is_transient = is_unreadable(error.files());
-            self.watcher.follow(error.files(), since);
+            files = error.files().to_vec();
+            let is_transient = was_unreadable || is_unreadable(&files);
+            self.watcher.follow(&files, since);
             let at_rest = self.watcher.stay(SETTLE_TIME);
             let is_over = first.elapsed() >= SETTLE_TIMEOUT;
             if is_over || at_rest && !is_transient && !self.handle.commands.take_reload() {
