@@ -53,7 +53,6 @@
 //! - *Moment*: a point in time on the timeline; each frame has one.
 //! - *Instant*: one of the moments at which samples are taken while the shutter of a frame is open.
 //! - *Plan*: the effects that a frame needs, with reasons.
-//! - *Clear*: transparent.
 //!
 //! Space is left-handed from the viewer's position: x right, y up, z forward. Colours are linear; 1 corresponds to 255 in scene files. Time
 //! is exact.
@@ -70,15 +69,15 @@
 //! | `animation` | values over time, pure | color, time | glam |
 //! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int, blake3 |
-//! | `components` | what things are: plain data | color, time, animation | glam, hecs |
+//! | `components` | plain data of entities | color, time, animation | glam, hecs |
 //! | `scene` | RON to world, diagnostics | components, animation, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
-//! | `systems` | what happens each frame; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
+//! | `systems` | the work of each frame; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
-//! | `accuracy` | what accuracy costs in time: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
+//! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
 //! | `output` | frame files, sequences, sheets | trace, color, time | png, exr, gif, blake3, rayon |
-//! | `sequence` | sequences in folders: what is done, what is to be rendered, what is whole | engine, trace, output, time | rayon |
-//! | `live` | watching and reloading scenes, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
-//! | `main`, `cli` | arguments to settings to calls, and all printing; binary only | rayreel | glam, clap, clap_complete, clap_mangen, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json, tempfile |
+//! | `sequence` | sequences in folders: existing, missing and corrupt frames | engine, trace, output, time | rayon |
+//! | `live` | file watching, reloading, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
+//! | `main`, `cli` | arguments, calls, and all printing; binary only | rayreel | glam, clap, clap_complete, clap_mangen, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json, tempfile |
 
 pub mod accuracy;
 pub mod animation;
