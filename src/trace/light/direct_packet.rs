@@ -55,8 +55,8 @@ pub(crate) fn sample_light_lanes<S: Simd>(
     for lane in lanes(unusual) {
         let Some(id) = lit.hits.ids.get(lane) else { continue };
         let point = lit_point(lit, lane, scene.material(id), asker(lane));
-        if let Some(proposal) = sample_light(effects, (index, light), &point, sample) {
-            light_samples.set(lane, &proposal);
+        if let Some(light_sample) = sample_light(effects, (index, light), &point, sample) {
+            light_samples.set(lane, &light_sample);
         }
     }
     light_samples.leave(lit.surfaces);

@@ -97,11 +97,11 @@ impl LightSamplePacket {
     }
 
     /// Puts a light sample into an empty lane.
-    pub(super) fn set(&mut self, lane: usize, proposal: &LightSample) {
+    pub(super) fn set(&mut self, lane: usize, light_sample: &LightSample) {
         let bit = 1 << lane;
         self.lanes |= bit;
-        self.colors.set(lane, proposal.color);
-        if let Some(WayToLight { direction, limit, from_behind }) = proposal.shadow {
+        self.colors.set(lane, light_sample.color);
+        if let Some(WayToLight { direction, limit, from_behind }) = light_sample.shadow {
             self.asking |= bit;
             self.rays.directions.set(lane, direction);
             self.limits.set(lane, limit.t());

@@ -58,7 +58,7 @@ pub(crate) struct Candidates {
     /// Parts for which one shape occludes the light completely, as a bit mask.
     hidden: u32,
     /// Possible occluders outside the tree, for all parts.
-    beside: Vec<ShapeId>,
+    unbounded: Vec<ShapeId>,
 }
 
 /// The shadow rays from the points of a packet to a point light.
@@ -127,7 +127,7 @@ impl Candidates {
     fn clear(&mut self) {
         self.parts.iter_mut().for_each(Vec::clear);
         (self.crowded, self.hidden) = (0, 0);
-        self.beside.clear();
+        self.unbounded.clear();
     }
 
     /// Returns whether all parts had too many candidates.
@@ -147,14 +147,14 @@ impl Candidates {
     pub(crate) fn is_clear(&self, packet: usize) -> bool {
         let open = |part: usize| self.hidden & (1 << part) == 0;
         let clear = |part: usize| self.crowded & (1 << part) == 0 && self.parts[part].is_empty();
-        self.beside.is_empty()
+        self.unbounded.is_empty()
             && [packet * 2, packet * 2 + 1].into_iter().all(|part| !open(part) || clear(part))
     }
 
     /// Returns the possible occluders outside the tree, in document order.
     #[inline]
-    pub(crate) fn beside(&self) -> &[ShapeId] {
-        &self.beside
+    pub(crate) fn unbounded(&self) -> &[ShapeId] {
+        &self.unbounded
     }
 
     /// Returns the possible occluders in the tree for the rays of half a packet; `None` if the tree has to be traversed.
@@ -225,10 +225,10 @@ fn find_beside<'a, S: Simd>(
     packets: &(impl Iterator<Item = LitPoints<'a>> + Clone),
     candidates: &mut Candidates,
 ) {
-    for id in &scene.beside {
+    for id in &scene.unbounded {
         if !matches!(scene.geometry.shape(*id), ShapeRef::Plane(plane) if !may_part(simd, (*id, plane), light, packets))
         {
-            candidates.beside.push(*id);
+            candidates.unbounded.push(*id);
         }
     }
 }
@@ -431,7 +431,7 @@ mod tests {
             assert_eq!(hidden(wide, true, None), 0, "clear: {wide:?}");
             assert_eq!(hidden(wide, false, Some(ShapeId(0))), 0, "its own: {wide:?}");
         }
-        for beside in [
+        for unbounded in [
             sphere(24.0, 3.0),
             slab(24.0, 2.0),
             sphere(-4.0, 3.0),
@@ -439,7 +439,7 @@ mod tests {
             sphere(1.0, 3.0),
             slab(0.0, 2.0),
         ] {
-            assert_eq!(hidden(beside, false, None), 0, "{beside:?}");
+            assert_eq!(hidden(unbounded, false, None), 0, "{unbounded:?}");
         }
         for narrow in [sphere(4.0, 0.5), slab(4.0, 0.5)] {
             assert!((8..200).contains(&hidden(narrow, false, None)), "{narrow:?}");

@@ -49,11 +49,11 @@ impl ClosestHitSearch<'_> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, active: u32, stack: &mut PacketStack, cancelled: &AtomicBool) {
         let scene = self.scene;
-        for id in &scene.beside {
+        for id in &scene.unbounded {
             if cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            self.meet(simd, ShapeQuery::beside(scene, *id), active);
+            self.meet(simd, ShapeQuery::by_id(scene, *id), active);
         }
         let mut packet = scene.tree.packet(simd, self.asking.rays, active & !self.hits.open, None);
         packet.limit(simd, &self.hits.ts, &self.hits.errors);
@@ -104,11 +104,11 @@ fn consider<S: Simd>(
     (half, id): (usize, ShapeId),
     answer: &PacketHit<S>,
 ) -> bool {
-    let PacketHit { verdicts, far } = answer;
-    let (t, error) = (verdicts.t, verdicts.error);
+    let PacketHit { intersection, far } = answer;
+    let (t, error) = (intersection.t, intersection.error);
     let (best, best_error) = (hits.ts.load(simd, half), hits.errors.load(simd, half));
     let is_near = t.simd_lt(splat(simd, FAR));
-    let (hit, open) = (verdicts.hit & is_near, verdicts.open | verdicts.hit & !is_near);
+    let (hit, open) = (intersection.hit & is_near, intersection.open | intersection.hit & !is_near);
     let not_farther = bits(hit & (t - error).simd_le(best + best_error), half);
     let nearer = bits(hit & (t + error).simd_lt(best - best_error), half);
     hits.open |= not_farther & !nearer | bits(open, half);

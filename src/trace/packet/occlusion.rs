@@ -50,7 +50,7 @@ pub(crate) struct ShadowPacket<'a> {
     /// The shapes that count as occluders.
     pub(crate) occluders: Occluders,
     /// Possible occluders outside the tree.
-    pub(crate) beside: &'a [ShapeId],
+    pub(crate) unbounded: &'a [ShapeId],
     /// By half packet: possible occluders in the tree; `None` if the tree has to be traversed.
     pub(crate) candidates: [Option<&'a [LeafId]>; 2],
 }
@@ -103,13 +103,13 @@ impl OcclusionSearch<'_> {
         if let Some(id) = *self.last_occluder
             && self.undecided() & unlisted != 0
         {
-            self.meet(simd, ShapeQuery::beside(self.scene, id), self.undecided() & unlisted);
+            self.meet(simd, ShapeQuery::by_id(self.scene, id), self.undecided() & unlisted);
         }
-        for id in self.shadow.beside {
+        for id in self.shadow.unbounded {
             if self.undecided() == 0 || cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            self.meet(simd, ShapeQuery::beside(self.scene, *id), self.undecided());
+            self.meet(simd, ShapeQuery::by_id(self.scene, *id), self.undecided());
         }
         for (half, candidates) in self.shadow.candidates.iter().enumerate() {
             let Some(candidates) = candidates else { continue };
@@ -183,12 +183,12 @@ impl OcclusionSearch<'_> {
             // Closer to the light, hits are compared with its exact position, by scalar code.
             let (nearer, farther) = (limit * (1.0 - NEAR), limit * (1.0 + NEAR));
             let Some(answer) = self.asking.ask(simd, shape, (half, lanes)) else { continue };
-            let verdicts = answer.verdicts;
-            let (t, error) = (verdicts.t, verdicts.error);
+            let intersection = answer.intersection;
+            let (t, error) = (intersection.t, intersection.error);
             let is_near = t.simd_lt(splat(simd, FAR));
-            let beyond = verdicts.hit & (t - error).simd_gt(farther);
-            let open = bits(verdicts.open | verdicts.hit & !is_near & !beyond, half);
-            let hit = verdicts.hit & is_near;
+            let beyond = intersection.hit & (t - error).simd_gt(farther);
+            let open = bits(intersection.open | intersection.hit & !is_near & !beyond, half);
+            let hit = intersection.hit & is_near;
             let before = bits(hit & (t + error).simd_lt(nearer), half);
             let (hit, beyond) = (bits(hit, half), bits(beyond, half));
             if role == OccluderKind::Coincident {

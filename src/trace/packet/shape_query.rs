@@ -26,14 +26,14 @@ pub(super) struct ShapeQuery<'a> {
 /// The intersection of half a packet with a shape. `far` is a bit mask of the lanes that hit the far side of a shape which their rays leave
 /// inwards.
 pub(super) struct PacketHit<S: Simd> {
-    pub(super) verdicts: PacketIntersection<S>,
+    pub(super) intersection: PacketIntersection<S>,
     pub(super) far: u32,
 }
 
 impl<'a> ShapeQuery<'a> {
     /// Looks up a shape by its id.
     #[inline(always)]
-    pub(super) fn beside(scene: &'a PreparedScene, id: ShapeId) -> Self {
+    pub(super) fn by_id(scene: &'a PreparedScene, id: ShapeId) -> Self {
         Self { id, shape: scene.geometry.shape(id) }
     }
 
@@ -59,14 +59,14 @@ impl PacketIntersector<'_> {
         // Rays do not hit the shape that they leave, except for its far side if they leave it inwards.
         let leaving = if departing == 0 { 0 } else { self.rays.left.lanes_of(simd, shape.id) & departing };
         let near = asked & !leaving;
-        let mut verdicts = None;
+        let mut intersection = None;
         if half_of(near, half) != 0
             && let Some(mut found) = self.near(simd, shape.shape, half)
         {
             let near = mask(simd, near, half);
             found.hit &= near;
             found.open &= near;
-            verdicts = Some(found);
+            intersection = Some(found);
         }
         let inward = leaving & !self.rays.outward;
         let exit = if half_of(inward, half) == 0 {
@@ -75,12 +75,12 @@ impl PacketIntersector<'_> {
             exit(simd, &HalfRays::load(simd, self.rays, half), shape.shape)
         };
         let Some(exit) = exit else {
-            let verdicts = verdicts?;
-            return Some(PacketHit { verdicts, far: 0 });
+            let intersection = intersection?;
+            return Some(PacketHit { intersection, far: 0 });
         };
         let lanes = mask(simd, inward, half);
         let (hit, open) = (exit.hit & lanes, exit.open & lanes);
-        let verdicts = match verdicts {
+        let intersection = match intersection {
             None => PacketIntersection { hit, open, ..exit },
             Some(near) => PacketIntersection {
                 t: lanes.select(exit.t, near.t),
@@ -89,7 +89,7 @@ impl PacketIntersector<'_> {
                 open: open | near.open,
             },
         };
-        Some(PacketHit { verdicts, far: inward })
+        Some(PacketHit { intersection, far: inward })
     }
 
     /// Intersects half of the rays with a shape that they do not leave.
@@ -104,12 +104,12 @@ impl PacketIntersector<'_> {
             ShapeRef::Plane(plane) => Some(leaves::plane(simd, &rays, plane)),
             ShapeRef::AlignedBox(shape) => {
                 let (inverse, slow) = self.reciprocals.of_directions(simd, self.rays, half);
-                let mut verdicts = leaves::aligned_box(simd, rays.origin, inverse, shape);
+                let mut intersection = leaves::aligned_box(simd, rays.origin, inverse, shape);
                 // Reciprocals of slow rays may not be finite.
                 let slow = mask(simd, slow, half);
-                verdicts.hit &= !slow;
-                verdicts.open |= slow;
-                Some(verdicts)
+                intersection.hit &= !slow;
+                intersection.open |= slow;
+                Some(intersection)
             }
             ShapeRef::SphereImage(image) => leaves::sphere_image(simd, &rays, image),
             ShapeRef::BoxImage(image) => Some(slabs::box_image(simd, &rays, image)),

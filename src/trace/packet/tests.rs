@@ -290,18 +290,18 @@ proptest! {
             for (packet, (rays, limits)) in shadows.iter().enumerate() {
                 let lists = [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None });
                 let all_lists = [0, 1].map(|half| if all_listed { all_candidates.of(packet, half) } else { None });
-                let all_beside = if all_listed { all_candidates.beside() } else { &scene.beside };
+                let all_beside = if all_listed { all_candidates.unbounded() } else { &scene.unbounded };
                 let covered = if listed { candidates.hidden(packet) } else { 0 };
-                let listed_beside = if listed { candidates.beside() } else { &scene.beside };
+                let listed_beside = if listed { candidates.unbounded() } else { &scene.unbounded };
                 let clear_ways = if listed && candidates.is_clear(packet) { rays.lanes & !rays.tied & !covered } else { 0 };
                 let searches = [
-                    ([None; 2], None, &*scene.beside),
-                    ([None; 2], Some(light), &scene.beside),
+                    ([None; 2], None, &*scene.unbounded),
+                    ([None; 2], Some(light), &scene.unbounded),
                     (lists, Some(light), listed_beside),
                     (all_lists, None, all_beside),
                 ];
-                for (candidates, lit_from, beside) in searches {
-                    let shadow = ShadowPacket { rays, limits, light: lit_from, occluders, beside, candidates };
+                for (candidates, lit_from, unbounded) in searches {
+                    let shadow = ShadowPacket { rays, limits, light: lit_from, occluders, unbounded, candidates };
                     let mut packet_scratch = PacketScratch::default();
                     let found = occluded(&scene, &shadow, &mut None, &mut packet_scratch, scratch.cancelled);
                     for lane in lanes(rays.lanes) {
@@ -395,7 +395,7 @@ fn a_light_with_a_size_has_lists() {
         (0..32).map(|part| candidates.of(part / 2, part % 2).map(<[LeafId]>::len)).collect();
     let listed: Vec<usize> = counts.iter().copied().flatten().collect();
     assert!(listed.len() >= 16 && listed.iter().any(|count| *count > 0), "{counts:?}");
-    assert!(candidates.beside().is_empty(), "the floor is below all points");
+    assert!(candidates.unbounded().is_empty(), "the floor is below all points");
 }
 
 /// Creates rays from the surfaces that the camera sees to a light, with their `t` at the light, and their lists of coincident shapes.
@@ -462,7 +462,7 @@ fn nearly_all_rays_are_decided_at_once() {
             limits,
             light: Some(light),
             occluders: OPAQUE,
-            beside: &scene.beside,
+            unbounded: &scene.unbounded,
             candidates: [None; 2],
         };
         let cancelled = Scratch::default().cancelled;

@@ -34,11 +34,11 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
     #[inline(always)]
     pub(super) fn meet_beside<S: Simd>(&mut self, simd: S, cancelled: &AtomicBool) -> bool {
         for packet in 0..self.rays.len() {
-            for id in &self.scene.beside {
+            for id in &self.scene.unbounded {
                 if cancelled.load(Ordering::Relaxed) {
                     return false;
                 }
-                self.meet(simd, (packet, self.rays[packet].lanes), ShapeQuery::beside(self.scene, *id));
+                self.meet(simd, (packet, self.rays[packet].lanes), ShapeQuery::by_id(self.scene, *id));
             }
             self.update_limits(simd, packet);
         }

@@ -46,7 +46,7 @@ impl PreparedScene {
         let ray = &RayView::new(ray, ties);
         let mut nearest = Nearest::new(self.order(), tied_hits);
         let mut limit = f64::INFINITY;
-        for id in &self.beside {
+        for id in &self.unbounded {
             if cancelled.load(Relaxed) {
                 return None;
             }

@@ -27,9 +27,9 @@ impl PreparedScene {
         // Of several equal shapes, at least one is not `except`.
         let counts = |id: ShapeId| Some(id) != except || self.equal_shapes.group(id).is_some();
         let mut hides = |id: ShapeId| counts(id) && shapes.occludes(id, ray, limit, escalations);
-        let mut beside = self.beside.iter().copied();
-        let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
-        beside.or_else(|| match candidates {
+        let mut unbounded = self.unbounded.iter().copied();
+        let unbounded = unbounded.find(|id| cancelled.load(Relaxed) || hides(*id));
+        unbounded.or_else(|| match candidates {
             Some(candidates) => candidates.iter().map(|leaf| self.leaves.id(*leaf)).find(|id| hides(*id)),
             None => {
                 let leaf =
@@ -60,9 +60,9 @@ impl PreparedScene {
             None if Some(id) == except => false,
             None => self.hides_or_is_crossed(shapes, id, (ray, limit), Look::Glance, crossed, escalations),
         };
-        let mut beside = self.beside.iter().copied();
-        let beside = beside.find(|id| cancelled.load(Relaxed) || hides(*id));
-        beside.or_else(|| match candidates {
+        let mut unbounded = self.unbounded.iter().copied();
+        let unbounded = unbounded.find(|id| cancelled.load(Relaxed) || hides(*id));
+        unbounded.or_else(|| match candidates {
             Some(candidates) => candidates.iter().map(|leaf| self.leaves.id(*leaf)).find(|id| hides(*id)),
             None => {
                 let leaf =

@@ -24,13 +24,13 @@ use crate::trace::rays::ShapeId;
 pub struct PreparedScene {
     pub(crate) geometry: Geometry,
     materials: MaterialTable,
-    /// The groups of equal shapes. The tree and `beside` hold only the first of each group in document order.
+    /// The groups of equal shapes. The tree and `unbounded` hold only the first of each group in document order.
     pub(crate) equal_shapes: EqualShapes,
     pub(crate) tree: Tree,
     /// The shapes of the tree's leaves.
     pub(crate) leaves: LeafShapes,
     /// Unbounded shapes such as planes, and shapes so much larger than the rest that they would degrade the tree.
-    pub(crate) beside: Vec<ShapeId>,
+    pub(crate) unbounded: Vec<ShapeId>,
     maintenance: TreeMaintenance,
     /// The digest of the shapes and their materials, once computed.
     digest: OnceLock<Digest>,
@@ -65,7 +65,7 @@ impl PreparedScene {
             equal_shapes: EqualShapes::default(),
             tree: Tree::default(),
             leaves: LeafShapes::default(),
-            beside: Vec::new(),
+            unbounded: Vec::new(),
             maintenance: TreeMaintenance::default(),
             digest: OnceLock::new(),
             lights: Vec::new(),
@@ -199,8 +199,8 @@ impl PreparedScene {
         if changes.is_empty() {
             return BvhUpdate::Kept;
         }
-        let Self { geometry, equal_shapes, tree, leaves, beside, maintenance, .. } = self;
-        if maintenance.refit(geometry, equal_shapes, SceneTree { tree, leaves, beside }, changes) {
+        let Self { geometry, equal_shapes, tree, leaves, unbounded, maintenance, .. } = self;
+        if maintenance.refit(geometry, equal_shapes, SceneTree { tree, leaves, unbounded }, changes) {
             return BvhUpdate::Refitted;
         }
         self.rebuild_tree();
@@ -210,8 +210,8 @@ impl PreparedScene {
     fn rebuild_tree(&mut self) {
         self.equal_shapes.find(&self.geometry);
         self.sort_equal_shapes();
-        let Self { geometry, equal_shapes, tree, leaves, beside, maintenance, .. } = self;
-        maintenance.build(geometry, equal_shapes, SceneTree { tree, leaves, beside });
+        let Self { geometry, equal_shapes, tree, leaves, unbounded, maintenance, .. } = self;
+        maintenance.build(geometry, equal_shapes, SceneTree { tree, leaves, unbounded });
     }
 
     /// Returns the first in document order of all shapes that equal a shape: the one that rays query.

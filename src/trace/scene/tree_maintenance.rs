@@ -34,7 +34,7 @@ struct TreeLinks {
 pub(super) struct SceneTree<'a> {
     pub(super) tree: &'a mut Tree,
     pub(super) leaves: &'a mut LeafShapes,
-    pub(super) beside: &'a mut Vec<ShapeId>,
+    pub(super) unbounded: &'a mut Vec<ShapeId>,
 }
 
 impl TreeMaintenance {
@@ -71,19 +71,19 @@ impl TreeMaintenance {
         &mut self,
         geometry: &Geometry,
         equal_shapes: &EqualShapes,
-        SceneTree { tree, leaves, beside }: SceneTree<'_>,
+        SceneTree { tree, leaves, unbounded }: SceneTree<'_>,
     ) {
         let Self { builder, ids, links } = self;
         *links = None;
         ids.clear();
-        beside.clear();
+        unbounded.clear();
         for id in geometry.ids().filter(|id| equal_shapes.first(*id) == *id) {
-            if geometry.is_bounded(id) { ids.push(id) } else { beside.push(id) }
+            if geometry.is_bounded(id) { ids.push(id) } else { unbounded.push(id) }
         }
         for index in huge_shapes(geometry, ids).into_iter().rev() {
-            beside.push(ids.remove(index));
+            unbounded.push(ids.remove(index));
         }
-        beside.sort_unstable_by_key(|id| geometry.order().rank(*id));
+        unbounded.sort_unstable_by_key(|id| geometry.order().rank(*id));
         let extent = |index: usize| {
             let id = ids[index];
             let round = matches!(geometry.shape(id), ShapeRef::Sphere(_));

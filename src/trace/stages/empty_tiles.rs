@@ -46,7 +46,7 @@ fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
     let scene = context.scene;
     let alike = context.sampling.samples <= 1
         && scene.precision == Precision::Guaranteed
-        && scene.beside.is_empty()
+        && scene.unbounded.is_empty()
         && scene.fog.density == 0.0
         && !context.may_start_inside();
     match scene.background {

@@ -79,7 +79,7 @@ fn occlusion(
         limits: &light_samples.limits,
         light: place_of(light),
         occluders: occluders(sample, light),
-        beside: if listed { candidates.beside() } else { &scene.beside },
+        unbounded: if listed { candidates.unbounded() } else { &scene.unbounded },
         candidates: [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None }),
     };
     let cancelled = scratch.search.cancelled;

@@ -27,7 +27,7 @@ const PAIRS: usize = 1 << 16;
 /// mirror of radius R scales the image of a shape at distance D by about R/(2 D). An unbounded mirror shows a shape about as large as the
 /// camera sees it directly.
 pub(crate) fn hidden_images(scene: &PreparedScene, camera: &Camera) -> Vec<Image> {
-    let ids = || scene.beside.iter().copied().chain(scene.leaves.ids());
+    let ids = || scene.unbounded.iter().copied().chain(scene.leaves.ids());
     let sends_on = |id: &ShapeId| scene.material(*id).continues();
     let mirrors: Vec<ShapeId> = ids().filter(sends_on).collect();
     let shown: Vec<(ShapeId, Ball)> =

@@ -134,7 +134,7 @@ pub(crate) fn features(
     let Some(rays) = tile_rays(camera, tile) else { return unknown() };
     scratch.seen.clear();
     let Scratch { stack, cancelled, .. } = search;
-    let ids = scene.beside.iter().copied();
+    let ids = scene.unbounded.iter().copied();
     let mut known =
         ids.map(|id| see(scene, camera, &rays, id, &mut scratch.seen)).fold(true, |all, one| all & one);
     let whole = !camera.has_lens()
@@ -162,7 +162,7 @@ pub(crate) fn reference_features(
     tile: &Tile,
     is_open: bool,
 ) -> TileFeatures {
-    let ids = scene.beside.iter().copied().chain(scene.leaves.ids());
+    let ids = scene.unbounded.iter().copied().chain(scene.leaves.ids());
     let (Some(rays), mut seen) = (tile_rays(camera, tile), Vec::new()) else { return unknown() };
     if camera.has_lens() && scene.leaves.ids().len() > FEW {
         return unknown();
