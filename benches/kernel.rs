@@ -16,8 +16,8 @@ use rayreel::Rgb;
 use rayreel::systems::Preparation;
 use rayreel::trace::shapes::Sphere;
 use rayreel::trace::{
-    Camera, CastRay, Effects, Geometry, Light, LightSource, Lighting, Paths, PreparedScene, PreparedShape,
-    RenderJob, Sampling, Signals, SurfaceMaterial,
+    CastRay, Effects, Geometry, LightSource, Lighting, Paths, PixelSampling, PreparedCamera, PreparedLight,
+    PreparedScene, PreparedShape, RenderJob, Signals, SurfaceMaterial,
 };
 
 mod shipped;
@@ -84,7 +84,7 @@ fn frame(bencher: Bencher<'_, '_>, Stages(name, stage): &Stages) {
     let never = AtomicBool::new(false);
     let dark = || RenderJob::new(camera.resolution(), 1);
     let expose = |job: &mut RenderJob| {
-        assert!(job.add(&scene, camera, Sampling::default(), 0, effects, Signals::unless(&never)));
+        assert!(job.add(&scene, camera, PixelSampling::default(), 0, effects, Signals::unless(&never)));
     };
     let mut first = dark();
     expose(&mut first);
@@ -110,7 +110,7 @@ fn up_to(stage: Stage, scene: PreparedScene, planned: Effects) -> (PreparedScene
 
 /// Replaces all lights with one area light. Without extras it proposes no samples, but surface points are still computed for it.
 fn lit_by_nothing(mut scene: PreparedScene) -> PreparedScene {
-    scene.lights = vec![Light {
+    scene.lights = vec![PreparedLight {
         source: LightSource::Sphere { center: DVec3::ZERO, radius: 1.0 },
         intensity: Rgb::ONE,
         falloff: None,
@@ -143,7 +143,7 @@ mod rays {
         bencher.counter(ItemsCount::new(rays.len())).bench_local(|| scene.cast_all(rays));
     }
 
-    fn camera_rays(camera: &Camera) -> Vec<Option<CastRay>> {
+    fn camera_rays(camera: &PreparedCamera) -> Vec<Option<CastRay>> {
         let (columns, rows) = camera.resolution();
         let pixels = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
         pixels.map(|(i, j)| CastRay::new(camera.position(), camera.towards(i, j))).collect()

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use hecs::Entity;
 
-/// The camera: an eye, and a screen at a distance in front of it (see [`trace::Camera`](crate::trace::Camera) for pixels).
+/// The camera: an eye, and a screen at a distance in front of it (see [`trace::PreparedCamera`](crate::trace::PreparedCamera) for pixels).
 ///
 /// Points and directions are in the entity's own space; its [`WorldTransform`](super::WorldTransform), if any, maps them to the world.
 /// Sizes of the screen and the lens, and distances from the eye, are in world units.

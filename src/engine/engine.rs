@@ -280,7 +280,7 @@ impl Engine {
     /// # Ok::<(), rayreel::EngineError>(())
     /// ```
     #[must_use]
-    pub fn camera(&self) -> Option<&trace::Camera> {
+    pub fn camera(&self) -> Option<&trace::PreparedCamera> {
         Some(self.preparation.as_ref()?.camera())
     }
 
@@ -451,10 +451,10 @@ impl Engine {
     /// Returns the number and the choice of samples per pixel at the moment of the last frame or [`seek`](Engine::seek). `None` before the
     /// first frame or seek.
     #[must_use]
-    pub fn sampling(&self) -> Option<trace::Sampling> {
+    pub fn sampling(&self) -> Option<trace::PixelSampling> {
         let sampling = self.preparation.as_ref()?.sampling(self.report.time);
         let samples = if self.left_out.contains(&Effect::Antialiasing) { 1 } else { sampling.samples };
-        Some(trace::Sampling { samples, ..sampling })
+        Some(trace::PixelSampling { samples, ..sampling })
     }
 
     /// Returns whether sampling is adaptive: see [`Sampling::max_error`](crate::components::Sampling::max_error).

@@ -2,7 +2,7 @@
 
 use super::{Effect, Preparation};
 use crate::color::Rgb;
-use crate::trace::{Background, Fog, LightSource, SurfaceMaterial};
+use crate::trace::{LightSource, PreparedBackground, PreparedFog, SurfaceMaterial};
 
 impl Preparation {
     /// Removes the data that causes an effect. Motion blur and shadows of transparent objects are not caused by prepared data; the renderer
@@ -42,10 +42,10 @@ impl Preparation {
                 }
             }),
             Effect::Checker => self.repaint(|material| material.checker = None),
-            Effect::Fog => self.scene.fog = Fog::default(),
+            Effect::Fog => self.scene.fog = PreparedFog::default(),
             Effect::Gradient => {
-                if let Background::Gradient { bottom, top } = self.scene.background {
-                    self.scene.background = Background::Flat((bottom + top) * 0.5);
+                if let PreparedBackground::Gradient { bottom, top } = self.scene.background {
+                    self.scene.background = PreparedBackground::Flat((bottom + top) * 0.5);
                 }
             }
             Effect::Antialiasing => self.sampling.samples = 1,

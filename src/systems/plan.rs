@@ -8,7 +8,7 @@ use hecs::{Component, World};
 use super::{Effect, Preparation};
 use crate::color::Rgb;
 use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular};
-use crate::trace::{self, Background, Effects, LightSource, Lighting, Paths, ShapeId};
+use crate::trace::{self, Effects, LightSource, Lighting, Paths, PreparedBackground, ShapeId};
 
 /// The need for an effect, with a reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -181,8 +181,8 @@ impl<'a> EffectScan<'a> {
             Effect::Fog if self.has::<Fog>() => LeftOut("its density is 0"),
             Effect::Fog => LeftOut("the scene has no `fog`"),
             Effect::Gradient => match scene.background {
-                Background::Flat(_) => LeftOut("the background is the same everywhere"),
-                Background::Gradient { .. } => Needed("the background is a gradient"),
+                PreparedBackground::Flat(_) => LeftOut("the background is the same everywhere"),
+                PreparedBackground::Gradient { .. } => Needed("the background is a gradient"),
             },
             Effect::Antialiasing | Effect::DepthOfField => self.sampled(effect),
             Effect::MotionBlur => LeftOut("the camera has no shutter"),
@@ -211,12 +211,12 @@ impl<'a> EffectScan<'a> {
 
     fn light_of(
         &self,
-        kind: impl Fn(&trace::Light) -> bool,
+        kind: impl Fn(&trace::PreparedLight) -> bool,
         missing: &'static str,
         needed: &'static str,
     ) -> Need {
         let scene = self.preparation.scene();
-        let on = |light: &&trace::Light| light.intensity != Rgb::ZERO;
+        let on = |light: &&trace::PreparedLight| light.intensity != Rgb::ZERO;
         if !scene.lights.iter().any(&kind) {
             Need::LeftOut(missing)
         } else if !scene.lights.iter().filter(on).any(kind) {

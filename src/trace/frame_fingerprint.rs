@@ -13,8 +13,8 @@ use std::str::FromStr;
 use crate::color::Transfer;
 use crate::trace::adaptive::ErrorTarget;
 use crate::trace::effects::Lighting;
-use crate::trace::math::{Bytes, Sampling};
-use crate::trace::scene::{Camera, PreparedScene};
+use crate::trace::math::{Bytes, PixelSampling};
+use crate::trace::scene::{PreparedCamera, PreparedScene};
 
 /// The version of the semantics of prepared numbers. A change after which the same numbers give another picture must increment it: frames
 /// written before are then stale.
@@ -82,7 +82,7 @@ pub(crate) struct FrameHasher(Bytes);
 pub(crate) struct FrameConstants {
     pub(crate) transfer: Transfer,
     /// The sampling, with the seed of this frame.
-    pub(crate) sampling: Sampling,
+    pub(crate) sampling: PixelSampling,
     pub(crate) target: Option<ErrorTarget>,
     /// The highest level of lighting.
     pub(crate) lighting: Lighting,
@@ -93,8 +93,13 @@ pub(crate) struct FrameConstants {
 impl FrameHasher {
     /// Starts the fingerprint of a frame.
     pub(crate) fn new(constants: &FrameConstants) -> Self {
-        let FrameConstants { transfer, sampling: Sampling { samples, seed: _ }, target, lighting, instants } =
-            constants;
+        let FrameConstants {
+            transfer,
+            sampling: PixelSampling { samples, seed: _ },
+            target,
+            lighting,
+            instants,
+        } = constants;
         let mut bytes = Bytes::default();
         bytes.count(SEMANTICS);
         bytes.count(match transfer {
@@ -114,7 +119,7 @@ impl FrameHasher {
     }
 
     /// Adds the next instant.
-    pub(crate) fn add(&mut self, scene: &PreparedScene, camera: &Camera, sampling: Sampling) {
+    pub(crate) fn add(&mut self, scene: &PreparedScene, camera: &PreparedCamera, sampling: PixelSampling) {
         // A single sample without area lights uses no random numbers.
         let is_sampled = sampling.samples > 1 || scene.lights.iter().any(|light| light.source.is_extended());
         self.0.count(is_sampled);

@@ -102,13 +102,13 @@ pub use adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPoli
 pub use film::{AlphaFilm, EncodedFilm, Film};
 pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
 pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
-pub use math::Sampling;
+pub use math::PixelSampling;
 pub use passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use query::Escalations;
 pub(crate) use render_job::{Developed, SampleMemory, SamplePlan};
 pub use render_job::{RenderJob, RenderProgress};
 pub use render_stats::{RayCounts, TreeEnds};
-pub use scene::{Camera, Precision};
+pub use scene::{Precision, PreparedCamera};
 pub use tile_work::Signals;
 
 // Items for tests, benchmarks and explanations of pixels; not part of the library's interface.
@@ -118,12 +118,12 @@ pub use {
     light::Boundary,
     math::{BoundedT, SimdLevel},
     query::{CastHit, CastRay, ShapeHit, SurfacePoint},
-    rays::{Ray, ShapeId},
+    rays::{PreparedRay, ShapeId},
     render_stats::RenderStats,
     scene::{
-        Attenuation, Background, BvhUpdate, Checker, CheckerPattern, Cone, Falloff, Fog, Geometry, Light,
-        LightSource, MaterialSummary, MaterialTable, PreparedScene, PreparedShape, Refraction, SceneChanges,
-        ShapeChange, SurfaceMaterial,
+        Attenuation, BvhUpdate, CheckerPattern, Cone, Geometry, LightSource, MaterialSummary, MaterialTable,
+        PreparedBackground, PreparedChecker, PreparedFalloff, PreparedFog, PreparedLight, PreparedScene,
+        PreparedShape, Refraction, SceneChanges, ShapeChange, SurfaceMaterial,
     },
     shapes::{Bounds, RefinedHit},
 };

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::color::Rgb;
 use crate::trace::query::{Scratch, with_intersector};
-use crate::trace::scene::{Camera, PreparedScene};
+use crate::trace::scene::{PreparedCamera, PreparedScene};
 
 /// A value of each pixel besides its radiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -143,7 +143,7 @@ impl PassPixel {
 impl PreparedScene {
     /// Computes the passes of all pixels, row by row from the top, on the current rayon pool's threads. `None` if `cancelled` became true
     /// meanwhile.
-    pub(crate) fn passes(&self, camera: &Camera, cancelled: &AtomicBool) -> Option<Vec<PassPixel>> {
+    pub(crate) fn passes(&self, camera: &PreparedCamera, cancelled: &AtomicBool) -> Option<Vec<PassPixel>> {
         let (columns, rows) = camera.resolution();
         let [_, _, view_axis] = camera.axes();
         with_intersector!(self, shapes => {

@@ -12,11 +12,11 @@ use crate::trace::light::{
     SecondaryRays, ShadingPoint, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, sample_light,
     secondary_rays,
 };
-use crate::trace::math::{LANES, Sampling};
+use crate::trace::math::{LANES, PixelSampling};
 use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
-use crate::trace::rays::{Ray, RayView, ShapeId};
+use crate::trace::rays::{PreparedRay, RayView, ShapeId};
 use crate::trace::render_job::SamplePlan;
-use crate::trace::scene::{Attenuation, Camera, Light, PreparedScene, SIDE};
+use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedScene, SIDE};
 use crate::trace::stages::{Portion, Tile};
 use crate::trace::visibility::{hidden_images, reference_features};
 
@@ -35,7 +35,7 @@ pub struct TracedRay {
     /// Index of the parent, from whose hit this ray continues; `None` for a camera ray.
     pub parent: Option<usize>,
     /// The ray.
-    pub ray: Ray,
+    pub ray: PreparedRay,
     /// The share of the radiance along the ray that reaches the pixel, before the mean over samples is taken.
     pub throughput: Rgb,
     /// The transparent solids that the ray is inside, the last entered first.
@@ -151,8 +151,8 @@ impl<'a> Reference<'a> {
     #[must_use]
     pub(crate) fn new(
         scene: &'a PreparedScene,
-        camera: &'a Camera,
-        sampling: Sampling,
+        camera: &'a PreparedCamera,
+        sampling: PixelSampling,
         effects: Effects,
     ) -> Self {
         Self {
@@ -362,7 +362,7 @@ impl SampleSums for ReferenceSums {
 
 /// Renders a picture of one moment, pixel by pixel and sample by sample.
 #[must_use]
-pub fn render(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
+pub fn render(scene: &PreparedScene, camera: &PreparedCamera, sampling: PixelSampling) -> Film {
     let mut sums = ReferenceSums::new(camera.resolution(), SamplePlan::uniform(sampling.samples, 1));
     Reference::new(scene, camera, sampling, Effects::ALL).add(&mut sums, 0);
     sums.resolve()
@@ -424,7 +424,7 @@ fn lit(
 fn reach(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
-    light: (usize, &Light),
+    light: (usize, &PreparedLight),
     lit: &ShadingPoint<'_>,
     seen: (&SurfacePoint, MediumStack),
 ) -> LightReach {

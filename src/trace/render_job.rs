@@ -13,10 +13,10 @@ use crate::trace::adaptive::{
 use crate::trace::effects::Effects;
 use crate::trace::film::{AlphaFilm, Film};
 use crate::trace::light::RenderContext;
-use crate::trace::math::{Colors, LANES, Numbers, Sampling, SimdLevel, Vectors};
+use crate::trace::math::{Colors, LANES, Numbers, PixelSampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Scratch, Textbook};
 use crate::trace::render_stats::RenderStats;
-use crate::trace::scene::{Camera, Precision, PreparedScene};
+use crate::trace::scene::{Precision, PreparedCamera, PreparedScene};
 use crate::trace::stages::{PACKETS, Slots, TILE, Tile, TileLanes};
 use crate::trace::tile_accumulator::{NO_SUMS, TileAccumulator, TileSamples, TileSums, means};
 use crate::trace::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
@@ -229,8 +229,8 @@ impl<E: Encoding> RenderJob<E> {
     pub fn add(
         &mut self,
         scene: &PreparedScene,
-        camera: &Camera,
-        sampling: Sampling,
+        camera: &PreparedCamera,
+        sampling: PixelSampling,
         instant: u32,
         effects: Effects,
         signals: Signals<'_>,
@@ -296,7 +296,7 @@ impl<E: Encoding> RenderJob<E> {
 
     /// Searches for the features of all pixels at an instant, without sampling: with an open shutter, moving shapes may lie where no sample
     /// is taken.
-    pub(crate) fn search(&mut self, scene: &PreparedScene, camera: &Camera, cancelled: &AtomicBool) {
+    pub(crate) fn search(&mut self, scene: &PreparedScene, camera: &PreparedCamera, cancelled: &AtomicBool) {
         let Some(adaptive) = &mut self.adaptive else { return };
         let found: FoundFeatures = self
             .tiles

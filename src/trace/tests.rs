@@ -7,11 +7,11 @@ use proptest::prelude::*;
 
 use crate::color::Rgb;
 use crate::trace::math::SimdLevel;
-use crate::trace::scene::{Cone, Falloff, Fog};
+use crate::trace::scene::{Cone, PreparedFalloff, PreparedFog};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
-    Camera, Effects, Film, Geometry, Light, LightSource, PreparedScene, PreparedShape, Refraction, RenderJob,
-    Sampling, ShapeId, Signals, SurfaceMaterial, reference,
+    Effects, Film, Geometry, LightSource, PixelSampling, PreparedCamera, PreparedLight, PreparedScene,
+    PreparedShape, Refraction, RenderJob, ShapeId, Signals, SurfaceMaterial, reference,
 };
 
 fn clay(color: Rgb) -> SurfaceMaterial {
@@ -57,8 +57,8 @@ fn shapes() -> Vec<(PreparedShape, SurfaceMaterial)> {
     ]
 }
 
-fn lights(bulb: ShapeId) -> Vec<Light> {
-    let light = |source: LightSource, intensity: f32| Light {
+fn lights(bulb: ShapeId) -> Vec<PreparedLight> {
+    let light = |source: LightSource, intensity: f32| PreparedLight {
         source,
         intensity: Rgb::new(intensity, 0.9 * intensity, 0.8 * intensity),
         falloff: None,
@@ -69,14 +69,14 @@ fn lights(bulb: ShapeId) -> Vec<Light> {
     let down = DVec3::new(-0.5, -1.0, 0.4).normalize();
     let (above, halves) = (DVec3::new(1.0, 5.0, -1.0), [DVec3::X * 0.5, DVec3::Z * 0.7]);
     vec![
-        Light {
+        PreparedLight {
             samples: 3,
             own_shape: Some(bulb),
             ..light(LightSource::Sphere { center: DVec3::new(-2.5, 3.5, -2.0), radius: 0.2 }, 0.5)
         },
         light(LightSource::Rectangle { center: above, halves }, 0.3),
-        Light {
-            falloff: Some(Falloff { constant: 0.5, linear: 0.1, quadratic: 0.02 }),
+        PreparedLight {
+            falloff: Some(PreparedFalloff { constant: 0.5, linear: 0.1, quadratic: 0.02 }),
             ..light(
                 LightSource::Spot(DVec3::new(2.5, 4.0, -2.0), Cone { axis: down, inner: 0.9, outer: 0.6 }),
                 0.8,
@@ -94,12 +94,12 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
     let mut scene = PreparedScene::new(geometry, materials);
     scene.lights = lights(ids[7]);
     (scene.ambient, scene.depth) = (Rgb::splat(0.8), 6);
-    scene.fog = Fog { color: Rgb::new(0.5, 0.6, 0.7), density: 0.03 };
+    scene.fog = PreparedFog { color: Rgb::new(0.5, 0.6, 0.7), density: 0.03 };
     let resolution = (27, 18);
     let (eye, view) = (DVec3::new(0.3, 1.6, -6.0), DVec3::new(0.0, -0.1, 1.0));
-    let camera = Camera::new(eye, view, DVec3::Y, 1.0, (0.9, 0.6), resolution);
+    let camera = PreparedCamera::new(eye, view, DVec3::Y, 1.0, (0.9, 0.6), resolution);
     for (camera, samples) in [(camera, 1), (camera.with_lens(0.2, 6.0), 3)] {
-        let sampling = Sampling { samples, seed: 9 };
+        let sampling = PixelSampling { samples, seed: 9 };
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {
             scene.simd = level;
@@ -109,7 +109,7 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
 }
 
 /// Renders with all effects.
-fn film(scene: &PreparedScene, camera: &Camera, sampling: Sampling) -> Film {
+fn film(scene: &PreparedScene, camera: &PreparedCamera, sampling: PixelSampling) -> Film {
     let mut job = RenderJob::new(camera.resolution(), sampling.samples);
     let never = AtomicBool::new(false);
     assert!(job.add(scene, camera, sampling, 0, Effects::ALL, Signals::unless(&never)));
@@ -179,8 +179,8 @@ proptest! {
         scene.cutoff = cutoff;
         let resolution = (19, 17);
         let eye = DVec3::new(0.3, 1.6, -6.0);
-        let camera = Camera::new(eye, DVec3::new(0.0, -0.1, 1.0), DVec3::Y, 1.0, (0.9, 0.8), resolution);
-        let sampling = Sampling { samples, seed: 3 };
+        let camera = PreparedCamera::new(eye, DVec3::new(0.0, -0.1, 1.0), DVec3::Y, 1.0, (0.9, 0.8), resolution);
+        let sampling = PixelSampling { samples, seed: 3 };
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {
             scene.simd = level;

@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use rayreel::trace::shapes::{AlignedBox, Sphere};
 use rayreel::trace::{
-    Background, Camera, Effects, Geometry, Light, LightSource, PreparedScene, PreparedShape, Refraction,
-    RenderJob, Sampling, ShapeId, Signals, SurfaceMaterial, reference,
+    Effects, Geometry, LightSource, PixelSampling, PreparedBackground, PreparedCamera, PreparedLight,
+    PreparedScene, PreparedShape, Refraction, RenderJob, ShapeId, Signals, SurfaceMaterial, reference,
 };
 use rayreel::{Film, Rgb};
 
@@ -56,8 +56,8 @@ fn scene(shapes: &[(PreparedShape, SurfaceMaterial)], added: &[usize]) -> Prepar
     scene.renumber(&ids);
     scene.depth = 6;
     scene.ambient = Rgb::ONE;
-    scene.background = Background::Flat(Rgb::new(0.3, 0.4, 0.5));
-    let light = |source| Light {
+    scene.background = PreparedBackground::Flat(Rgb::new(0.3, 0.4, 0.5));
+    let light = |source| PreparedLight {
         source,
         intensity: Rgb::ONE,
         falloff: None,
@@ -72,10 +72,10 @@ fn scene(shapes: &[(PreparedShape, SurfaceMaterial)], added: &[usize]) -> Prepar
     scene
 }
 
-fn film(scene: &PreparedScene, camera: &Camera) -> Film {
+fn film(scene: &PreparedScene, camera: &PreparedCamera) -> Film {
     let never = AtomicBool::new(false);
     let mut job = RenderJob::new(camera.resolution(), 1);
-    let whole = job.add(scene, camera, Sampling::default(), 0, Effects::ALL, Signals::unless(&never));
+    let whole = job.add(scene, camera, PixelSampling::default(), 0, Effects::ALL, Signals::unless(&never));
     assert!(whole, "nobody cancels it");
     job.resolve().0
 }
@@ -93,11 +93,12 @@ fn ids_are_names_and_the_order_of_the_document_is_a_key_beside_them() {
             shuffled.swap(last, random.index(last + 1));
         }
         let eye = [DVec3::new(2.5, 3.0, -4.0), DVec3::new(0.25, 0.25, 0.25)][random.index(2)];
-        let camera = Camera::new(eye, DVec3::new(0.2, 0.1, 0.0) - eye, DVec3::Y, 1.0, (1.0, 1.0), (12, 12));
+        let camera =
+            PreparedCamera::new(eye, DVec3::new(0.2, 0.1, 0.0) - eye, DVec3::Y, 1.0, (1.0, 1.0), (12, 12));
         let expected = film(&scene(&shapes, &in_order), &camera);
         let renamed = scene(&shapes, &shuffled);
         assert_eq!(film(&renamed, &camera).pixels(), expected.pixels());
-        let slow = reference::render(&renamed, &camera, Sampling::default());
+        let slow = reference::render(&renamed, &camera, PixelSampling::default());
         assert_eq!(slow.pixels(), expected.pixels());
         // Checks the test itself: the order matters where shapes coincide.
         let reordered: Vec<_> = shuffled.iter().map(|index| shapes[*index].clone()).collect();

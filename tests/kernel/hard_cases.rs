@@ -70,7 +70,7 @@ fn pictures_of(text: &str) -> [Film; 3] {
 
 /// Returns the right, up and forward axes of a camera, computed from its rays.
 fn axes(view: DVec3, up: DVec3) -> [DVec3; 3] {
-    let camera = |distance, size| trace::Camera::new(DVec3::ZERO, view, up, distance, size, (3, 3));
+    let camera = |distance, size| trace::PreparedCamera::new(DVec3::ZERO, view, up, distance, size, (3, 3));
     // The sizes differ so much that a ray shows only one axis.
     let (huge, tiny) = (libm::ldexp(1.0, 300), libm::ldexp(1.0, -300));
     [

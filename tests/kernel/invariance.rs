@@ -73,7 +73,7 @@ enum Motion {
 
 /// Renders the middle frame after the motion, without features that depend on the world's axes or on random samples: gradients become their
 /// top colour, area lights become points, and cameras have neither lens nor shutter.
-fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::Camera) {
+fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::PreparedCamera) {
     let mut engine = Engine::load(path).unwrap();
     let world = engine.world_mut();
     for film in world.query_mut::<&mut FilmSettings>() {

@@ -25,10 +25,6 @@ const BEGINNINGS: [&str; 15] = [
     "For which ",
 ];
 
-/// Names that a component or an argument shares with its counterpart in the kernel.
-const COUNTERPARTS: [&str; 9] =
-    ["Background", "Camera", "Checker", "Falloff", "Fog", "Lens", "Light", "Ray", "Sampling"];
-
 /// Returns the first lines of doc comments, with their numbers.
 fn first_lines(text: &str) -> Vec<(usize, &str)> {
     let text_of = |line: &'_ str| -> Option<usize> {
@@ -93,13 +89,8 @@ fn a_type_name_stands_for_one_type() {
         }
     }
     assert!(types.len() > 500 && types["Engine"].len() == 1);
-    let twice: Vec<_> = types
-        .iter()
-        .filter(|(name, files)| files.len() > 1 && !COUNTERPARTS.contains(&name.as_str()))
-        .collect();
+    let twice: Vec<_> = types.iter().filter(|(_, files)| files.len() > 1).collect();
     assert!(twice.is_empty(), "{twice:#?}");
-    // Exceptions that are none any more.
-    assert!(COUNTERPARTS.iter().all(|name| types[*name].len() == 2));
 }
 
 #[test]

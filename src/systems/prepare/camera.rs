@@ -12,7 +12,7 @@ use crate::time::Time;
 use crate::trace;
 
 /// Returns the prepared active camera of the frame at `moment`.
-pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::Camera {
+pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::PreparedCamera {
     let entity = active_camera_entity(world, moment);
     let camera = component::<Camera>(world, entity).unwrap_or_default();
     let CameraPose { eye, view, up, .. } = pose(world, entity, &camera);
@@ -30,7 +30,7 @@ pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -
         }
     };
     let resolution = (film.width, film.height);
-    let pinhole = trace::Camera::new(eye, view, up, distance, size, resolution).rolled(camera.roll);
+    let pinhole = trace::PreparedCamera::new(eye, view, up, distance, size, resolution).rolled(camera.roll);
     camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
 }
 

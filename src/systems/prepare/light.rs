@@ -13,7 +13,7 @@ pub(super) fn prepared_light(
     light: &Light,
     transform: &WorldTransform,
     own_shape: Option<ShapeId>,
-) -> Result<trace::Light, FaultCause> {
+) -> Result<trace::PreparedLight, FaultCause> {
     let center = transform.affine.translation;
     let source = match light.kind {
         LightKind::Point => LightSource::Point(center),
@@ -38,7 +38,7 @@ pub(super) fn prepared_light(
         Some(_) if matches!(source, LightSource::Directional(_)) => None,
         Some(falloff) => Some(prepared_falloff(falloff)?),
     };
-    Ok(trace::Light {
+    Ok(trace::PreparedLight {
         source,
         intensity: sane(light.intensity),
         falloff,
@@ -91,7 +91,7 @@ fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Resul
 }
 
 /// Returns a falloff that keeps the intensity bounded: its constant must be greater than 0.
-fn prepared_falloff(falloff: Falloff) -> Result<trace::Falloff, FaultCause> {
+fn prepared_falloff(falloff: Falloff) -> Result<trace::PreparedFalloff, FaultCause> {
     let Falloff { constant, linear, quadratic } = falloff;
     for part in [constant, linear, quadratic] {
         if !(0.0..=f64::MAX).contains(&part) {
@@ -101,5 +101,5 @@ fn prepared_falloff(falloff: Falloff) -> Result<trace::Falloff, FaultCause> {
     if constant == 0.0 {
         return Err(FaultCause::NotPositive("constant of its falloff", constant));
     }
-    Ok(trace::Falloff { constant, linear, quadratic })
+    Ok(trace::PreparedFalloff { constant, linear, quadratic })
 }

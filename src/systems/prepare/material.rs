@@ -24,7 +24,7 @@ pub(super) fn surface_material(
         let squares = prepared_squares(checker, shape, transform)?;
         let color = sane(checker.color);
         let ambient = material.ambient_color.map_or(color, sane);
-        Some(Box::new(trace::Checker { ambient: ambient * k_a, diffuse: color * k_d, squares }))
+        Some(Box::new(trace::PreparedChecker { ambient: ambient * k_a, diffuse: color * k_d, squares }))
     });
     SurfaceMaterial {
         ambient: sane(material.ambient_color.unwrap_or(material.color)) * k_a,

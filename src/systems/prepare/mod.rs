@@ -45,7 +45,7 @@ pub(crate) use settings::{quality_settings, sampling_settings};
 #[derive(Clone, Debug)]
 pub struct Preparation {
     pub(super) scene: PreparedScene,
-    pub(super) camera: trace::Camera,
+    pub(super) camera: trace::PreparedCamera,
     /// The moment of the frame, which decides which camera is active.
     moment: Time,
     film: FilmSettings,
@@ -181,7 +181,7 @@ impl Preparation {
 
     /// Returns the kernel's camera.
     #[must_use]
-    pub fn camera(&self) -> &trace::Camera {
+    pub fn camera(&self) -> &trace::PreparedCamera {
         &self.camera
     }
 
@@ -193,8 +193,8 @@ impl Preparation {
 
     /// Returns the number and the choice of samples per pixel at this moment.
     #[must_use]
-    pub fn sampling(&self, time: Time) -> trace::Sampling {
-        let sampling = trace::Sampling { samples: self.sampling.samples, seed: self.sampling.seed };
+    pub fn sampling(&self, time: Time) -> trace::PixelSampling {
+        let sampling = trace::PixelSampling { samples: self.sampling.samples, seed: self.sampling.seed };
         match self.sampling.noise {
             Noise::Fixed => sampling,
             Noise::PerFrame => sampling.reseeded(time.lowest_terms().into()),
@@ -292,7 +292,7 @@ impl Preparation {
 
     /// Reads the camera, the lights and the settings of the whole scene. They are few and are read for every frame. Returns their changes.
     fn read_settings(&mut self, world: &mut World) -> SceneChanges {
-        let mut lights: Vec<(Order, Entity, trace::Light)> = world
+        let mut lights: Vec<(Order, Entity, trace::PreparedLight)> = world
             .query_mut::<(Entity, &Order, &Light, &WorldTransform)>()
             .into_iter()
             .filter_map(|(entity, order, light, transform)| {
@@ -301,7 +301,7 @@ impl Preparation {
             })
             .collect();
         lights.sort_unstable_by_key(|(order, entity, _)| (*order, entity.id()));
-        let lights: (Vec<Entity>, Vec<trace::Light>) =
+        let lights: (Vec<Entity>, Vec<trace::PreparedLight>) =
             lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
         let film = film_settings(world);
         let camera = prepared_camera(world, film, self.moment);

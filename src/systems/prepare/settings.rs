@@ -69,18 +69,18 @@ pub(super) fn linear_cutoff(codes: f32, transfer: Transfer) -> f32 {
     if codes > 0.0 { codes.min(Quality::LARGEST_CUTOFF) / (255.0 * steepest) } else { 0.0 }
 }
 
-pub(super) fn prepared_background(background: Background) -> trace::Background {
+pub(super) fn prepared_background(background: Background) -> trace::PreparedBackground {
     match background {
-        Background::Flat(color) => trace::Background::Flat(sane(color)),
+        Background::Flat(color) => trace::PreparedBackground::Flat(sane(color)),
         Background::Gradient { bottom, top } => {
-            trace::Background::Gradient { bottom: sane(bottom), top: sane(top) }
+            trace::PreparedBackground::Gradient { bottom: sane(bottom), top: sane(top) }
         }
     }
 }
 
-pub(super) fn prepared_fog(fog: Fog) -> trace::Fog {
+pub(super) fn prepared_fog(fog: Fog) -> trace::PreparedFog {
     let density = if fog.density > 0.0 { fog.density.min(f64::MAX) } else { 0.0 };
-    trace::Fog { color: sane(fog.color), density }
+    trace::PreparedFog { color: sane(fog.color), density }
 }
 
 /// Clamps a colour to finite, non-negative values.

@@ -98,13 +98,14 @@ pub(super) struct ErrorModel {
 }
 
 impl PixelPacket {
-    /// Creates the pixels of the lanes in `inside`, with `goal` samples in the first round, and at least `first` samples in audited pixels.
-    /// The column and row of the packet's first pixel select the audited pixel.
-    pub(super) fn new(inside: u32, goal: u32, first: u32, (column, row): (usize, usize)) -> Self {
+    /// Creates the pixels of the lanes in `inside`, with `goal` samples in the first round. The audited pixel, selected by the column and row
+    /// of the packet's first pixel, takes enough for a variance, but at most `most`.
+    pub(super) fn new(inside: u32, goal: u32, most: u32, (column, row): (usize, usize)) -> Self {
         let number = |lane: usize| if inside >> lane & 1 == 1 { 0.0 } else { f32::NAN };
         let audited = 1 << (mixed_place((column / SIDE, row / SIDE)) as usize % LANES);
-        let audited = inside & if goal < first { audited } else { WHOLE };
-        let goal_of = |lane: usize| if audited >> lane & 1 == 1 { goal.max(first) } else { goal };
+        let least = next_goal(0, most);
+        let audited = inside & if goal < least { audited } else { WHOLE };
+        let goal_of = |lane: usize| if audited >> lane & 1 == 1 { goal.max(least) } else { goal };
         Self {
             classes: [inside, 0, 0],
             active: inside,
@@ -134,8 +135,8 @@ impl PixelPacket {
         self.classes[Class::Edge as usize] | self.classes[Class::Small as usize]
     }
 
-    /// Adds a feature to a pixel. The pixel then takes at least `first` samples in the first round.
-    pub(super) fn join(&mut self, lane: usize, feature: Feature, first: u32) {
+    /// Adds a feature to a pixel. In the first round, the pixel then takes enough samples for a variance, but at most `most`.
+    pub(super) fn join(&mut self, lane: usize, feature: Feature, most: u32) {
         let before = Feature { area: self.area[lane], radiance: self.radiance[lane] };
         let mut joined = before;
         joined.join(feature);
@@ -149,7 +150,7 @@ impl PixelPacket {
             // The estimate belongs to another class.
             self.changed |= 1 << lane;
             if self.taken[lane] == 0 {
-                self.goal[lane] = self.goal[lane].max(first);
+                self.goal[lane] = self.goal[lane].max(next_goal(0, most));
             }
         }
     }
@@ -385,7 +386,7 @@ impl PixelPacket {
     }
 }
 
-/// Returns the sample count of a pixel after its next round: twice the current count, at most `most`.
+/// Returns the sample count of a pixel after its next round: twice the current count and enough for a variance, at most `most`.
 #[inline(always)]
 pub(super) fn next_goal(taken: u32, most: u32) -> u32 {
     taken.saturating_mul(2).max(FEWEST).min(most)

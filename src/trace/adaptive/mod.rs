@@ -44,7 +44,7 @@ use fearless_simd::dispatch;
 use crate::color::{ErrorNorm, Transfer};
 use crate::trace::math::{LANES, SimdLevel, lanes};
 use crate::trace::rays::ShapeId;
-use crate::trace::scene::{Camera, PreparedScene, SIDE};
+use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
 use crate::trace::visibility::{CoverPacket, Feature, Image, TileFeatures, UNCOVERED};
 pub(crate) use evidence::PacketSums;
@@ -79,7 +79,7 @@ pub(crate) enum Convergence {
 
 impl Convergence {
     /// Returns the convergence for a camera's view of a scene; `is_open` is true if the shutter is open.
-    pub(crate) fn of(scene: &PreparedScene, camera: &Camera, is_open: bool) -> Self {
+    pub(crate) fn of(scene: &PreparedScene, camera: &PreparedCamera, is_open: bool) -> Self {
         let has_effects =
             is_open || camera.has_lens() || scene.lights.iter().any(|light| light.source.is_extended());
         if has_effects { Self::Effects } else { Self::Edges }
@@ -156,9 +156,8 @@ pub(crate) struct Adaptive {
     /// Number of pixels of the film, and of tiles per row and per column.
     pixels: f64,
     tiles: (usize, usize),
-    /// Maximum sample count of a pixel, and minimum count in the first round where a variance is needed.
+    /// Maximum sample count of a pixel.
     most: u32,
-    first: u32,
     order: InstantOrder,
     /// First sample of each instant.
     first_samples: Vec<u32>,
@@ -189,8 +188,7 @@ impl Adaptive {
         PixelMemory { mut packets, errors }: PixelMemory,
     ) -> Self {
         let tiles = (columns.div_ceil(TILE) as usize, rows.div_ceil(TILE) as usize);
-        let first = FEWEST.min(most);
-        let goal = if starts_wide || order.count() > 1 { first } else { 1 };
+        let goal = if starts_wide || order.count() > 1 { next_goal(0, most) } else { 1 };
         let goal = goal.max(target.least).min(most);
         packets.clear();
         packets.reserve(tiles.0 * tiles.1 * PACKETS);
@@ -198,7 +196,7 @@ impl Adaptive {
             let inside = |packet| tile.square(packet).map_or(0, |square| square.lanes());
             for packet in packets.len()..packets.len() + PACKETS {
                 let place = first_pixel(packet, tiles.0);
-                packets.push(PixelPacket::new(inside(packet % PACKETS), goal, first, place));
+                packets.push(PixelPacket::new(inside(packet % PACKETS), goal, most, place));
             }
         }
         let falls = [0.5, target.convergence.of_doubling(), 0.5];
@@ -209,10 +207,9 @@ impl Adaptive {
             pixels: f64::from(columns) * f64::from(rows),
             tiles,
             most,
-            first,
             order,
             round: 0,
-            range: 0..goal.max(first),
+            range: 0..goal.max(next_goal(0, most)),
             packets,
             errors,
             covers: vec![CoverPacket::all(UNSEEN); covered],
@@ -309,8 +306,8 @@ impl Adaptive {
             for (pixel, lane) in (first_pixel..).zip(0..LANES) {
                 if pixels.active >> lane & 1 == 1 {
                     let is_plain = found.is_none_or(|found| found[lane] == Feature::NONE);
-                    let first = if is_plain { 0 } else { self.first };
-                    let samples = pixels.taken[lane]..pixels.goal[lane].max(first);
+                    let least = if is_plain { 0 } else { next_goal(0, self.most) };
+                    let samples = pixels.taken[lane]..pixels.goal[lane].max(least);
                     portions.extend(self.order.portion(pixel, samples, sample));
                 }
             }
@@ -319,19 +316,19 @@ impl Adaptive {
 
     /// Stores the features of a tile's pixels at an instant.
     pub(crate) fn note_features(&mut self, tile: &Tile, found: &TileFeatures) {
-        let (first, wide) = (self.first_packet(tile), self.first);
+        let (first, most) = (self.first_packet(tile), self.most);
         let mut covers = self.covers.get_mut(first..).unwrap_or_default().iter_mut();
         for (packet, pixels) in self.packets[first..][..PACKETS].iter_mut().enumerate() {
             let (features, cover) = found.of(packet);
             let is = |lane: &usize| features[*lane] != Feature::NONE;
-            lanes(pixels.inside()).filter(is).for_each(|lane| pixels.join(lane, features[lane], wide));
+            lanes(pixels.inside()).filter(is).for_each(|lane| pixels.join(lane, features[lane], most));
             let Some(before) = covers.next() else { continue };
             // A shape that covers a pixel at one instant but not at the next moves through it.
             let differs = |lane: usize| (before.ids[lane] != cover.ids[lane]) & (before.ids[lane] != UNSEEN);
             let moved = (0..LANES).fold(0, |moved, lane| moved | u32::from(differs(lane)) << lane);
             for lane in lanes(moved & pixels.inside()) {
                 let radiance = before.radiance[lane].max(cover.radiance[lane]);
-                pixels.join(lane, Feature { area: 1.0, radiance }, wide);
+                pixels.join(lane, Feature { area: 1.0, radiance }, most);
             }
             *before = *cover;
         }

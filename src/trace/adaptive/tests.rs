@@ -44,7 +44,7 @@ fn rendered(
         let (column, row) = first_pixel(packet, tiles_across);
         for lane in 0..LANES {
             if edges((row + lane / SIDE as usize) * SIZE.0 as usize + column + lane % SIDE as usize) {
-                pixels.join(lane, Feature::EDGE, adaptive.first);
+                pixels.join(lane, Feature::EDGE, adaptive.most);
             }
         }
     }

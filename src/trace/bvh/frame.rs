@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 use crate::trace::shapes::Bounds;
 
 /// A frame with a median shape at its origin, scaled by a power of two so that all boxes lie within -1..=1, where `f32` is most precise. It
@@ -138,7 +138,7 @@ impl Frame {
     }
 
     /// Transforms a ray into the frame.
-    pub(crate) fn ray(&self, ray: &Ray) -> FrameRay {
+    pub(crate) fn ray(&self, ray: &PreparedRay) -> FrameRay {
         /// Direction components below this may have reciprocals outside the range of `f32`; the ray then always passes the test of the
         /// axis.
         const SLOWEST: f64 = 1e-30;

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Tree;
 use super::node::{Child, LeafId, Link, Node};
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 
 /// Traversal stack. Reused between rays to avoid allocations.
 #[derive(Clone, Debug, Default)]
@@ -47,7 +47,7 @@ impl Tree {
     #[inline]
     pub(crate) fn visit_nearest(
         &self,
-        ray: &Ray,
+        ray: &PreparedRay,
         mut limit: f64,
         stack: &mut Stack,
         cancelled: &AtomicBool,
@@ -101,7 +101,7 @@ impl Tree {
     #[inline]
     pub(crate) fn find_any(
         &self,
-        ray: &Ray,
+        ray: &PreparedRay,
         limit: f64,
         stack: &mut Stack,
         cancelled: &AtomicBool,

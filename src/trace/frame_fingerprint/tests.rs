@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::color::Rgb;
-use crate::trace::scene::{Geometry, Light, LightSource, Precision, PreparedShape, SurfaceMaterial};
+use crate::trace::scene::{Geometry, LightSource, Precision, PreparedLight, PreparedShape, SurfaceMaterial};
 use crate::trace::shapes::Sphere;
 
 fn sphere(x: f64, radius: f64) -> PreparedShape {
@@ -20,19 +20,23 @@ fn scene(shapes: &[PreparedShape]) -> PreparedScene {
     PreparedScene::new(geometry, materials)
 }
 
-fn camera() -> Camera {
-    Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (1.6, 0.9), (16, 9))
+fn camera() -> PreparedCamera {
+    PreparedCamera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (1.6, 0.9), (16, 9))
 }
 
 const ONE: FrameConstants = FrameConstants {
     transfer: Transfer::Srgb,
-    sampling: Sampling { samples: 1, seed: 7 },
+    sampling: PixelSampling { samples: 1, seed: 7 },
     target: None,
     lighting: Lighting::ClearShadows,
     instants: 1,
 };
 
-fn fingerprint(constants: &FrameConstants, scene: &PreparedScene, camera: &Camera) -> FrameFingerprint {
+fn fingerprint(
+    constants: &FrameConstants,
+    scene: &PreparedScene,
+    camera: &PreparedCamera,
+) -> FrameFingerprint {
     let mut hasher = FrameHasher::new(constants);
     hasher.add(scene, camera, constants.sampling);
     hasher.finish()
@@ -40,7 +44,7 @@ fn fingerprint(constants: &FrameConstants, scene: &PreparedScene, camera: &Camer
 
 #[test]
 fn all_that_reaches_a_picture_changes_it() {
-    let light = |own_shape| Light {
+    let light = |own_shape| PreparedLight {
         source: LightSource::Point(DVec3::Y),
         intensity: Rgb::ONE,
         falloff: None,
@@ -84,7 +88,7 @@ fn all_that_reaches_a_picture_changes_it() {
         changed(&|scene| scene.precision = Precision::TextbookF32),
         changed(&|scene| scene.lights = vec![light(None)]),
         changed(&|scene| scene.lights = vec![light(Some(ids[0]))]),
-        changed(&|scene| scene.lights = vec![Light { casts_shadows: false, ..light(None) }]),
+        changed(&|scene| scene.lights = vec![PreparedLight { casts_shadows: false, ..light(None) }]),
     ];
     // The same shapes in the same order: one by being written so, one by being put so.
     assert_eq!(all.remove(8), all[6]);
@@ -98,7 +102,7 @@ fn all_that_reaches_a_picture_changes_it() {
 fn seeds_count_where_something_is_sampled() {
     let scene = scene(&[sphere(0.0, 1.0)]);
     let of = |samples, seed| {
-        fingerprint(&FrameConstants { sampling: Sampling { samples, seed }, ..ONE }, &scene, &camera())
+        fingerprint(&FrameConstants { sampling: PixelSampling { samples, seed }, ..ONE }, &scene, &camera())
     };
     assert_eq!(of(1, 1), of(1, 2));
     assert_ne!(of(4, 1), of(4, 2));

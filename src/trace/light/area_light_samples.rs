@@ -7,7 +7,7 @@ use crate::trace::math::{
     F64s3, LANES, PixelSamples, SampleKeys, Scaled, Vectors, add, bits, dot, half_lanes, lanes, on_disc,
     scaled_lanes, select3, splat, splat3, subtract, times,
 };
-use crate::trace::scene::{Light, LightSource};
+use crate::trace::scene::{LightSource, PreparedLight};
 
 /// The sequences of sample points on an area light, one per lane.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ impl AreaLightSamples {
     #[inline(always)]
     pub(crate) fn choose(
         &mut self,
-        (index, light): (usize, &Light),
+        (index, light): (usize, &PreparedLight),
         asked: u32,
         asker: impl Fn(usize) -> (PixelSamples, u32, u64),
     ) {

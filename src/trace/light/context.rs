@@ -8,21 +8,21 @@ use super::contribution::RadianceBound;
 use super::medium_stack::{MediumStack, MediumStacks};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::math::Sampling;
+use crate::trace::math::PixelSampling;
 use crate::trace::rays::ShapeId;
-use crate::trace::scene::{Camera, Light, PixelCenters, PreparedScene};
+use crate::trace::scene::{PixelCenters, PreparedCamera, PreparedLight, PreparedScene};
 use crate::trace::shapes::Bounds;
 
 /// A scene, its camera, the samples to take, and the values derived from them.
 pub(crate) struct RenderContext<'a> {
     pub(crate) scene: &'a PreparedScene,
-    pub(crate) camera: &'a Camera,
-    pub(crate) sampling: Sampling,
+    pub(crate) camera: &'a PreparedCamera,
+    pub(crate) sampling: PixelSampling,
     pub(crate) effects: Effects,
     pub(crate) radiance_bound: RadianceBound,
     pub(crate) pixel_centers: PixelCenters,
     /// Lights with nonzero intensity, with their indices in document order.
-    pub(crate) lights: Vec<(usize, &'a Light)>,
+    pub(crate) lights: Vec<(usize, &'a PreparedLight)>,
     start: StartMedia,
 }
 
@@ -32,8 +32,8 @@ struct StartMedia(Vec<ShapeId>);
 impl<'a> RenderContext<'a> {
     pub(crate) fn new(
         scene: &'a PreparedScene,
-        camera: &'a Camera,
-        sampling: Sampling,
+        camera: &'a PreparedCamera,
+        sampling: PixelSampling,
         effects: Effects,
     ) -> Self {
         let lights = scene.lights.iter().enumerate();
@@ -71,7 +71,7 @@ impl<'a> RenderContext<'a> {
 }
 
 impl StartMedia {
-    fn new(scene: &PreparedScene, camera: &Camera) -> Self {
+    fn new(scene: &PreparedScene, camera: &PreparedCamera) -> Self {
         let (eye, reach) = camera.eye();
         let near = |id: &ShapeId| {
             let bounds = scene.geometry().bounds(*id);

@@ -7,8 +7,8 @@ use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{Dimension, PixelSamples, scaled};
 use crate::trace::query::SurfacePoint;
-use crate::trace::rays::{Ray, ShadowLimit};
-use crate::trace::scene::{Light, LightSource, SurfaceMaterial};
+use crate::trace::rays::{PreparedRay, ShadowLimit};
+use crate::trace::scene::{LightSource, PreparedLight, SurfaceMaterial};
 
 /// A shading point.
 pub(crate) struct ShadingPoint<'a> {
@@ -38,7 +38,7 @@ pub(crate) struct SampleId {
 /// A shadow ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadowRay {
-    pub(crate) ray: Ray,
+    pub(crate) ray: PreparedRay,
     /// End of the ray, at the light.
     pub(crate) limit: ShadowLimit,
     /// True if the light arrives from the other side, through the transparent medium behind the surface.
@@ -72,7 +72,7 @@ impl WayToLight {
         // The shadow ray leaves the surface on the side of the arriving ray, unless the light is behind the surface. The point is finite,
         // because it has a direction to the light.
         let exclusion = surface.exclusion(surface.from_outside != from_behind);
-        ShadowRay { ray: Ray::departing(surface.point, direction, exclusion), limit, from_behind }
+        ShadowRay { ray: PreparedRay::departing(surface.point, direction, exclusion), limit, from_behind }
     }
 }
 
@@ -81,7 +81,7 @@ impl WayToLight {
 #[inline(always)]
 pub(crate) fn sample_light(
     effects: Effects,
-    (index, light): (usize, &Light),
+    (index, light): (usize, &PreparedLight),
     lit: &ShadingPoint<'_>,
     sample: u32,
 ) -> Option<LightSample> {
@@ -103,7 +103,7 @@ pub(crate) fn sample_light(
 /// Returns sample point `sample` of an area light for a shading point. `path` is the index of the ray that hit the point in the ray tree of
 /// pixel sample `asker`.
 fn light_place(
-    (index, light): (usize, &Light),
+    (index, light): (usize, &PreparedLight),
     point: DVec3,
     (asker, path): (SampleId, u64),
     sample: u32,
@@ -122,13 +122,18 @@ pub(super) fn light_dimension(index: usize, path: u64) -> Dimension {
 
 /// Returns the index, in the sequence of a pixel, of sample `sample` of a light for sample `of_pixel` of the pixel.
 #[inline(always)]
-pub(super) fn light_point(light: &Light, of_pixel: u32, sample: u32) -> u32 {
+pub(super) fn light_point(light: &PreparedLight, of_pixel: u32, sample: u32) -> u32 {
     of_pixel.wrapping_mul(light.places()).wrapping_add(sample)
 }
 
 /// Returns the contribution of a light from `place`; `None` if the shading point is at `place`.
 #[inline(always)]
-fn from_place(effects: Effects, light: &Light, lit: &ShadingPoint<'_>, place: DVec3) -> Option<LightSample> {
+fn from_place(
+    effects: Effects,
+    light: &PreparedLight,
+    lit: &ShadingPoint<'_>,
+    place: DVec3,
+) -> Option<LightSample> {
     let (to_light, scale) = scaled(place - lit.point)?;
     arriving(effects, light, lit, to_light, ShadowLimit::new(scale.recip(), place))
 }
@@ -139,7 +144,7 @@ fn from_place(effects: Effects, light: &Light, lit: &ShadingPoint<'_>, place: DV
 #[inline(always)]
 fn arriving(
     effects: Effects,
-    light: &Light,
+    light: &PreparedLight,
     lit: &ShadingPoint<'_>,
     to_light: DVec3,
     limit: ShadowLimit,

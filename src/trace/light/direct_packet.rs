@@ -11,7 +11,7 @@ use crate::trace::math::{
     F64s, F64s3, Mask, Numbers, Scaled, bits, bits16, dot, finite3, half_of, lanes, scaled, scaled_lanes,
     splat, splat3, subtract,
 };
-use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
+use crate::trace::scene::{LightSource, PreparedLight, PreparedScene, SurfaceMaterial};
 
 /// Computes the contribution of sample `sample` of light number `index` at each shading point, before occlusion. `asker` returns the pixel
 /// sample of a lane.
@@ -19,7 +19,7 @@ use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
 pub(crate) fn sample_light_lanes<S: Simd>(
     simd: S,
     (scene, effects): (&PreparedScene, Effects),
-    (index, light): (usize, &Light),
+    (index, light): (usize, &PreparedLight),
     lit: &ShadingPacket<'_>,
     sample: u32,
     asker: impl Fn(usize) -> SampleId,
@@ -145,7 +145,7 @@ enum LightPosition {
 #[inline(always)]
 fn target<S: Simd>(
     simd: S,
-    light: &Light,
+    light: &PreparedLight,
     effects: Effects,
     lit: &ShadingPacket<'_>,
     sample: u32,

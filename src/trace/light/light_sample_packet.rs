@@ -10,7 +10,7 @@ use crate::color::Rgb;
 use crate::trace::math::{Colors, F64s3, Numbers, Vectors, mask, select3};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShadowLimit};
-use crate::trace::scene::{Light, LightSource};
+use crate::trace::scene::{LightSource, PreparedLight};
 
 /// Shading points, lane by lane.
 pub(crate) struct ShadingPacket<'a> {
@@ -64,7 +64,7 @@ impl LightSamplePacket {
 
     /// Returns the direction to the light and its end, in a lane that has a direction.
     #[inline]
-    pub(crate) fn way(&self, light: &Light, lane: usize) -> WayToLight {
+    pub(crate) fn way(&self, light: &PreparedLight, lane: usize) -> WayToLight {
         let limit = match light.source {
             LightSource::Point(place) | LightSource::Spot(place, _) => {
                 ShadowLimit::new(self.limits.get(lane), place)

@@ -7,7 +7,7 @@ use super::path_packet::PathPacket;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{Colors, F64s, Numbers, exp, lanes, splat};
-use crate::trace::scene::{Fog, PreparedScene};
+use crate::trace::scene::{PreparedFog, PreparedScene};
 
 /// The attenuation along rays: incoming light times `transmitted`, plus `added`.
 #[derive(Clone, Copy)]
@@ -56,7 +56,7 @@ impl Absorbers {
 
     /// Computes the attenuation over lengths, which may be infinite.
     #[inline(always)]
-    pub(crate) fn over<S: Simd>(&self, simd: S, fog: &Fog, lengths: &Numbers) -> PassageLanes<S> {
+    pub(crate) fn over<S: Simd>(&self, simd: S, fog: &PreparedFog, lengths: &Numbers) -> PassageLanes<S> {
         let one = f32x16::splat(simd, 1.0);
         let mut absorbed = [one; 3];
         if self.in_solids {

@@ -9,13 +9,13 @@ use super::scratch::LightScratch;
 use crate::color::{Rgb, to_f32};
 use crate::trace::effects::Effects;
 use crate::trace::query::SurfacePoint;
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 use crate::trace::scene::{Attenuation, PreparedScene, Refraction};
 
 /// A ray in the ray tree of a sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TreeRay {
-    pub(crate) ray: Ray,
+    pub(crate) ray: PreparedRay,
     pub(crate) state: PathState,
 }
 

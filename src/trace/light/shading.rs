@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::color::{Rgb, to_f32};
 use crate::trace::effects::Effects;
 use crate::trace::math::pow;
-use crate::trace::scene::{Light, LightSource, PreparedScene, SurfaceMaterial};
+use crate::trace::scene::{LightSource, PreparedLight, PreparedScene, SurfaceMaterial};
 
 /// Computes the ambient term, C_a = k_a c I_a.
 #[inline]
@@ -23,7 +23,13 @@ pub(crate) fn held(light: Rgb) -> Rgb {
 /// Computes I_j, the intensity of a light in this direction and at this distance. `length` is the length of `to_light`, and `limit` is the
 /// light's `t` along it.
 #[inline(always)]
-pub(crate) fn intensity(effects: Effects, light: &Light, to_light: DVec3, length: f64, limit: f64) -> Rgb {
+pub(crate) fn intensity(
+    effects: Effects,
+    light: &PreparedLight,
+    to_light: DVec3,
+    length: f64,
+    limit: f64,
+) -> Rgb {
     let mut intensity = light.intensity;
     if effects.extras {
         if let LightSource::Spot(_, cone) = &light.source {

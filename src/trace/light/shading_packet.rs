@@ -7,14 +7,14 @@ use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normal
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{F64s, F64s3, LANES, Numbers, dot, half_of, lanes, pow, splat, splat3};
-use crate::trace::scene::{Cone, Falloff, Light, LightSource, PreparedScene};
+use crate::trace::scene::{Cone, LightSource, PreparedFalloff, PreparedLight, PreparedScene};
 
 /// Computes the intensity of a light in the lanes of light samples. `lengths` are the lengths of their directions.
 #[inline(always)]
 pub(super) fn intensities<S: Simd>(
     simd: S,
     effects: Effects,
-    light: &Light,
+    light: &PreparedLight,
     lengths: &Numbers,
     light_samples: &LightSamplePacket,
 ) -> [f32x16<S>; 3] {
@@ -70,9 +70,9 @@ fn in_cone<S: Simd>(simd: S, cone: &Cone, cosine: F64s<S>) -> F64s<S> {
     cosine.simd_ge(splat(simd, cone.inner)).select(splat(simd, 1.0), outside)
 }
 
-/// Computes [`Falloff::at`].
+/// Computes [`PreparedFalloff::at`].
 #[inline(always)]
-fn after<S: Simd>(simd: S, falloff: &Falloff, distance: F64s<S>) -> F64s<S> {
+fn after<S: Simd>(simd: S, falloff: &PreparedFalloff, distance: F64s<S>) -> F64s<S> {
     let farthest = splat(simd, f64::MAX);
     let distance = distance.simd_lt(farthest).select(distance, farthest);
     let weakened = distance * (distance * falloff.quadratic + falloff.linear) + falloff.constant;

@@ -39,7 +39,7 @@ pub(crate) use real::{Real, Truth, absolute, add, dot, subtract, times};
 pub(crate) use sample_keys::SampleKeys;
 pub(crate) use sampling::on_disc;
 pub(crate) use sampling::stratum;
-pub use sampling::{Dimension, PixelSamples, Sampling, disc};
+pub use sampling::{Dimension, PixelSamples, PixelSampling, disc};
 pub(crate) use scaling::scaled;
 pub use simd_level::SimdLevel;
 pub use sums::{exact_dot, offset_height, square_difference};

@@ -19,7 +19,7 @@ use super::real::Real;
 
 /// Number and seed of the samples of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sampling {
+pub struct PixelSampling {
     /// Samples per pixel, at least 1. A single sample lies at the pixel's centre; several are spread over the pixel, and its colour is
     /// their mean.
     pub samples: u32,
@@ -27,13 +27,13 @@ pub struct Sampling {
     pub seed: u64,
 }
 
-impl Default for Sampling {
+impl Default for PixelSampling {
     fn default() -> Self {
         Self { samples: 1, seed: 0 }
     }
 }
 
-impl Sampling {
+impl PixelSampling {
     /// Returns the same number of samples, with a seed that also depends on `numbers`.
     #[must_use]
     pub fn reseeded(self, numbers: [u64; 2]) -> Self {

@@ -386,7 +386,7 @@ mod tests {
     use super::*;
     use crate::trace::math::scaled;
     use crate::trace::packet::tests::{OPAQUE, scene, scene_of};
-    use crate::trace::rays::Ray;
+    use crate::trace::rays::PreparedRay;
     use crate::trace::scene::PreparedShape;
     use crate::trace::shapes::{AlignedBox, Sphere};
 
@@ -397,7 +397,7 @@ mod tests {
             let (packet, lane) = (index / 64 * 4 + index % 16 / 4, index / 16 % 4 * 4 + index % 4);
             let point = DVec3::new(f64::from(index % 16) * 0.1, 0.0, f64::from(index / 16) * 0.1);
             let (direction, scale) = scaled(light - point).unwrap();
-            ways[packet as usize].0.set(lane as usize, &Ray::new(point, direction).unwrap());
+            ways[packet as usize].0.set(lane as usize, &PreparedRay::new(point, direction).unwrap());
             ways[packet as usize].1.set(lane as usize, scale.recip());
         }
         ways

@@ -29,7 +29,7 @@ use crate::trace::bvh::{Beam, FrustumVisitor, LeafBox, LeafId, Limits, PACKETS, 
 use crate::trace::math::{LANES, Vectors};
 use crate::trace::query::{HitPacket, Scratch};
 use crate::trace::rays::RayPacket;
-use crate::trace::scene::{Camera, PreparedScene, Square};
+use crate::trace::scene::{PreparedCamera, PreparedScene, Square};
 
 /// Maximum number of candidates, the number of a tile's rays. Beyond it, traversing the tree is faster. Skipping a candidate costs a few
 /// operations for all rays together.
@@ -59,7 +59,7 @@ impl LensCandidates {
     pub(crate) fn find(
         &mut self,
         scene: &PreparedScene,
-        camera: &Camera,
+        camera: &PreparedCamera,
         squares: &[Option<Square>; PACKETS],
         scratch: &mut Scratch<'_>,
     ) {
@@ -105,7 +105,7 @@ impl LensCandidates {
 /// lanes that hold them. `None` if some samples do not reach that depth.
 fn places_beyond(
     scene: &PreparedScene,
-    camera: &Camera,
+    camera: &PreparedCamera,
     squares: &[Option<Square>; PACKETS],
 ) -> Option<[(Vectors, u32); PACKETS]> {
     let [.., view] = camera.axes();
@@ -191,7 +191,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::math::{Sampling, SimdLevel};
+    use crate::trace::math::{PixelSampling, SimdLevel};
     use crate::trace::packet::tests::{camera, compare, crowd, looking, point, scene, shape};
     use crate::trace::rays::TieLists;
     use crate::trace::scene::SpreadKeys;
@@ -200,9 +200,9 @@ mod tests {
     /// decided in packets at any level, and the number of rays.
     fn decided_through_lens(
         scene: &mut PreparedScene,
-        camera: &Camera,
+        camera: &PreparedCamera,
     ) -> Result<(usize, usize), TestCaseError> {
-        let sampling = Sampling { samples: 16, seed: 5 };
+        let sampling = PixelSampling { samples: 16, seed: 5 };
         let mut squares = [None; 16];
         for (square, index) in squares.iter_mut().zip(0..) {
             *square = Some(Square { first: (index % 4 * 4, index / 4 * 4), size: (4, 4) });

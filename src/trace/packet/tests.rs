@@ -12,9 +12,9 @@ use crate::color::Rgb;
 use crate::trace::bvh::LeafId;
 use crate::trace::math::{HALF, Numbers, SimdLevel, lanes, scaled};
 use crate::trace::query::{Crossing, HitPacket, Scratch, SurfacePacket};
-use crate::trace::rays::{Ray, RayPacket, RayView, ShadowLimit, ShapeId, TieLists};
+use crate::trace::rays::{PreparedRay, RayPacket, RayView, ShadowLimit, ShapeId, TieLists};
 use crate::trace::scene::{
-    Camera, Geometry, PixelCenters, PreparedScene, PreparedShape, Refraction, Square, SurfaceMaterial,
+    Geometry, PixelCenters, PreparedCamera, PreparedScene, PreparedShape, Refraction, Square, SurfaceMaterial,
 };
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 
@@ -82,7 +82,7 @@ pub(super) fn scene_of(shapes: &[PreparedShape], is_clear: impl Fn(usize) -> boo
 }
 
 /// Creates the camera's rays, in packets of four by four pixels.
-fn packets(scene: &PreparedScene, camera: &Camera) -> Vec<RayPacket> {
+fn packets(scene: &PreparedScene, camera: &PreparedCamera) -> Vec<RayPacket> {
     let centers = PixelCenters::of(camera);
     let mut packets = vec![RayPacket::EMPTY; 16];
     for (packet, index) in packets.iter_mut().zip(0..) {
@@ -126,7 +126,7 @@ pub(super) fn compare(
 }
 
 /// Compares a bundle's hits with the hits of single rays, at every SIMD level. Returns the smallest number of rays decided at any level.
-fn decided(scene: &mut PreparedScene, camera: &Camera) -> Result<usize, TestCaseError> {
+fn decided(scene: &mut PreparedScene, camera: &PreparedCamera) -> Result<usize, TestCaseError> {
     let mut least = usize::MAX;
     for (name, level) in SimdLevel::all() {
         scene.simd = level;
@@ -169,7 +169,7 @@ fn decided_by_packets(
 }
 
 /// Creates rays that leave the surfaces that the camera sees, reflected or straight through, with their lists of coincident shapes.
-fn secondary(scene: &PreparedScene, camera: &Camera, inwards: bool) -> (Vec<RayPacket>, TieLists) {
+fn secondary(scene: &PreparedScene, camera: &PreparedCamera, inwards: bool) -> (Vec<RayPacket>, TieLists) {
     let mut scratch = Scratch::default();
     let mut packets = Vec::new();
     for rays in packets_of(camera) {
@@ -195,7 +195,7 @@ fn secondary(scene: &PreparedScene, camera: &Camera, inwards: bool) -> (Vec<RayP
 }
 
 /// Creates the camera's rays, in groups of sixteen.
-fn packets_of(camera: &Camera) -> Vec<Vec<Ray>> {
+fn packets_of(camera: &PreparedCamera) -> Vec<Vec<PreparedRay>> {
     let square = |index: u32| {
         let pixels = (0..16).map(move |lane| (index % 4 * 4 + lane % 4, index / 4 * 4 + lane / 4));
         pixels.filter_map(|(i, j)| camera.ray(i, j)).collect()
@@ -203,8 +203,8 @@ fn packets_of(camera: &Camera) -> Vec<Vec<Ray>> {
     (0..16).map(square).collect()
 }
 
-pub(super) fn camera(eye: DVec3, view: DVec3, wide: f64) -> Camera {
-    Camera::new(eye, view, DVec3::Y, 1.0, (wide, wide), (SIDE, SIDE))
+pub(super) fn camera(eye: DVec3, view: DVec3, wide: f64) -> PreparedCamera {
+    PreparedCamera::new(eye, view, DVec3::Y, 1.0, (wide, wide), (SIDE, SIDE))
 }
 
 /// Returns the vector, or Z for the null vector.
@@ -355,7 +355,7 @@ fn sorted(crossings: impl IntoIterator<Item = Crossing>) -> Crossings {
 /// Returns whether a ray is occluded and, if not, its crossings with transparent shapes.
 fn hidden(
     scene: &PreparedScene,
-    ray: &Ray,
+    ray: &PreparedRay,
     limit: &ShadowLimit,
     occluders: (Option<ShapeId>, Option<&[LeafId]>),
     clear: bool,
@@ -401,7 +401,7 @@ fn a_light_with_a_size_has_lists() {
 /// Creates rays from the surfaces that the camera sees to a light, with their `t` at the light, and their lists of coincident shapes.
 fn shadow_rays(
     scene: &PreparedScene,
-    camera: &Camera,
+    camera: &PreparedCamera,
     light: DVec3,
 ) -> (Vec<(RayPacket, Numbers)>, TieLists) {
     let mut scratch = Scratch::default();
@@ -482,7 +482,7 @@ fn from_however_far_the_nearest_is_found() {
         let nearest = ShapeId(u32::from(places[0] > places[1]));
         for far in [1e38, 3e38, 4e38, 6e38, 1e39, 1e45] {
             let origin = DVec3::Z * (-far / scene.tree.scale());
-            let ray = Ray::new(origin, DVec3::Z * 1.9).unwrap();
+            let ray = PreparedRay::new(origin, DVec3::Z * 1.9).unwrap();
             let found = scene.closest(scene.geometry(), &ray, &mut Scratch::default());
             assert_eq!(found.map(|closest| closest.hit.id), Some(nearest), "{far:e} {places:?}");
             let mut rays = RayPacket::EMPTY;

@@ -9,13 +9,13 @@ use super::closest_hit::with_intersector;
 use super::hit::SurfacePoint;
 use super::intersector::Intersector;
 use super::scratch::Scratch;
-use crate::trace::rays::{Ray, ShapeId, TieLists};
+use crate::trace::rays::{PreparedRay, ShapeId, TieLists};
 use crate::trace::scene::PreparedScene;
 
 /// A ray that owns the list of the surfaces it leaves.
 #[derive(Clone, Debug)]
 pub struct CastRay {
-    ray: Ray,
+    ray: PreparedRay,
     ties: TieLists,
 }
 
@@ -30,7 +30,7 @@ impl CastRay {
     /// Creates a ray with any origin. `None` if a number is not finite or the direction is zero.
     #[must_use]
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Self> {
-        Some(Self { ray: Ray::new(origin, direction)?, ties: TieLists::default() })
+        Some(Self { ray: PreparedRay::new(origin, direction)?, ties: TieLists::default() })
     }
 }
 
@@ -45,9 +45,9 @@ impl CastHit {
 }
 
 impl Deref for CastRay {
-    type Target = Ray;
+    type Target = PreparedRay;
 
-    fn deref(&self) -> &Ray {
+    fn deref(&self) -> &PreparedRay {
         &self.ray
     }
 }

@@ -1,7 +1,7 @@
 //! Fast count of the crossings of a shadow ray with a sphere's surface, for the cases in which error bounds make it certain. A transparent
 //! sphere without absorption then needs no other query.
 
-use crate::trace::rays::{Ray, RayView, ShadowLimit, ShapeId};
+use crate::trace::rays::{PreparedRay, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{Geometry, ShapeKind, ShapeLocation};
 use crate::trace::shapes::Sphere;
 
@@ -26,7 +26,7 @@ impl Line {
     /// Returns `None` if the line passes too close to the sphere's outline. The roots are computed as in [`Sphere::intersect`], and all bounds
     /// are several times as wide.
     #[inline]
-    fn by(sphere: &Sphere, ray: &Ray) -> Option<Self> {
+    fn by(sphere: &Sphere, ray: &PreparedRay) -> Option<Self> {
         let (to_center, direction) = (sphere.center - ray.origin(), ray.direction());
         let b = to_center.dot(direction);
         let squared_radius = sphere.radius * sphere.radius;

@@ -7,7 +7,7 @@ use super::hit::{ClosestHit, ShapeHit, SurfacePoint};
 use super::intersector::Intersector;
 use super::nearest::Nearest;
 use super::scratch::Scratch;
-use crate::trace::rays::{CoincidentHits, Ray, RayView, ShapeId, Tie};
+use crate::trace::rays::{CoincidentHits, PreparedRay, RayView, ShapeId, Tie};
 use crate::trace::scene::PreparedScene;
 use crate::trace::shapes::RefinedHit;
 
@@ -39,7 +39,7 @@ impl PreparedScene {
     pub(crate) fn closest(
         &self,
         shapes: &impl Intersector,
-        ray: &Ray,
+        ray: &PreparedRay,
         scratch: &mut Scratch<'_>,
     ) -> Option<ClosestHit> {
         let Scratch { stack, escalations, ties, tied_hits, cancelled, .. } = scratch;
@@ -66,7 +66,7 @@ impl PreparedScene {
     pub(crate) fn surface(
         &self,
         shapes: &impl Intersector,
-        ray: &Ray,
+        ray: &PreparedRay,
         closest: &ClosestHit,
         scratch: &mut Scratch<'_>,
     ) -> SurfacePoint {
@@ -81,7 +81,7 @@ impl PreparedScene {
     fn tied_surface(
         &self,
         shapes: &impl Intersector,
-        ray: &Ray,
+        ray: &PreparedRay,
         closest: &ClosestHit,
         Scratch { escalations, ties, tied_hits, .. }: &mut Scratch<'_>,
     ) -> SurfacePoint {
@@ -122,7 +122,7 @@ impl PreparedScene {
 #[inline(always)]
 fn surface_at(
     shapes: &impl Intersector,
-    ray: &Ray,
+    ray: &PreparedRay,
     hit: ShapeHit,
     (first_equal, ties): (ShapeId, CoincidentHits),
     escalations: &mut Escalations,

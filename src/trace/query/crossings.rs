@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use crate::trace::math::scaled;
     use crate::trace::query::{CastRay, SurfacePoint};
-    use crate::trace::rays::Ray;
+    use crate::trace::rays::PreparedRay;
     use crate::trace::scene::{Geometry, PreparedShape, SurfaceMaterial};
     use crate::trace::shapes::Sphere;
 
@@ -128,13 +128,13 @@ mod tests {
     }
 
     /// Returns a ray that leaves a surface towards a light, and the limit at the light.
-    fn leave_to(surface: &SurfacePoint, outward: bool, light: DVec3) -> Option<(Ray, ShadowLimit)> {
+    fn leave_to(surface: &SurfacePoint, outward: bool, light: DVec3) -> Option<(PreparedRay, ShadowLimit)> {
         let (_, scale) = scaled(light - surface.point)?;
         Some((surface.leave(outward, light - surface.point)?, ShadowLimit::new(scale.recip(), light)))
     }
 
     /// Returns the number of times that the ray crosses the ball: the fast count, if certain, and the exact one.
-    fn crossings(scene: &PreparedScene, ray: &Ray, limit: &ShadowLimit) -> (Option<u32>, usize) {
+    fn crossings(scene: &PreparedScene, ray: &PreparedRay, limit: &ShadowLimit) -> (Option<u32>, usize) {
         let (shapes, id, escalations) = (scene.geometry(), ShapeId(0), &mut Escalations::default());
         let ray = &RayView::alone(ray);
         let mut crossings = Vec::new();
@@ -152,8 +152,8 @@ mod tests {
             let radius = [1.0, 2.0, 0.3][radius];
             let scene = ball(center, radius);
             // Besides the ray itself, two rays that start at its hit on the ball, one to either side.
-            let mut rays: Vec<(Ray, ShadowLimit)> = Vec::new();
-            if let Some(ray) = Ray::new(from, light - from) {
+            let mut rays: Vec<(PreparedRay, ShadowLimit)> = Vec::new();
+            if let Some(ray) = PreparedRay::new(from, light - from) {
                 let length = (light - from).abs().max_element() / ray.direction().abs().max_element();
                 if let Some(surface) = CastRay::new(from, light - from).and_then(|ray| scene.cast(&ray)) {
                     rays.extend([true, false].into_iter().filter_map(|outward| leave_to(&surface, outward, light)));
@@ -172,13 +172,13 @@ mod tests {
     fn a_glance_is_mostly_enough() {
         let scene = ball(DVec3::ZERO, 1.0);
         let limit = |t: f64| ShadowLimit::new(t, DVec3::new(-5.0 + t, 0.3, 0.2));
-        let ray = Ray::new(DVec3::new(-5.0, 0.3, 0.2), DVec3::X).unwrap();
+        let ray = PreparedRay::new(DVec3::new(-5.0, 0.3, 0.2), DVec3::X).unwrap();
         for (t, count) in [(2.0, 0), (5.0, 1), (7.0, 2), (f64::INFINITY, 2)] {
             assert_eq!(crossings(&scene, &ray, &limit(t)), (Some(count), count as usize));
         }
-        let inside = Ray::new(DVec3::new(0.1, 0.3, 0.2), DVec3::X).unwrap();
+        let inside = PreparedRay::new(DVec3::new(0.1, 0.3, 0.2), DVec3::X).unwrap();
         assert_eq!(crossings(&scene, &inside, &ShadowLimit::NONE), (Some(1), 1));
-        let unbounded = Ray::new(DVec3::new(-5.0, 1.3, 0.2), DVec3::X).unwrap();
+        let unbounded = PreparedRay::new(DVec3::new(-5.0, 1.3, 0.2), DVec3::X).unwrap();
         assert_eq!(crossings(&scene, &unbounded, &ShadowLimit::NONE), (Some(0), 0));
     }
 }

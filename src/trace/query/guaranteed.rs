@@ -8,7 +8,7 @@ use super::escalations::Escalations;
 use super::hit::ShapeHit;
 use super::intersector::Intersector;
 use crate::trace::math::{BoundedT, Compensated, Double, Double3, Exact3};
-use crate::trace::rays::{FAR, Ray, RayView, ShadowLimit, ShapeId};
+use crate::trace::rays::{FAR, PreparedRay, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{Geometry, ShapeRef};
 use crate::trace::shapes::{Bounds, ExactHit, Face, Intersection, RefinedHit, Side};
 
@@ -58,7 +58,7 @@ impl Intersector for Geometry {
     #[inline]
     fn compare(
         &self,
-        ray: &Ray,
+        ray: &PreparedRay,
         hit: &ShapeHit,
         other: &ShapeHit,
         escalations: &mut Escalations,
@@ -80,7 +80,7 @@ impl Intersector for Geometry {
     fn is_before(
         &self,
         hit: &ShapeHit,
-        ray: &Ray,
+        ray: &PreparedRay,
         limit: &ShadowLimit,
         escalations: &mut Escalations,
     ) -> bool {
@@ -93,7 +93,7 @@ impl Intersector for Geometry {
     }
 
     #[inline(always)]
-    fn refine(&self, ray: &Ray, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit {
+    fn refine(&self, ray: &PreparedRay, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
         if t < FAR
             && !hit.root.is_rounded()
@@ -114,7 +114,12 @@ impl Intersector for Geometry {
 impl Geometry {
     /// Refines a hit whose `t` has more than a few rounding errors, or that is near an edge.
     #[cold]
-    fn refine_specially(&self, ray: &Ray, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit {
+    fn refine_specially(
+        &self,
+        ray: &PreparedRay,
+        hit: &ShapeHit,
+        escalations: &mut Escalations,
+    ) -> RefinedHit {
         let mut refined = if hit.root.t() < FAR {
             self.refine_precisely(ray, hit, escalations)
         } else {
@@ -128,7 +133,12 @@ impl Geometry {
         refined
     }
 
-    fn refine_precisely(&self, ray: &Ray, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit {
+    fn refine_precisely(
+        &self,
+        ray: &PreparedRay,
+        hit: &ShapeHit,
+        escalations: &mut Escalations,
+    ) -> RefinedHit {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
         if hit.root.is_rough() && !hit.root.is_rounded() {
             escalations.rough += 1;
@@ -149,7 +159,7 @@ impl Geometry {
 
     /// Refines a hit at [`FAR`] or beyond, in coordinates scaled down so far that no product overflows. If the point itself overflows, it is
     /// not finite.
-    fn refine_far(&self, ray: &Ray, hit: &ShapeHit) -> RefinedHit {
+    fn refine_far(&self, ray: &PreparedRay, hit: &ShapeHit) -> RefinedHit {
         /// 2^-600
         const SMALLER: f64 = f64::from_bits((1023 - 600) << 52);
         let (origin, direction) = (ray.origin(), ray.direction());
@@ -179,7 +189,7 @@ impl Geometry {
 
     /// Returns whether a hit at [`FAR`] or beyond has a finite point at a finite distance.
     #[cold]
-    fn is_reached(&self, ray: &Ray, hit: &ShapeHit) -> bool {
+    fn is_reached(&self, ray: &PreparedRay, hit: &ShapeHit) -> bool {
         let distance = hit.root.t() * ray.direction().length();
         distance.is_finite() && self.refine(ray, hit, &mut Escalations::default()).point.is_finite()
     }
@@ -205,14 +215,14 @@ impl Geometry {
     }
 
     #[inline]
-    fn near_hit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<ShapeHit> {
+    fn near_hit(&self, id: ShapeId, ray: &PreparedRay, escalations: &mut Escalations) -> Option<ShapeHit> {
         // Each kind of shape reads the ray itself: a copy here would go through memory a second time.
         let verdict = ask!(self, id, shape => shape.intersect(ray));
         self.decided(verdict, id, false, ray, escalations)
     }
 
     #[cold]
-    fn exit(&self, id: ShapeId, ray: &Ray, escalations: &mut Escalations) -> Option<ShapeHit> {
+    fn exit(&self, id: ShapeId, ray: &PreparedRay, escalations: &mut Escalations) -> Option<ShapeHit> {
         let verdict = ask!(self, id, shape => shape.exit(ray.origin(), ray.direction()));
         self.decided(verdict, id, true, ray, escalations)
     }
@@ -223,7 +233,7 @@ impl Geometry {
         verdict: Intersection,
         id: ShapeId,
         far: bool,
-        ray: &Ray,
+        ray: &PreparedRay,
         escalations: &mut Escalations,
     ) -> Option<ShapeHit> {
         let root = match verdict {
@@ -240,7 +250,7 @@ impl Geometry {
 
     /// Computes a hit without any rounding: the first one or, if `far`, the exit of a ray that starts on the shape and goes inwards.
     #[cold]
-    fn exactly(&self, id: ShapeId, far: bool, ray: &Ray) -> Option<ExactHit> {
+    fn exactly(&self, id: ShapeId, far: bool, ray: &PreparedRay) -> Option<ExactHit> {
         self.exactly_met(id, far, ray.origin(), &ray.direction().into())
     }
 
@@ -253,7 +263,7 @@ impl Geometry {
     }
 
     /// Returns whether both hits lie in the same plane, as on flush faces. They then need not be compared.
-    fn meet_one_plane(&self, hit: &ShapeHit, other: &ShapeHit, ray: &Ray) -> bool {
+    fn meet_one_plane(&self, hit: &ShapeHit, other: &ShapeHit, ray: &PreparedRay) -> bool {
         let facet = |hit: &ShapeHit| {
             let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
             ask!(self, hit.id, shape => shape.facet(origin, direction, t, hit.far))
@@ -264,7 +274,7 @@ impl Geometry {
     /// Returns whether the shape lies between the ray's origin and the light's exact position, which the ray misses by the rounding of its
     /// direction. A shape on which the light lies, within the rounding of its position, does not.
     #[cold]
-    fn exactly_before(&self, hit: &ShapeHit, ray: &Ray, limit: &ShadowLimit) -> bool {
+    fn exactly_before(&self, hit: &ShapeHit, ray: &PreparedRay, limit: &ShadowLimit) -> bool {
         let (id, origin) = (hit.id, ray.origin());
         let exact_way = Double3::difference(limit.place(), origin);
         let way = exact_way.rounded();

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::trace::math::{BoundedT, Double, Double3, scaled};
-use crate::trace::rays::{CoincidentHits, FAR, Ray, ShapeId, SurfaceExclusion};
+use crate::trace::rays::{CoincidentHits, FAR, PreparedRay, ShapeId, SurfaceExclusion};
 
 /// An intersection of a ray with a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,14 +69,14 @@ impl SurfacePoint {
 
     /// Returns the distance from the origin of the ray that found the point: t |d| in double-double, rounded once.
     #[must_use]
-    pub fn distance(&self, ray: &Ray) -> f64 {
+    pub fn distance(&self, ray: &PreparedRay) -> f64 {
         let direction = Double3::from(ray.direction());
         self.times(direction.dot(direction).sqrt())
     }
 
     /// Returns the distance from the origin of the ray that found the point, along a unit vector.
     #[must_use]
-    pub fn depth(&self, ray: &Ray, axis: DVec3) -> f64 {
+    pub fn depth(&self, ray: &PreparedRay, axis: DVec3) -> f64 {
         self.times(Double3::from(ray.direction()).dot(Double3::from(axis)))
     }
 
@@ -101,9 +101,9 @@ impl SurfacePoint {
     /// Returns a ray that leaves the surface on the side given by `outward`.
     #[must_use]
     #[inline]
-    pub(crate) fn leave(&self, outward: bool, direction: DVec3) -> Option<Ray> {
+    pub(crate) fn leave(&self, outward: bool, direction: DVec3) -> Option<PreparedRay> {
         self.point.is_finite().then_some(())?;
         let (direction, _) = scaled(direction)?;
-        Some(Ray::departing(self.point, direction, self.exclusion(outward)))
+        Some(PreparedRay::departing(self.point, direction, self.exclusion(outward)))
     }
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::escalations::Escalations;
 use super::hit::ShapeHit;
-use crate::trace::rays::{Ray, RayView, ShadowLimit, ShapeId};
+use crate::trace::rays::{PreparedRay, RayView, ShadowLimit, ShapeId};
 use crate::trace::shapes::RefinedHit;
 
 /// Intersects rays with shapes at one precision.
@@ -13,14 +13,19 @@ pub(crate) trait Intersector: Sync {
     fn intersect(&self, id: ShapeId, ray: &RayView<'_>, escalations: &mut Escalations) -> Option<ShapeHit>;
 
     /// Compares the distances of two hits of a ray.
-    fn compare(&self, ray: &Ray, hit: &ShapeHit, other: &ShapeHit, escalations: &mut Escalations)
-    -> Ordering;
+    fn compare(
+        &self,
+        ray: &PreparedRay,
+        hit: &ShapeHit,
+        other: &ShapeHit,
+        escalations: &mut Escalations,
+    ) -> Ordering;
 
     /// Returns whether the hit is nearer than `limit`.
     fn is_before(
         &self,
         hit: &ShapeHit,
-        ray: &Ray,
+        ray: &PreparedRay,
         limit: &ShadowLimit,
         escalations: &mut Escalations,
     ) -> bool;
@@ -38,7 +43,7 @@ pub(crate) trait Intersector: Sync {
     }
 
     /// Computes the accurate `t`, point and normal of a hit.
-    fn refine(&self, ray: &Ray, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit;
+    fn refine(&self, ray: &PreparedRay, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit;
 
     /// Returns the number of times that the ray crosses the shape's surface before `limit`, if a fast count is certain.
     #[inline]

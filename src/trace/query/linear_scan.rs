@@ -4,12 +4,16 @@ use super::hit::{ClosestHit, ShapeHit};
 use super::intersector::Intersector;
 use super::nearest::Nearest;
 use super::scratch::Scratch;
-use crate::trace::rays::{Ray, RayView};
+use crate::trace::rays::{PreparedRay, RayView};
 use crate::trace::scene::PreparedScene;
 
 /// Returns the closest hit; of several hits at the same `t`, the first in document order.
 #[must_use]
-pub(crate) fn closest(scene: &PreparedScene, ray: &Ray, scratch: &mut Scratch<'_>) -> Option<ClosestHit> {
+pub(crate) fn closest(
+    scene: &PreparedScene,
+    ray: &PreparedRay,
+    scratch: &mut Scratch<'_>,
+) -> Option<ClosestHit> {
     let geometry = scene.geometry();
     let Scratch { escalations, ties, tied_hits, .. } = scratch;
     let ray = &RayView::new(ray, ties);

@@ -7,7 +7,7 @@ use super::escalations::Escalations;
 use super::intersector::Intersector;
 use super::scratch::Scratch;
 use crate::trace::bvh::LeafId;
-use crate::trace::rays::{Ray, RayView, ShadowLimit, ShapeId};
+use crate::trace::rays::{PreparedRay, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{EqualGroup, PreparedScene};
 
 impl PreparedScene {
@@ -17,7 +17,7 @@ impl PreparedScene {
     pub(crate) fn occluder(
         &self,
         shapes: &impl Intersector,
-        ray: &Ray,
+        ray: &PreparedRay,
         limit: &ShadowLimit,
         (except, candidates): (Option<ShapeId>, Option<&[LeafId]>),
         scratch: &mut Scratch<'_>,
@@ -45,7 +45,7 @@ impl PreparedScene {
     pub(crate) fn occluder_or_crossed(
         &self,
         shapes: &impl Intersector,
-        ray: &Ray,
+        ray: &PreparedRay,
         limit: &ShadowLimit,
         (except, candidates): (Option<ShapeId>, Option<&[LeafId]>),
         scratch: &mut Scratch<'_>,

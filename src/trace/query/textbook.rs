@@ -12,7 +12,7 @@ use super::escalations::Escalations;
 use super::hit::ShapeHit;
 use super::intersector::Intersector;
 use crate::trace::math::{BoundedT, Double};
-use crate::trace::rays::{FAR, Ray, RayView, ShadowLimit, ShapeId};
+use crate::trace::rays::{FAR, PreparedRay, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{Geometry, ShapeKind, ShapeLocation};
 use crate::trace::shapes::RefinedHit;
 
@@ -281,17 +281,29 @@ impl<T: Number> Intersector for Textbook<T> {
     }
 
     #[inline]
-    fn compare(&self, _ray: &Ray, hit: &ShapeHit, other: &ShapeHit, _guards: &mut Escalations) -> Ordering {
+    fn compare(
+        &self,
+        _ray: &PreparedRay,
+        hit: &ShapeHit,
+        other: &ShapeHit,
+        _guards: &mut Escalations,
+    ) -> Ordering {
         hit.root.t().total_cmp(&other.root.t())
     }
 
     #[inline]
-    fn is_before(&self, hit: &ShapeHit, _ray: &Ray, limit: &ShadowLimit, _guards: &mut Escalations) -> bool {
+    fn is_before(
+        &self,
+        hit: &ShapeHit,
+        _ray: &PreparedRay,
+        limit: &ShadowLimit,
+        _guards: &mut Escalations,
+    ) -> bool {
         hit.root.t() < limit.t()
     }
 
     #[inline]
-    fn refine(&self, ray: &Ray, hit: &ShapeHit, _guards: &mut Escalations) -> RefinedHit {
+    fn refine(&self, ray: &PreparedRay, hit: &ShapeHit, _guards: &mut Escalations) -> RefinedHit {
         let t = hit.root.t();
         let point = Vector::<T>::new(ray.origin()).along(Vector::new(ray.direction()), T::new(t));
         let ShapeLocation { kind, index } = self.locations[hit.id.index()];

@@ -9,7 +9,7 @@ mod surface_exclusion;
 mod view;
 
 pub(crate) use packet::RayPacket;
-pub use ray::Ray;
+pub use ray::PreparedRay;
 pub(crate) use shadow_limit::{FAR, ShadowLimit};
 pub use shape_id::ShapeId;
 pub(crate) use shape_id::ShapeIds;

@@ -1,7 +1,7 @@
 //! Packets of sixteen rays.
 
 use super::coincident_hits::CoincidentHits;
-use super::ray::Ray;
+use super::ray::PreparedRay;
 use super::shape_id::ShapeIds;
 use super::surface_exclusion::SurfaceExclusion;
 use crate::trace::math::{LANES, Vectors};
@@ -56,7 +56,7 @@ impl RayPacket {
 
     /// Stores a ray in an empty lane.
     #[inline]
-    pub(crate) fn set(&mut self, lane: usize, ray: &Ray) {
+    pub(crate) fn set(&mut self, lane: usize, ray: &PreparedRay) {
         let bit = 1 << lane;
         self.origins.set(lane, ray.origin());
         self.directions.set(lane, ray.direction());
@@ -103,12 +103,12 @@ impl RayPacket {
 
     /// Returns the ray in a lane.
     #[inline]
-    pub(crate) fn get(&self, lane: usize) -> Ray {
+    pub(crate) fn get(&self, lane: usize) -> PreparedRay {
         let bit = 1 << lane;
         let ties = if self.tied & bit == 0 { CoincidentHits::NONE } else { self.ties[lane] };
         let outward = self.outward & bit != 0;
         let left = self.left.get(lane).filter(|_| self.departing & bit != 0);
         let exclusion = left.map(|id| SurfaceExclusion { id, outward, ties });
-        Ray::scaled(self.origins.get(lane), self.directions.get(lane), exclusion)
+        PreparedRay::scaled(self.origins.get(lane), self.directions.get(lane), exclusion)
     }
 }

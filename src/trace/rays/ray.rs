@@ -10,7 +10,7 @@ use glam::DVec3;
 /// digits, however long or short the given direction was. If scaling would cost a subnormal component digits, the direction is left as it
 /// is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
+pub struct PreparedRay {
     origin: DVec3,
     direction: DVec3,
     /// 1 / direction.direction
@@ -18,7 +18,7 @@ pub struct Ray {
     exclusion: Option<SurfaceExclusion>,
 }
 
-impl Ray {
+impl PreparedRay {
     /// Creates a ray with any origin. `None` if a number is not finite or the direction is zero.
     #[must_use]
     #[inline]

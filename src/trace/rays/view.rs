@@ -5,21 +5,21 @@ use std::ops::Deref;
 use glam::DVec3;
 
 use super::coincident_hits::{CoincidentHits, Tie, TieLists};
-use super::ray::Ray;
+use super::ray::PreparedRay;
 use super::shape_id::ShapeId;
 use super::surface_exclusion::SurfaceExclusion;
 
 /// A ray, with the shapes that it leaves besides the one in its departure.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayView<'a> {
-    ray: &'a Ray,
+    ray: &'a PreparedRay,
     ties: &'a [Tie],
 }
 
 impl<'a> RayView<'a> {
     /// Pairs a ray with its list of ties.
     #[inline]
-    pub(crate) fn new(ray: &'a Ray, lists: &'a TieLists) -> Self {
+    pub(crate) fn new(ray: &'a PreparedRay, lists: &'a TieLists) -> Self {
         let ties = ray.exclusion().map_or(CoincidentHits::NONE, |exclusion| exclusion.ties);
         Self { ray, ties: lists.of(ties) }
     }
@@ -27,7 +27,7 @@ impl<'a> RayView<'a> {
     /// Returns the view of a ray that leaves at most one shape.
     #[inline]
     #[cfg(test)]
-    pub(crate) fn alone(ray: &'a Ray) -> Self {
+    pub(crate) fn alone(ray: &'a PreparedRay) -> Self {
         Self { ray, ties: &[] }
     }
 
@@ -45,10 +45,10 @@ impl<'a> RayView<'a> {
 }
 
 impl Deref for RayView<'_> {
-    type Target = Ray;
+    type Target = PreparedRay;
 
     #[inline]
-    fn deref(&self) -> &Ray {
+    fn deref(&self) -> &PreparedRay {
         self.ray
     }
 }

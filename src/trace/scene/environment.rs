@@ -7,7 +7,7 @@ use crate::trace::math::{Bytes, exp};
 
 /// The colour of rays that hit nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Background {
+pub enum PreparedBackground {
     /// The same colour everywhere.
     Flat(Rgb),
     /// `bottom` straight down, `top` straight up; in between a share (1 + y)/2 of `top`, where y is the unit direction's y component.
@@ -19,14 +19,14 @@ pub enum Background {
     },
 }
 
-impl Default for Background {
+impl Default for PreparedBackground {
     /// Returns black.
     fn default() -> Self {
         Self::Flat(Rgb::ZERO)
     }
 }
 
-impl Background {
+impl PreparedBackground {
     /// Writes the bytes of everything that pictures depend on.
     pub(super) fn write(&self, bytes: &mut Bytes) {
         match *self {
@@ -64,7 +64,7 @@ impl Background {
 
 /// Fog: over a length d, a share exp(-density d) of the light behind is visible, and the rest is `color`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Fog {
+pub struct PreparedFog {
     /// The colour of the fog.
     pub color: Rgb,
     /// The extinction per unit of length, 0 or more.
@@ -85,7 +85,7 @@ impl Attenuation {
     pub const CLEAR: Self = Self { transmitted: Rgb::ONE, added: Rgb::ZERO };
 
     /// Computes the passage through `length` of an absorbing medium that contains fog.
-    pub(crate) fn through(absorption: Rgb, fog: &Fog, length: f64) -> Self {
+    pub(crate) fn through(absorption: Rgb, fog: &PreparedFog, length: f64) -> Self {
         let absorbed = transmittance(absorption, length);
         let seen = share(fog.density, length);
         Self { transmitted: absorbed * seen, added: absorbed * (fog.color * (1.0 - seen)) }
@@ -116,9 +116,12 @@ mod tests {
     fn an_infinite_way_hides_all_or_nothing() {
         let absorption = Rgb::new(0.0, 1e-9, 2.0);
         assert_eq!(transmittance(absorption, f64::INFINITY), Rgb::new(1.0, 0.0, 0.0));
-        let fog = Fog { color: Rgb::splat(0.5), density: 1e-3 };
+        let fog = PreparedFog { color: Rgb::splat(0.5), density: 1e-3 };
         assert_eq!(Attenuation::through(Rgb::ZERO, &fog, f64::INFINITY).of(Rgb::ONE), Rgb::splat(0.5));
-        assert_eq!(Attenuation::through(Rgb::ZERO, &Fog::default(), f64::INFINITY), Attenuation::CLEAR);
+        assert_eq!(
+            Attenuation::through(Rgb::ZERO, &PreparedFog::default(), f64::INFINITY),
+            Attenuation::CLEAR
+        );
     }
 
     #[test]
@@ -136,7 +139,7 @@ mod tests {
     #[test]
     fn a_gradient_goes_from_bottom_to_top() {
         let (bottom, top) = (Rgb::new(1.0, 0.0, 0.5), Rgb::new(0.0, 1.0, 0.5));
-        let sky = Background::Gradient { bottom, top };
+        let sky = PreparedBackground::Gradient { bottom, top };
         assert_eq!(sky.towards(DVec3::NEG_Y * 3.0), bottom);
         assert_eq!(sky.towards(DVec3::Y * 7.0), top);
         assert_eq!(sky.towards(DVec3::X), (bottom + top) * 0.5);

@@ -8,13 +8,13 @@ use crate::trace::rays::ShapeId;
 
 /// A light in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
+pub struct PreparedLight {
     /// The source of the light.
     pub source: LightSource,
     /// RGB intensity, 0 or more.
     pub intensity: Rgb,
     /// Attenuation with distance, if any.
-    pub falloff: Option<Falloff>,
+    pub falloff: Option<PreparedFalloff>,
     /// Number of sample points that light a point; 1 unless it is an area light.
     pub samples: u32,
     /// True if it casts shadows, so that shadow rays are traced to it.
@@ -25,7 +25,7 @@ pub struct Light {
 
 /// The attenuation of a light: at distance d, 1 / (c0 + c1 d + c2 d^2) of the intensity is left.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Falloff {
+pub struct PreparedFalloff {
     /// c0, greater than 0 and finite.
     pub constant: f64,
     /// c1, 0 or more and finite.
@@ -34,7 +34,7 @@ pub struct Falloff {
     pub quadratic: f64,
 }
 
-impl Falloff {
+impl PreparedFalloff {
     /// Returns the share of the intensity that is left at a distance, 0 or more.
     pub(crate) fn at(&self, distance: f64) -> f64 {
         // A finite distance times a zero coefficient is zero.
@@ -68,14 +68,14 @@ pub enum LightSource {
     },
 }
 
-impl Light {
+impl PreparedLight {
     /// Writes the bytes of everything that pictures depend on. `rank` returns a shape's index in the document.
     pub(super) fn write(&self, bytes: &mut Bytes, rank: impl Fn(ShapeId) -> u64) {
         let Self { source, intensity, falloff, samples: _, casts_shadows, own_shape } = self;
         source.write(bytes);
         bytes.colors([*intensity]);
-        let Falloff { constant, linear, quadratic } =
-            falloff.unwrap_or(Falloff { constant: 1.0, linear: 0.0, quadratic: 0.0 });
+        let PreparedFalloff { constant, linear, quadratic } =
+            falloff.unwrap_or(PreparedFalloff { constant: 1.0, linear: 0.0, quadratic: 0.0 });
         [constant, linear, quadratic].into_iter().for_each(|number| bytes.number(number));
         bytes.count(self.places());
         bytes.count(*casts_shadows);
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn falloff_is_a_number_at_every_distance() {
-        let falloff = |constant, linear, quadratic| Falloff { constant, linear, quadratic };
+        let falloff = |constant, linear, quadratic| PreparedFalloff { constant, linear, quadratic };
         assert_eq!(falloff(1.0, 2.0, 3.0).at(2.0), 1.0 / 17.0);
         assert_eq!(falloff(0.5, 0.0, 0.0).at(f64::INFINITY), 2.0);
         assert_eq!(falloff(1.0, 1.0, 1.0).at(f64::MAX), 0.0);

@@ -23,7 +23,7 @@ pub struct SurfaceMaterial {
     /// The transparent medium behind the surface; `None` if the surface is opaque.
     pub refraction: Option<Refraction>,
     /// Checker pattern with other colours, if any.
-    pub checker: Option<Box<Checker>>,
+    pub checker: Option<Box<PreparedChecker>>,
 }
 
 /// A transparent medium behind a surface.
@@ -41,7 +41,7 @@ pub struct Refraction {
 
 /// A checker pattern of two colours. The material's own colours apply to the square at the origin.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Checker {
+pub struct PreparedChecker {
     /// Replaces [`SurfaceMaterial::ambient`] on every second square.
     pub ambient: Rgb,
     /// Replaces [`SurfaceMaterial::diffuse`] on every second square.
@@ -74,7 +74,7 @@ impl SurfaceMaterial {
         }
         bytes.count(checker.is_some());
         if let Some(checker) = checker {
-            let Checker { ambient, diffuse, squares } = &**checker;
+            let PreparedChecker { ambient, diffuse, squares } = &**checker;
             bytes.colors([*ambient, *diffuse]);
             squares.numbers(|number| bytes.number(number));
         }

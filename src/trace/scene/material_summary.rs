@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::material::{Checker, SurfaceMaterial};
+use super::material::{PreparedChecker, SurfaceMaterial};
 use super::material_table::MaterialTable;
 use crate::color::Rgb;
 use crate::trace::rays::ShapeId;
@@ -48,7 +48,8 @@ pub(crate) struct CoefficientBounds {
 impl CoefficientBounds {
     fn of(material: &SurfaceMaterial) -> Self {
         let transmitted = material.refraction.map_or(0.0, |refraction| refraction.transmitted);
-        let second = |color: fn(&Checker) -> Rgb| material.checker.as_deref().map_or(Rgb::ZERO, color);
+        let second =
+            |color: fn(&PreparedChecker) -> Rgb| material.checker.as_deref().map_or(Rgb::ZERO, color);
         Self {
             ambient: material.ambient.max(second(|checker| checker.ambient)),
             diffuse: material.diffuse.max(second(|checker| checker.diffuse)),

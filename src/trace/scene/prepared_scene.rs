@@ -4,11 +4,11 @@ use std::sync::OnceLock;
 
 use super::changes::{BvhUpdate, ShapeChange};
 use super::document_order::DocumentOrder;
-use super::environment::{Background, Fog};
+use super::environment::{PreparedBackground, PreparedFog};
 use super::equal_shapes::EqualShapes;
 use super::geometry::{Geometry, PreparedShape};
 use super::leaf_shapes::LeafShapes;
-use super::light::Light;
+use super::light::PreparedLight;
 use super::material::SurfaceMaterial;
 use super::material_summary::MaterialSummary;
 use super::material_table::MaterialTable;
@@ -36,13 +36,13 @@ pub struct PreparedScene {
     digest: OnceLock<Digest>,
     surfaces: MaterialSummary,
     /// The lights, in document order.
-    pub lights: Vec<Light>,
+    pub lights: Vec<PreparedLight>,
     /// The ambient light, I_a.
     pub ambient: Rgb,
     /// The background, seen by rays that hit nothing.
-    pub background: Background,
+    pub background: PreparedBackground,
     /// The fog between shapes.
-    pub fog: Fog,
+    pub fog: PreparedFog,
     /// Maximum ray depth: the number of ray generations that are traced. Camera rays are always traced.
     pub depth: u32,
     /// Maximum loss of a sample's light, in linear light, by not tracing rays of low contribution; 0 traces all rays.
@@ -70,8 +70,8 @@ impl PreparedScene {
             digest: OnceLock::new(),
             lights: Vec::new(),
             ambient: Rgb::ZERO,
-            background: Background::default(),
-            fog: Fog::default(),
+            background: PreparedBackground::default(),
+            fog: PreparedFog::default(),
             depth: 1,
             cutoff: 0.0,
             precision: Precision::default(),

@@ -6,7 +6,7 @@ use super::bounds::Bounds;
 use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
 use super::sphere::U;
 use crate::trace::math::{BoundedT, Compensated, Double, Exact, Exact3, ExactRoot};
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 
 /// An axis-aligned box in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,7 +134,7 @@ impl AlignedBox {
     /// Returns the smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Intersection {
+    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
         let (origin, direction) = (ray.origin(), ray.direction());
         // A difference times a reciprocal is rounded three times; its sign is exact.
         let (entry, exit) = if direction.abs().min_element() > SLOWEST {
@@ -345,7 +345,7 @@ mod tests {
     use super::*;
 
     fn first(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.intersect(&Ray::new(origin, direction)?)
+        UNIT.intersect(&PreparedRay::new(origin, direction)?)
             .decided(direction, || UNIT.cross_exactly(origin, &direction.into()))
     }
 

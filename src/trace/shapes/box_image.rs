@@ -8,7 +8,7 @@ use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, Re
 use super::sphere::{U, newton_step};
 use super::sphere_image::{bounds_of_image, condition, exact_inverse};
 use crate::trace::math::{Compensated, Double, Double3, Exact, Exact3, offset_height};
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 
 /// A box under an affine map.
 ///
@@ -135,7 +135,7 @@ impl BoxImage {
     /// Returns the smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Intersection {
+    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
         self.near.first_crossing(&self.seen(ray.origin(), ray.direction()))
     }
 
@@ -235,7 +235,7 @@ mod tests {
         let map = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let mirrored = BoxImage::new(map, DVec3::ONE).unwrap();
         let origin = DVec3::new(-4.0, 0.2, 0.1);
-        let ray = Ray::new(origin, DVec3::X).unwrap();
+        let ray = PreparedRay::new(origin, DVec3::X).unwrap();
         let exact = || mirrored.cross_exactly(origin, &DVec3::X.into());
         let t = mirrored.intersect(&ray).decided(DVec3::X, exact).unwrap();
         let RefinedHit { point, normal, .. } = mirrored.refine(origin, DVec3::X, t, false).unwrap();

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::trace::math::{BoundedT, Double, ExactRoot, Real};
 #[cfg(test)]
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 
 /// A hit accurate to the last bit of `f64`, with the surface point and normal.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +110,7 @@ impl ExactHit {
 
 #[cfg(test)]
 impl Intersection {
-    /// Returns the `t` in terms of `direction`, the direction that [`Ray`] was created from, or `None` for a miss. `exact` decides
+    /// Returns the `t` in terms of `direction`, the direction that [`PreparedRay`] was created from, or `None` for a miss. `exact` decides
     /// ambiguous intersections.
     pub(crate) fn decided(
         self,
@@ -119,7 +119,7 @@ impl Intersection {
     ) -> Option<f64> {
         match self {
             Self::ShapeHit(root) => {
-                let ray = Ray::new(glam::DVec3::ZERO, direction)?;
+                let ray = PreparedRay::new(glam::DVec3::ZERO, direction)?;
                 Some(root.t() * ray.direction().abs().max_element() / direction.abs().max_element())
             }
             Self::Miss => None,

@@ -7,7 +7,7 @@ use super::sphere::{RefinedStep, U, newton_step};
 use crate::trace::math::{
     Compensated, Double, Double3, Exact3, ExactRoot, Real, absolute, dot, exact_dot, scaled, subtract, times,
 };
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 
 /// An infinite plane in world space, two-sided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +90,7 @@ impl Plane {
     /// Returns the `t >= 0` on the plane. A ray parallel to the plane misses it, even if it lies in the plane.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Intersection {
+    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
         let ray = (ray.origin().into(), ray.direction().into());
         only_root((self.point.into(), self.normal.into()), ray).into()
     }
@@ -168,7 +168,7 @@ mod tests {
     fn planes_are_two_sided_and_parallel_rays_miss() {
         let floor = Plane::new(DVec3::ZERO, DVec3::Y).unwrap();
         let first = |origin: DVec3, direction: DVec3| {
-            let ray = Ray::new(origin, direction)?;
+            let ray = PreparedRay::new(origin, direction)?;
             floor.intersect(&ray).decided(direction, || floor.cross_exactly(origin, &direction.into()))
         };
         assert_eq!(first(DVec3::new(0.0, 2.0, 0.0), DVec3::new(1.0, -1.0, 0.0)), Some(2.0));

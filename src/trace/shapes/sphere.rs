@@ -8,7 +8,7 @@ use crate::trace::math::{
     Compensated, Double, Double3, Exact, Exact3, ExactRoot, Real, Truth, dot, square_difference, subtract,
     times,
 };
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 
 /// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,7 +168,7 @@ impl Sphere {
     /// Returns the smallest `t >= 0` on the sphere.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Intersection {
+    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
         let to_center = (self.center - ray.origin()).into();
         first_root(to_center, (ray.direction().into(), ray.inverse_square()), self.radius, U).into()
     }
@@ -251,7 +251,7 @@ mod tests {
 
     fn first(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
         sphere
-            .intersect(&Ray::new(origin, direction)?)
+            .intersect(&PreparedRay::new(origin, direction)?)
             .decided(direction, || sphere.cross_exactly(origin, &direction.into()))
     }
 

@@ -8,7 +8,7 @@ use super::bounds::Bounds;
 use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit};
 use super::sphere::{Sphere, U, far_root, first_root, last_root, roots, sphere_step};
 use crate::trace::math::{Compensated, Double, Double3, Exact, Exact3, square_difference};
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 
 /// A sphere under an affine map: an ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,7 +152,7 @@ impl SphereImage {
     /// Returns the smallest `t >= 0` on the ellipsoid.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Intersection {
+    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
         let (own, way) = (self.map.point_back(ray.origin()), self.map.direction_back(ray.direction()));
         let (to_center, inverse_square, u) = ((-own).into(), way.dot(way).recip(), U * self.roughness());
         first_root(to_center, (way.into(), inverse_square), self.sphere.radius, u).into()
@@ -258,7 +258,7 @@ mod tests {
         let ellipsoid = SphereImage::new(map, 1.0);
         let first = |origin, direction: DVec3| {
             let exact = || ellipsoid.cross_exactly(origin, &direction.into());
-            ellipsoid.intersect(&Ray::new(origin, direction)?).decided(direction, exact)
+            ellipsoid.intersect(&PreparedRay::new(origin, direction)?).decided(direction, exact)
         };
         assert_eq!(first(DVec3::ZERO, DVec3::Z), Some(4.5));
         let (origin, direction) = (DVec3::new(2.0, 0.0, 0.0), DVec3::Z);

@@ -14,12 +14,12 @@ use crate::trace::light::{LightSamplePacket, MediumStack, PathPacket, filtered_a
 use crate::trace::math::{lanes, mask16};
 use crate::trace::packet::CrossedPacket;
 use crate::trace::query::HitPacket;
-use crate::trace::scene::{Light, PreparedScene};
+use crate::trace::scene::{PreparedLight, PreparedScene};
 
 /// Attenuates the light along the shadow rays `lit` of a packet by the transparent shapes in `packet_scratch.crossed`.
 pub(super) fn weaken(
     sample: &Sample<'_>,
-    light: &Light,
+    light: &PreparedLight,
     packet: usize,
     lit: u32,
     buffers: &mut TileBuffers<'_>,
@@ -67,7 +67,7 @@ fn inside(paths: &PathPacket, asking: u32) -> u32 {
 fn cross_surfaces<S: Simd>(
     simd: S,
     hits: &HitPacket,
-    (light, mut behind): (&Light, u32),
+    (light, mut behind): (&PreparedLight, u32),
     crossed: &mut Vec<CrossedPacket>,
 ) {
     while let Some(id) = hits.ids.get(behind.trailing_zeros() as usize).filter(|_| behind != 0) {

@@ -89,7 +89,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::rays::Ray;
+    use crate::trace::rays::PreparedRay;
 
     /// Creates packets from their active lanes, first pixels and pixel strides. Also returns the pixel and the number of each ray.
     fn generation(packets: &[(u32, u32, u32)]) -> (RayQueue, Vec<(u32, f64)>) {
@@ -101,7 +101,7 @@ mod tests {
             let sent = generation.packets_mut().last_mut().unwrap();
             for lane in lanes(*filled) {
                 let number = f64::from(u32::try_from(rays.len()).unwrap());
-                sent.branches.rays.set(lane, &Ray::new(DVec3::splat(number), DVec3::X).unwrap());
+                sent.branches.rays.set(lane, &PreparedRay::new(DVec3::splat(number), DVec3::X).unwrap());
                 rays.push((pixels[lane], number));
             }
         }

@@ -10,7 +10,7 @@ use super::slots::Sample;
 use crate::trace::light::{LightSamplePacket, SampleId, ShadingPacket, sample_light_lanes};
 use crate::trace::math::{Colors, PixelSamples, Vectors, mask, mask16};
 use crate::trace::query::Intersector;
-use crate::trace::scene::Light;
+use crate::trace::scene::PreparedLight;
 
 /// Adds the light of each source that the wavefront's surface points scatter back along their rays.
 pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
@@ -41,7 +41,11 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
 }
 
 /// Chooses the sample points on an area light for each surface point, for all samples of the light.
-fn choose_area_light_samples(sample: &Sample<'_>, light: (usize, &Light), buffers: &mut TileBuffers<'_>) {
+fn choose_area_light_samples(
+    sample: &Sample<'_>,
+    light: (usize, &PreparedLight),
+    buffers: &mut TileBuffers<'_>,
+) {
     let TileBuffers { wavefront, surfaces, area_light_samples, .. } = buffers;
     for packet in 0..wavefront.count {
         let asker = |lane: usize| {
@@ -57,7 +61,7 @@ fn choose_area_light_samples(sample: &Sample<'_>, light: (usize, &Light), buffer
 /// Computes the unoccluded contribution of one sample of a light at each surface point.
 fn sample_lights(
     sample: &Sample<'_>,
-    light: (usize, &Light),
+    light: (usize, &PreparedLight),
     light_sample: u32,
     buffers: &mut TileBuffers<'_>,
 ) {
@@ -88,7 +92,7 @@ fn sample_lights(
 }
 
 /// Adds the contributions that remain after occlusion and attenuation.
-fn add(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
+fn add(sample: &Sample<'_>, light: &PreparedLight, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wavefront, light_samples, light_sums, radiance, .. } = buffers;
     let light_samples = &light_samples[..wavefront.count];
     dispatch!(sample.context.scene.simd.level(), simd => {
@@ -127,7 +131,7 @@ fn add_to_sums<S: Simd>(simd: S, light_samples: &LightSamplePacket, sums: &mut V
 }
 
 /// Adds the mean over an area light's samples.
-fn add_means(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) {
+fn add_means(sample: &Sample<'_>, light: &PreparedLight, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wavefront, surfaces, light_sums, radiance, .. } = buffers;
     let places = f64::from(light.places());
     dispatch!(sample.context.scene.simd.level(), simd => {

@@ -17,7 +17,7 @@ use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
 use crate::trace::light::RenderContext;
 use crate::trace::math::{Colors, Vectors, lanes};
 use crate::trace::query::Scratch;
-use crate::trace::scene::{Background, Camera, Precision, SIDE};
+use crate::trace::scene::{Precision, PreparedBackground, PreparedCamera, SIDE};
 
 /// Fills a tile's pixels with the background's colour if their rays certainly hit nothing. Otherwise, or if the colour of such rays needs more
 /// work, changes nothing and returns `false`.
@@ -51,7 +51,7 @@ fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
         && !context.may_start_inside();
     match scene.background {
         // Same operations as the accumulation in a pixel.
-        Background::Flat(color) if alike => Some(Rgb::ZERO + Rgb::ONE * color),
+        PreparedBackground::Flat(color) if alike => Some(Rgb::ZERO + Rgb::ONE * color),
         _ => None,
     }
 }
@@ -71,7 +71,7 @@ fn is_empty(context: &RenderContext<'_>, tile: &Tile, scratch: &mut Scratch<'_>)
 }
 
 /// Returns the directions from the eye to the centres of the corner pixels, in the first four lanes. `None` if some may not form a ray.
-fn corners(camera: &Camera, tile: &Tile) -> Option<Vectors> {
+fn corners(camera: &PreparedCamera, tile: &Tile) -> Option<Vectors> {
     /// Squared lengths far from overflow and underflow.
     const USUAL: RangeInclusive<f64> = 1e-100..=1e100;
     let (right, bottom) = (tile.i + tile.width - 1, tile.j + tile.height - 1);
@@ -110,27 +110,28 @@ mod tests {
     use super::*;
     use crate::trace::shapes::Sphere;
     use crate::trace::{
-        Effects, Geometry, Lighting, Paths, PreparedScene, PreparedShape, Sampling, SurfaceMaterial,
+        Effects, Geometry, Lighting, Paths, PixelSampling, PreparedScene, PreparedShape, SurfaceMaterial,
     };
 
     const SIZE: (u32, u32) = (70, 45);
     const EFFECTS: Effects = Effects { lighting: Lighting::None, paths: Paths::Straight, extras: false };
 
     /// Returns the empty tiles of a film, with spheres in front of the camera.
-    fn empty_tiles(camera: &Camera, spheres: &[Sphere]) -> Vec<Tile> {
+    fn empty_tiles(camera: &PreparedCamera, spheres: &[Sphere]) -> Vec<Tile> {
         let mut geometry = Geometry::default();
         for sphere in spheres {
             geometry.push(PreparedShape::Sphere(*sphere));
         }
         let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default(); spheres.len()]);
-        let context = RenderContext::new(&scene, camera, Sampling::default(), EFFECTS);
+        let context = RenderContext::new(&scene, camera, PixelSampling::default(), EFFECTS);
         let never = AtomicBool::new(false);
         Tile::all(SIZE).filter(|tile| is_empty(&context, tile, &mut Scratch::new(&never))).collect()
     }
 
     #[test]
     fn most_tiles_around_a_small_sphere_are_empty() {
-        let camera = Camera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (1.0, 0.64), SIZE);
+        let camera =
+            PreparedCamera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (1.0, 0.64), SIZE);
         let empty = |spheres: &[Sphere]| empty_tiles(&camera, spheres).len();
         assert_eq!(empty(&[]), 15);
         assert_eq!(empty(&[Sphere { center: DVec3::new(0.0, 0.0, -9.0), radius: 3.0 }]), 15);
@@ -151,7 +152,7 @@ mod tests {
             (width, distance) in (0.1..4.0, 0.1..100.0),
             (column, row) in (0..SIZE.0, 0..SIZE.1),
         ) {
-            let camera = Camera::new(eye, view, up, 1.0, (width, width * 0.64), SIZE);
+            let camera = PreparedCamera::new(eye, view, up, 1.0, (width, width * 0.64), SIZE);
             let center = camera.ray(column, row).unwrap().at(distance);
             // A second sphere, behind the camera, must not hide the first.
             let behind = Sphere { center: eye - view.normalize_or(DVec3::Z) * 5.0, radius: 1.0 };

@@ -76,18 +76,18 @@ mod tests {
     use crate::trace::render_stats::StageCounts;
     use crate::trace::shapes::Sphere;
     use crate::trace::{
-        Camera, Effects, Geometry, Light, LightSource, Lighting, Paths, PreparedScene, PreparedShape,
-        RenderJob, Sampling, Signals, SurfaceMaterial,
+        Effects, Geometry, LightSource, Lighting, Paths, PixelSampling, PreparedCamera, PreparedLight,
+        PreparedScene, PreparedShape, RenderJob, Signals, SurfaceMaterial,
     };
 
     /// Returns a lit sphere in front of the camera, with a film of one tile. The sphere reflects only the background.
-    fn example() -> (PreparedScene, Camera) {
+    fn example() -> (PreparedScene, PreparedCamera) {
         let mut geometry = Geometry::default();
         geometry.push(PreparedShape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }));
         let material = SurfaceMaterial { diffuse: Rgb::ONE, reflected: 0.5, ..SurfaceMaterial::default() };
         let mut scene = PreparedScene::new(geometry, vec![material]);
         scene.depth = 2;
-        scene.lights.push(Light {
+        scene.lights.push(PreparedLight {
             source: LightSource::Directional(DVec3::NEG_Z),
             intensity: Rgb::ONE,
             falloff: None,
@@ -95,7 +95,8 @@ mod tests {
             casts_shadows: true,
             own_shape: None,
         });
-        let camera = Camera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (0.2, 0.2), (8, 8));
+        let camera =
+            PreparedCamera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (0.2, 0.2), (8, 8));
         (scene, camera)
     }
 
@@ -105,7 +106,7 @@ mod tests {
         let mut job = RenderJob::new((8, 8), 1);
         let effects = Effects { lighting, paths, extras: false };
         let never = AtomicBool::new(false);
-        assert!(job.add(&scene, &camera, Sampling::default(), 0, effects, Signals::unless(&never)));
+        assert!(job.add(&scene, &camera, PixelSampling::default(), 0, effects, Signals::unless(&never)));
         job.resolve().1.stages
     }
 
@@ -113,7 +114,7 @@ mod tests {
     fn a_cancelled_sample_follows_no_rays_of_the_one_before() {
         let (scene, camera) = example();
         let effects = Effects { lighting: Lighting::Shadows, paths: Paths::Straight, extras: false };
-        let context = RenderContext::new(&scene, &camera, Sampling::default(), effects);
+        let context = RenderContext::new(&scene, &camera, PixelSampling::default(), effects);
         let cancelled = AtomicBool::new(false);
         let mut buffers = TileBuffers::new(&cancelled);
         let tile = Tile { i: 0, j: 0, width: 8, height: 8 };

@@ -9,14 +9,14 @@ use crate::trace::light::visibility;
 use crate::trace::math::{HALF, lanes};
 use crate::trace::packet::{LightBox, LitPoints, Occluders, Occlusion, ShadowPacket, WaysToLight, occluded};
 use crate::trace::query::Intersector;
-use crate::trace::scene::{Light, LightSource, Precision};
+use crate::trace::scene::{LightSource, Precision, PreparedLight};
 
 /// Traces the shadow rays of a light sample. Drops occluded contributions, and attenuates those that pass through transparent shapes. `place`
 /// is the index of the light among the enabled lights.
 pub(super) fn shadows(
     sample: &Sample<'_>,
     shapes: &impl Intersector,
-    (place, light, light_sample): (usize, &Light, u32),
+    (place, light, light_sample): (usize, &PreparedLight, u32),
     buffers: &mut TileBuffers<'_>,
 ) {
     buffers.stage_runs.shadows += 1;
@@ -64,7 +64,7 @@ fn are_clear(packet: usize, buffers: &TileBuffers<'_>) -> bool {
 /// Finds the shadow rays of a packet that are certainly occluded, and those that have to be traced one by one.
 fn occlusion(
     sample: &Sample<'_>,
-    (place, light): (usize, &Light),
+    (place, light): (usize, &PreparedLight),
     (packet, listed): (usize, bool),
     buffers: &mut TileBuffers<'_>,
 ) -> Occlusion {
@@ -90,7 +90,7 @@ fn occlusion(
 fn follow(
     sample: &Sample<'_>,
     shapes: &impl Intersector,
-    (place, light): (usize, &Light),
+    (place, light): (usize, &PreparedLight),
     (packet, listed): (usize, bool),
     open: u32,
     buffers: &mut TileBuffers<'_>,
@@ -116,12 +116,12 @@ fn follow(
 }
 
 /// Returns the kinds of shapes that can occlude a light.
-fn occluders(sample: &Sample<'_>, light: &Light) -> Occluders {
+fn occluders(sample: &Sample<'_>, light: &PreparedLight) -> Occluders {
     Occluders { except: light.own_shape, clear: sample.context.effects.clear_shadows() }
 }
 
 /// Returns the common end point of all rays to a light, if there is one.
-fn place_of(light: &Light) -> Option<DVec3> {
+fn place_of(light: &PreparedLight) -> Option<DVec3> {
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => Some(place),
         LightSource::Directional(_) | LightSource::Sphere { .. } | LightSource::Rectangle { .. } => None,
@@ -130,7 +130,7 @@ fn place_of(light: &Light) -> Option<DVec3> {
 
 /// Collects the possible occluders between a light and the surface points: for an area light, those on the way to any point of it. Returns
 /// `false` if there are no candidate lists. Directional lights never have any, as their rays form no bundle.
-fn find_candidates(sample: &Sample<'_>, light: &Light, buffers: &mut TileBuffers<'_>) -> bool {
+fn find_candidates(sample: &Sample<'_>, light: &PreparedLight, buffers: &mut TileBuffers<'_>) -> bool {
     // Textbook shapes accept rays that miss them by more than the tolerance of bundles.
     if sample.context.scene.precision != Precision::Guaranteed {
         return false;

@@ -11,7 +11,7 @@ use crate::trace::math::{Colors, lanes};
 use crate::trace::packet::refine;
 use crate::trace::query::{HitPacket, Intersector, SurfacePacket, SurfacePoint};
 use crate::trace::rays::RayPacket;
-use crate::trace::scene::{Background, SurfaceMaterial};
+use crate::trace::scene::{PreparedBackground, SurfaceMaterial};
 
 /// Computes the surface points of the wavefront's hits, and the radiance that does not come from light sources: background and ambient light.
 pub(super) fn surfaces(
@@ -110,8 +110,8 @@ fn find<S: Simd>(
 #[inline(always)]
 fn background(context: &RenderContext<'_>, rays: &RayPacket, radiance: &mut Colors) {
     match context.scene.background {
-        Background::Flat(color) => *radiance = Colors::splat(color),
-        Background::Gradient { .. } => {
+        PreparedBackground::Flat(color) => *radiance = Colors::splat(color),
+        PreparedBackground::Gradient { .. } => {
             for lane in lanes(rays.lanes) {
                 radiance.set(lane, context.scene.background.towards(rays.directions.get(lane)));
             }

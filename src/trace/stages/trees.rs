@@ -105,7 +105,7 @@ mod tests {
     use crate::color::Rgb;
     use crate::trace::light::{MediumStack, PathState, TreeRay};
     use crate::trace::scene::{Geometry, PreparedScene};
-    use crate::trace::{Background, Ray};
+    use crate::trace::{PreparedBackground, PreparedRay};
 
     proptest! {
         /// Compares the cuts with one budget per pixel, for two bounces of packets in which pixels have several rays or none.
@@ -115,7 +115,7 @@ mod tests {
             generations in prop::collection::vec(prop::collection::vec((0..0x10000_u32, 0..8_u32, prop::array::uniform16(-9.0..1.0_f32)), 0..12), 2),
         ) {
             let mut scene = PreparedScene::new(Geometry::default(), Vec::new());
-            (scene.cutoff, scene.background) = (cutoff, Background::Flat(Rgb::ONE));
+            (scene.cutoff, scene.background) = (cutoff, PreparedBackground::Flat(Rgb::ONE));
             let radiance_bound = RadianceBound::of(&scene);
             let mut trees = Trees::default();
             trees.begin(ErrorBudget::new(&scene));
@@ -131,7 +131,7 @@ mod tests {
                     for lane in lanes(filled) {
                         let throughput = Rgb::splat(libm::exp10f(digits[lane]));
                         let state = PathState { throughput, ..PathState::at_camera(MediumStack::NONE) };
-                        sent.branches.set(lane, &TreeRay { ray: Ray::new(DVec3::ZERO, DVec3::X).unwrap(), state });
+                        sent.branches.set(lane, &TreeRay { ray: PreparedRay::new(DVec3::ZERO, DVec3::X).unwrap(), state });
                         by_pixel[sent.slots[lane] as usize].push((radiance_bound.most(throughput, 0), number * LANES + lane));
                     }
                 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::trace::light::most_radiance;
 use crate::trace::rays::ShapeId;
-use crate::trace::scene::{Camera, PreparedScene};
+use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::shapes::Bounds;
 
 /// The image of a shape in another one.
@@ -26,7 +26,7 @@ const PAIRS: usize = 1 << 16;
 /// Returns images, of at most a few pixels, of shapes in mirrors and glass that a picture may show. Their sizes are estimates. A convex
 /// mirror of radius R scales the image of a shape at distance D by about R/(2 D). An unbounded mirror shows a shape about as large as the
 /// camera sees it directly.
-pub(crate) fn hidden_images(scene: &PreparedScene, camera: &Camera) -> Vec<Image> {
+pub(crate) fn hidden_images(scene: &PreparedScene, camera: &PreparedCamera) -> Vec<Image> {
     let ids = || scene.unbounded.iter().copied().chain(scene.leaves.ids());
     let sends_on = |id: &ShapeId| scene.material(*id).continues();
     let mirrors: Vec<ShapeId> = ids().filter(sends_on).collect();

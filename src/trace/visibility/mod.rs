@@ -33,7 +33,7 @@ use crate::trace::light::most_radiance;
 use crate::trace::math::{LANES, Vectors, WHOLE, lanes};
 use crate::trace::query::Scratch;
 use crate::trace::rays::ShapeId;
-use crate::trace::scene::{Camera, PreparedScene, SIDE};
+use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use hidden::{Image, hidden_images};
 use outline::{Covers, Outline, Squares, TileRays, where_less};
@@ -127,7 +127,7 @@ const FEW: usize = 4096;
 /// pass between samples.
 pub(crate) fn features(
     scene: &PreparedScene,
-    camera: &Camera,
+    camera: &PreparedCamera,
     (tile, is_open): (&Tile, bool),
     (scratch, search): (&mut FeatureScratch, &mut Scratch<'_>),
 ) -> TileFeatures {
@@ -158,7 +158,7 @@ pub(crate) fn features(
 /// Finds the features of a tile's pixels by a linear scan of all shapes.
 pub(crate) fn reference_features(
     scene: &PreparedScene,
-    camera: &Camera,
+    camera: &PreparedCamera,
     tile: &Tile,
     is_open: bool,
 ) -> TileFeatures {
@@ -177,7 +177,7 @@ fn unknown() -> TileFeatures {
 }
 
 /// Returns the rays of a tile; `None` if they are not finite.
-fn tile_rays(camera: &Camera, tile: &Tile) -> Option<TileRays> {
+fn tile_rays(camera: &PreparedCamera, tile: &Tile) -> Option<TileRays> {
     let first = camera.through(f64::from(tile.i), f64::from(tile.j));
     let steps = camera.steps();
     let middle = first + (steps[0] + steps[1]) * MIDDLE;
@@ -201,7 +201,7 @@ const HALF: f64 = 0.5 + 1e-9;
 /// Appends a shape if it may be seen through the tile. Returns `false` if its outline is unknown.
 fn see(
     scene: &PreparedScene,
-    camera: &Camera,
+    camera: &PreparedCamera,
     rays: &TileRays,
     id: ShapeId,
     seen: &mut Vec<SeenShape>,
@@ -230,7 +230,7 @@ fn see(
 }
 
 /// Returns the radius of the largest circle of confusion of a shape, in pixels.
-fn confusion(scene: &PreparedScene, camera: &Camera, id: ShapeId) -> f64 {
+fn confusion(scene: &PreparedScene, camera: &PreparedCamera, id: ShapeId) -> f64 {
     let [right, down] = camera.steps().map(DVec3::length);
     let Some(bounds) = scene.geometry().bounds(id) else {
         return camera.confusion([0.0, f64::INFINITY], right.min(down));
@@ -247,7 +247,7 @@ fn confusion(scene: &PreparedScene, camera: &Camera, id: ShapeId) -> f64 {
 /// Collects the shapes of the tree that are seen through a tile.
 struct FeatureVisitor<'a> {
     scene: &'a PreparedScene,
-    camera: &'a Camera,
+    camera: &'a PreparedCamera,
     rays: &'a TileRays,
     seen: &'a mut Vec<SeenShape>,
     known: bool,

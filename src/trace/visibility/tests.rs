@@ -4,9 +4,9 @@ use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
 
 use super::*;
-use crate::trace::math::Sampling;
+use crate::trace::math::PixelSampling;
 use crate::trace::query::closest;
-use crate::trace::rays::Ray;
+use crate::trace::rays::PreparedRay;
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{Geometry, PreparedShape, SurfaceMaterial};
 
@@ -15,7 +15,7 @@ const SIDE_PIXELS: u32 = 20;
 /// The shape that a ray hits, and for boxes the axis and side of the face.
 type Surface = Option<(ShapeId, [i8; 3])>;
 
-fn surface(scene: &PreparedScene, ray: &Ray, search: &mut Scratch<'_>) -> Surface {
+fn surface(scene: &PreparedScene, ray: &PreparedRay, search: &mut Scratch<'_>) -> Surface {
     let hit = closest(scene, ray, search)?;
     let point = scene.surface(scene.geometry(), ray, &hit, search);
     let is_box = matches!(scene.geometry().shape(point.hit.id), crate::trace::scene::ShapeRef::AlignedBox(_));
@@ -25,7 +25,7 @@ fn surface(scene: &PreparedScene, ray: &Ray, search: &mut Scratch<'_>) -> Surfac
 }
 
 /// Returns the pixels without a feature whose samples hit more than one surface, and the total number of pixels without a feature.
-fn missed(scene: &PreparedScene, camera: &Camera, samples: u32) -> (Vec<(u32, u32)>, usize) {
+fn missed(scene: &PreparedScene, camera: &PreparedCamera, samples: u32) -> (Vec<(u32, u32)>, usize) {
     let (columns, rows) = camera.resolution();
     let (mut missed, mut plain) = (Vec::new(), 0);
     let mut search = Scratch::default();
@@ -50,7 +50,7 @@ fn missed(scene: &PreparedScene, camera: &Camera, samples: u32) -> (Vec<(u32, u3
                     }
                     plain += 1;
                     let (column, row) = (i + column, j + row);
-                    let sampling = Sampling { samples, seed: 1 };
+                    let sampling = PixelSampling { samples, seed: 1 };
                     let mut surfaces = (0..samples).map(|sample| {
                         let ray = camera.sample_ray(sampling, column, row, sample).unwrap();
                         surface(scene, &ray, &mut search)
@@ -115,7 +115,7 @@ proptest! {
         wide in prop_oneof![Just(0.3), Just(1.0), Just(3.0)],
         lens in prop_oneof![3 => Just(0.0), 1 => 0.05..1.0],
     ) {
-        let camera = Camera::new(eye, view - eye, DVec3::Y, 1.0, (wide, wide), (SIDE_PIXELS, SIDE_PIXELS)).with_lens(lens, 5.0);
+        let camera = PreparedCamera::new(eye, view - eye, DVec3::Y, 1.0, (wide, wide), (SIDE_PIXELS, SIDE_PIXELS)).with_lens(lens, 5.0);
         let (missed, _) = missed(&scene_of(&shapes), &camera, 64);
         prop_assert!(missed.is_empty(), "{:?}", missed);
     }
@@ -126,7 +126,8 @@ proptest! {
 fn plain_pixels_have_no_feature_and_tiny_shapes_have() {
     let sphere = |x: f64, radius| PreparedShape::Sphere(Sphere { center: DVec3::new(x, 0.0, 0.0), radius });
     let floor = PreparedShape::Plane(Plane::new(DVec3::new(0.0, -1.0, 0.0), DVec3::Y).unwrap());
-    let camera = Camera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (1.0, 1.0), (80, 80));
+    let camera =
+        PreparedCamera::new(DVec3::new(0.0, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (1.0, 1.0), (80, 80));
     let (missed_few, plain) = missed(&scene_of(&[sphere(-0.5, 1.0), floor]), &camera, 256);
     assert!(missed_few.is_empty() && plain > 80 * 80 * 9 / 10, "{missed_few:?}, {plain}");
     let tile = Tile { i: 32, j: 32, width: 16, height: 16 };

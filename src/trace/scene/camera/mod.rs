@@ -6,8 +6,8 @@ use glam::DVec3;
 
 pub(crate) use packet::{PixelCenters, SIDE, SpreadKeys, Square};
 
-use crate::trace::math::{Bytes, Dimension, Double, PixelSamples, Sampling, disc, scaled};
-use crate::trace::rays::Ray;
+use crate::trace::math::{Bytes, Dimension, Double, PixelSamples, PixelSampling, disc, scaled};
+use crate::trace::rays::PreparedRay;
 use crate::trace::shapes::Bounds;
 
 /// A camera: an eye, and a grid of pixels on a screen in front of it.
@@ -17,7 +17,7 @@ use crate::trace::shapes::Bounds;
 /// outermost pixels lie on the screen's edges. With a resolution of 1, the pixel lies in the middle. Coordinates are left-handed: x right,
 /// y up, z forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
+pub struct PreparedCamera {
     eye: DVec3,
     right: DVec3,
     up: DVec3,
@@ -27,18 +27,18 @@ pub struct Camera {
     distance: f64,
     columns: u32,
     rows: u32,
-    lens: Option<Lens>,
+    lens: Option<PreparedLens>,
 }
 
 /// A thin lens at the eye, perpendicular to the view direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Lens {
+struct PreparedLens {
     radius: f64,
     /// Distance of the plane of focus, in units of the screen's distance.
     focus: f64,
 }
 
-impl Camera {
+impl PreparedCamera {
     /// Creates a camera at `eye` that looks along `view` with `up` upwards. The screen at `distance` is `size` (W, H) wide and high and has
     /// `resolution` (columns, rows) pixels.
     ///
@@ -95,7 +95,7 @@ impl Camera {
     /// A lens has an effect only with several samples per pixel: a single sample passes through its centre.
     #[must_use]
     pub fn with_lens(self, aperture: f64, focus: f64) -> Self {
-        let lens = Lens { radius: 0.5 * aperture, focus: focus / self.distance };
+        let lens = PreparedLens { radius: 0.5 * aperture, focus: focus / self.distance };
         let exists = [lens.radius, lens.focus].into_iter().all(|part| part > 0.0 && part.is_finite());
         Self { lens: exists.then_some(lens), ..self }
     }
@@ -106,7 +106,7 @@ impl Camera {
         bytes.vectors([*eye, *right, *up, *forward]);
         [width, height, distance].into_iter().for_each(|number| bytes.number(*number));
         [columns, rows].into_iter().for_each(|count| bytes.count(*count));
-        let Lens { radius, focus } = lens.unwrap_or(Lens { radius: 0.0, focus: 0.0 });
+        let PreparedLens { radius, focus } = lens.unwrap_or(PreparedLens { radius: 0.0, focus: 0.0 });
         [radius, focus].into_iter().for_each(|number| bytes.number(number));
     }
 
@@ -151,8 +151,8 @@ impl Camera {
     #[doc(hidden)]
     #[must_use]
     #[inline(always)]
-    pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
-        Ray::new(self.eye, self.towards(i, j))
+    pub fn ray(&self, i: u32, j: u32) -> Option<PreparedRay> {
+        PreparedRay::new(self.eye, self.towards(i, j))
     }
 
     /// Returns the ray of sample `index` of pixel (i, j). A single sample is at the pixel's centre; several are spread evenly over the
@@ -164,24 +164,30 @@ impl Camera {
     #[doc(hidden)]
     #[must_use]
     #[inline]
-    pub fn sample_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
+    pub fn sample_ray(&self, sampling: PixelSampling, i: u32, j: u32, index: u32) -> Option<PreparedRay> {
         if sampling.samples <= 1 {
             return self.ray(i, j);
         }
         self.spread_ray(sampling, i, j, index)
     }
 
-    /// Returns the ray of [`Camera::sample_ray`] for several samples per pixel.
-    pub(crate) fn spread_ray(&self, sampling: Sampling, i: u32, j: u32, index: u32) -> Option<Ray> {
+    /// Returns the ray of [`PreparedCamera::sample_ray`] for several samples per pixel.
+    pub(crate) fn spread_ray(
+        &self,
+        sampling: PixelSampling,
+        i: u32,
+        j: u32,
+        index: u32,
+    ) -> Option<PreparedRay> {
         let samples = PixelSamples::new(sampling.seed, i, j);
         let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
         let towards = self.through(f64::from(i) + right, f64::from(j) + down);
         let Some(lens) = self.lens else {
-            return Ray::new(self.eye, towards);
+            return PreparedRay::new(self.eye, towards);
         };
         let [right, up] = disc(samples.pair(Dimension::Lens, index)).map(|place| lens.radius * place);
         let place = self.right * right + self.up * up;
-        Ray::new(self.eye + place, towards * lens.focus - place)
+        PreparedRay::new(self.eye + place, towards * lens.focus - place)
     }
 
     /// Returns the change of the direction from the eye from one column to the next, and from one row to the next.
@@ -193,7 +199,7 @@ impl Camera {
     /// Returns the largest radius, in units of `pitch`, of the disc of the screen through which the lens sees a point, over a range of
     /// inverse depths in units of the screen's distance; 0 without a lens.
     pub(crate) fn confusion(&self, depths: [f64; 2], pitch: f64) -> f64 {
-        let Some(Lens { radius, focus }) = self.lens else { return 0.0 };
+        let Some(PreparedLens { radius, focus }) = self.lens else { return 0.0 };
         let apart = depths.map(|depth| (depth - 1.0 / focus).abs());
         radius * apart[0].max(apart[1]) / pitch
     }
@@ -282,9 +288,9 @@ fn cross(a: DVec3, b: DVec3) -> DVec3 {
 mod tests {
     use super::*;
 
-    fn example() -> Camera {
+    fn example() -> PreparedCamera {
         let eye = DVec3::new(-2.0, -2.0, 0.0);
-        Camera::new(eye, DVec3::new(1.0, 1.0, 0.0), DVec3::Z, 1.0, (2.0, 2.0), (201, 201))
+        PreparedCamera::new(eye, DVec3::new(1.0, 1.0, 0.0), DVec3::Z, 1.0, (2.0, 2.0), (201, 201))
     }
 
     #[test]
@@ -297,7 +303,7 @@ mod tests {
     #[test]
     fn columns_run_right_and_rows_run_down() {
         // 3 columns, 2 rows: if they were swapped, the corners would not be on the edges.
-        let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), (3, 2));
+        let camera = PreparedCamera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), (3, 2));
         assert_eq!(camera.towards(0, 0), DVec3::new(-2.0, 0.5, 1.0));
         assert_eq!(camera.towards(2, 0), DVec3::new(2.0, 0.5, 1.0));
         assert_eq!(camera.towards(1, 1), DVec3::new(0.0, -0.5, 1.0));
@@ -305,18 +311,18 @@ mod tests {
 
     #[test]
     fn a_resolution_of_one_is_the_middle() {
-        let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 2.0, (4.0, 1.0), (1, 1));
+        let camera = PreparedCamera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 2.0, (4.0, 1.0), (1, 1));
         assert_eq!(camera.towards(0, 0), DVec3::new(0.0, 0.0, 2.0));
     }
 
     #[test]
     fn samples_cover_half_a_pitch_around_the_pixels() {
         for (resolution, pitch) in [((1, 1), (4.0, 1.0)), ((3, 2), (2.0, 1.0))] {
-            let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), resolution);
+            let camera = PreparedCamera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, (4.0, 1.0), resolution);
             let (i, j) = (resolution.0 - 1, resolution.1 - 1);
             let centre = camera.towards(i, j);
-            assert_eq!(camera.sample_ray(Sampling::default(), i, j, 0), camera.ray(i, j));
-            let sampling = Sampling { samples: 1024, seed: 3 };
+            assert_eq!(camera.sample_ray(PixelSampling::default(), i, j, 0), camera.ray(i, j));
+            let sampling = PixelSampling { samples: 1024, seed: 3 };
             let (mut least, mut most) = (DVec3::MAX, DVec3::MIN);
             for index in 0..sampling.samples {
                 let direction = camera.sample_ray(sampling, i, j, index).unwrap().direction();
@@ -341,7 +347,7 @@ mod tests {
             (DVec3::new(1e-300, 0.0, 0.0), DVec3::Y),
             (DVec3::X, DVec3::new(1.0, 1e-30, 0.0)),
         ] {
-            let camera = Camera::new(DVec3::ZERO, view, up, 1.0, (2.0, 2.0), (3, 3));
+            let camera = PreparedCamera::new(DVec3::ZERO, view, up, 1.0, (2.0, 2.0), (3, 3));
             for (i, j) in [(0, 0), (1, 1), (2, 2)] {
                 assert!(camera.towards(i, j).is_finite(), "{view} {up}");
             }

@@ -3,12 +3,12 @@
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::{Camera, Lens};
+use super::{PreparedCamera, PreparedLens};
 use crate::trace::math::{
-    Dimension, F64s, F64s3, LANES, Numbers, PixelSamples, SampleKeys, Sampling, Scaled, Vectors, add, bits,
-    finite3, half_lanes, lanes, on_disc, scaled_lanes, splat, splat3, subtract, times,
+    Dimension, F64s, F64s3, LANES, Numbers, PixelSamples, PixelSampling, SampleKeys, Scaled, Vectors, add,
+    bits, finite3, half_lanes, lanes, on_disc, scaled_lanes, splat, splat3, subtract, times,
 };
-use crate::trace::rays::{Ray, RayPacket};
+use crate::trace::rays::{PreparedRay, RayPacket};
 
 /// Side length, in pixels, of the square that a packet's rays pass through.
 pub(crate) const SIDE: u32 = 4;
@@ -59,7 +59,7 @@ pub(crate) struct PixelCenters {
 
 impl PixelCenters {
     /// Computes the centres of a camera's pixels.
-    pub(crate) fn of(camera: &Camera) -> Self {
+    pub(crate) fn of(camera: &PreparedCamera) -> Self {
         let column = |i: u32| camera.right * camera.across(f64::from(i.min(camera.columns - 1)));
         let row = |j: u32| camera.up * camera.upwards(f64::from(j.min(camera.rows - 1)));
         let groups = |count: u32| (0..count).step_by(SIDE as usize);
@@ -73,7 +73,7 @@ impl PixelCenters {
         Self { eye: camera.eye, forward: camera.forward, columns, rows }
     }
 
-    /// Stores the rays through the centres of pixels in the lanes, row by row. Each is the [`Camera::ray`] of its pixel.
+    /// Stores the rays through the centres of pixels in the lanes, row by row. Each is the [`PreparedCamera::ray`] of its pixel.
     #[inline(always)]
     pub(crate) fn rays<S: Simd>(&self, simd: S, square: &Square, rays: &mut RayPacket) {
         rays.clear();
@@ -95,7 +95,7 @@ impl PixelCenters {
         rays.lanes = asked & !unusual;
         for lane in lanes(unusual) {
             let towards = across.get(lane) + upwards.get(lane) + self.forward;
-            if let Some(ray) = Ray::new(self.eye, towards) {
+            if let Some(ray) = PreparedRay::new(self.eye, towards) {
                 rays.set(lane, &ray);
             }
         }
@@ -147,14 +147,14 @@ impl SpreadKeys {
     }
 }
 
-impl Camera {
-    /// Stores the rays of pixels' samples in the lanes, given a sample index for each lane. Each is the [`Camera::spread_ray`] of its
+impl PreparedCamera {
+    /// Stores the rays of pixels' samples in the lanes, given a sample index for each lane. Each is the [`PreparedCamera::spread_ray`] of its
     /// pixel.
     #[inline(always)]
     pub(crate) fn spread_rays<S: Simd>(
         &self,
         simd: S,
-        sampling: Sampling,
+        sampling: PixelSampling,
         keys: &SpreadKeys,
         indices: &[u32; LANES],
         rays: &mut RayPacket,
@@ -171,7 +171,7 @@ impl Camera {
             let column = keys.columns.load(simd, half) + (on_screen[0].load(simd, half) - 0.5);
             let row = keys.rows.load(simd, half) + (on_screen[1].load(simd, half) - 0.5);
             let (mut origin, mut towards) = (splat3(simd, self.eye), self.through_lanes(simd, column, row));
-            if let Some((Lens { radius, focus }, places)) = &on_lens {
+            if let Some((PreparedLens { radius, focus }, places)) = &on_lens {
                 let [right, up] = on_disc([places[0].load(simd, half), places[1].load(simd, half)]);
                 let right = times(splat3(simd, self.right), right * *radius);
                 let place = add(right, times(splat3(simd, self.up), up * *radius));
@@ -201,7 +201,7 @@ impl Camera {
         square: &Square,
         half: usize,
     ) -> Option<[DVec3; 2]> {
-        let Lens { radius, focus } = self.lens?;
+        let PreparedLens { radius, focus } = self.lens?;
         let (column, row) = (f64::from(square.first.0), f64::from(square.first.1));
         let first = if half == 0 { -0.5 } else { 1.5 };
         let [mut low, mut high] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
@@ -221,7 +221,7 @@ impl Camera {
         Some([low, high])
     }
 
-    /// Computes [`Camera::through`] for half of the lanes.
+    /// Computes [`PreparedCamera::through`] for half of the lanes.
     #[inline(always)]
     fn through_lanes<S: Simd>(&self, simd: S, column: F64s<S>, row: F64s<S>) -> F64s3<S> {
         let across = if self.columns > 1 {
@@ -249,16 +249,16 @@ mod tests {
     #[test]
     fn packets_have_the_rays_of_their_pixels() {
         let eye = DVec3::new(-2.0, 0.3, 1.0);
-        let camera = Camera::new(eye, DVec3::new(1.0, 1.0, 0.2), DVec3::Z, 1.5, (2.0, 1.2), (23, 9));
+        let camera = PreparedCamera::new(eye, DVec3::new(1.0, 1.0, 0.2), DVec3::Z, 1.5, (2.0, 1.2), (23, 9));
         let cameras = [
             camera,
             camera.with_lens(0.3, 7.0),
-            Camera::new(eye, DVec3::X, DVec3::Y, 1.0, (2.0, 2.0), (1, 1)),
+            PreparedCamera::new(eye, DVec3::X, DVec3::Y, 1.0, (2.0, 2.0), (1, 1)),
         ];
         for (camera, index) in
             cameras.into_iter().flat_map(|camera| (0..40).map(move |index| (camera, index)))
         {
-            let sampling = Sampling { samples: 64, seed: 5 };
+            let sampling = PixelSampling { samples: 64, seed: 5 };
             let indices = std::array::from_fn(|lane| index + u32::from(lane % 3 == 1));
             let (columns, rows) = camera.resolution();
             for (name, level) in SimdLevel::all() {
