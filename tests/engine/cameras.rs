@@ -43,7 +43,7 @@ struct CameraPose {
 }
 
 impl CameraPose {
-    fn of(camera: &trace::Camera) -> Self {
+    fn of(camera: &trace::PreparedCamera) -> Self {
         let middle = camera.towards(1, 1);
         let right = (camera.towards(2, 1) - middle).normalize();
         let up = (camera.towards(1, 0) - middle).normalize();
