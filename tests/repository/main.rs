@@ -1,4 +1,4 @@
-//! Tests of the repository: layers and words of the sources, links of the documentation, and examples of the README.
+//! Tests of the repository: layers and words of the sources, links of the documentation, and examples of the README and the manual.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 

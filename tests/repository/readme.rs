@@ -1,4 +1,6 @@
-//! Tests of the README: its scene is valid, and its commands and options exist.
+//! Tests of the README and the command manual: the scene is valid, and commands, options and passes exist.
+
+use std::collections::BTreeSet;
 
 use assert_cmd::Command;
 
@@ -8,6 +10,8 @@ use rayreel::{Engine, Scene};
 use crate::root;
 
 const README: &str = include_str!("../../README.md");
+const MANUAL: &str = include_str!("../../src/cli/manual.md");
+const TEXTS: [&str; 2] = [README, MANUAL];
 
 fn rayreel(arguments: &[&str]) -> String {
     let output = Command::cargo_bin("rayreel").unwrap().args(arguments).output().unwrap();
@@ -20,9 +24,26 @@ fn code(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
+/// Returns the options in a text, such as `--size`.
+fn options(text: &str) -> BTreeSet<&str> {
+    let words = text.split(|character: char| !character.is_alphanumeric() && character != '-');
+    words.filter(|word| word.len() > 2 && word.starts_with("--")).collect()
+}
+
+/// Returns the rows of the command tables in a text.
+fn rows(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().filter(|line| line.starts_with("| `rayreel "))
+}
+
+/// Returns the command that a row describes.
+fn command(row: &str) -> &str {
+    row.split([' ', '`']).skip_while(|word| *word != "rayreel").nth(1).unwrap()
+}
+
 #[test]
 fn the_scene_is_a_scene() {
-    let blocks = README.split("```ron\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    let blocks = TEXTS.into_iter().flat_map(|text| text.split("```ron\n").skip(1));
+    let blocks = blocks.map(|rest| rest.split("```").next().unwrap());
     let scenes: Vec<&str> = blocks.filter(|block| block.starts_with("Scene(")).collect();
     assert_eq!(scenes.len(), 1);
     let scene = Scene::from_text("README.md", scenes[0].to_owned()).unwrap_or_else(|error| panic!("{error}"));
@@ -31,38 +52,47 @@ fn the_scene_is_a_scene() {
 
 #[test]
 fn every_command_and_every_option_of_the_table_is_there() {
-    let rows: Vec<&str> = README.lines().filter(|line| line.starts_with("| `rayreel ")).collect();
-    assert!(rows.len() >= 7);
-    for row in rows {
-        let words: Vec<&str> = code(row).collect();
-        let command = words[0].split(' ').nth(1).unwrap();
-        let help = rayreel(&[command, "--help"]);
-        for option in words.iter().filter_map(|word| word.split(' ').next()?.strip_prefix("--")) {
-            assert!(help.contains(&format!("--{option}")), "rayreel {command} knows no --{option}");
-        }
+    assert!(rows(README).count() >= 7);
+    for row in TEXTS.into_iter().flat_map(rows) {
+        let help = rayreel(&[command(row), "--help"]);
+        let named: BTreeSet<&str> = code(row).flat_map(options).collect();
+        let unknown: Vec<_> = named.difference(&options(&help)).copied().collect();
+        assert_eq!(unknown, [""; 0], "rayreel {}", command(row));
     }
+}
+
+#[test]
+fn every_option_is_an_option_of_some_command() {
+    let help: String = rows(README).map(|row| rayreel(&[command(row), "--help"])).collect();
+    let named = TEXTS.into_iter().flat_map(code).filter(|text| text.starts_with("--")).flat_map(options);
+    let named: BTreeSet<&str> = named.collect();
+    assert!(named.len() >= 30, "{named:?}");
+    let unknown: Vec<_> = named.difference(&options(&help)).copied().collect();
+    assert_eq!(unknown, [""; 0]);
 }
 
 #[test]
 fn every_pass_is_documented() {
     let help = rayreel(&["render", "--help"]);
     for pass in Pass::ALL.map(Pass::name) {
-        assert!(README.contains(&format!("| `{pass}` | ")), "{pass}");
+        assert!(MANUAL.contains(&format!("| `{pass}` | ")), "{pass}");
         assert!(help.contains(&format!("{pass}:")), "rayreel render --help does not document {pass}");
     }
 }
 
 #[test]
 fn every_command_line_is_understood() {
-    let texts = README.lines().filter(|line| line.starts_with("rayreel ")).chain(code(README));
-    let lines: Vec<&str> =
-        texts.filter(|text| text.starts_with("rayreel ") && text.contains(".ron")).collect();
-    assert!(lines.len() >= 5, "{lines:?}");
-    for line in lines {
-        let words: Vec<&str> = line.split(' ').skip(1).collect();
-        let scene = words.iter().find(|word| word.ends_with(".ron")).unwrap();
-        assert!(root().join(scene).is_file(), "there is no {scene}");
-        // `--help` comes last, so that all other arguments are parsed first.
-        rayreel(&[&words[..], &["--help"]].concat());
+    for text in TEXTS {
+        let lines = text.lines().filter(|line| line.starts_with("rayreel ")).chain(code(text));
+        let lines: Vec<&str> =
+            lines.filter(|line| line.starts_with("rayreel ") && line.contains(".ron")).collect();
+        assert!(lines.len() >= 5, "{lines:?}");
+        for line in lines {
+            let words: Vec<&str> = line.split(' ').skip(1).collect();
+            let scene = words.iter().find(|word| word.ends_with(".ron")).unwrap();
+            assert!(root().join(scene).is_file(), "there is no {scene}");
+            // `--help` comes last, so that all other arguments are parsed first.
+            rayreel(&[&words[..], &["--help"]].concat());
+        }
     }
 }
