@@ -17,13 +17,10 @@ mod hard_scenes;
 #[path = "../tests/processor_time/spent.rs"]
 mod spent;
 
-use std::ops::ControlFlow::Continue;
-use std::sync::atomic::AtomicBool;
-
 use hard_scenes::hard_scenes;
 use rayreel::accuracy::FilmError;
-use rayreel::trace::{EstimatedError, Film, Signals};
-use rayreel::{Engine, RenderSettings, Rgb, Scene};
+use rayreel::trace::{EstimatedError, Film};
+use rayreel::{Engine, RenderRequest, RenderSettings, Rgb, Scene};
 use spent::Spent;
 
 const TARGETS: [f32; 4] = [4.0, 2.0, 1.0, 0.5];
@@ -234,13 +231,11 @@ fn shipped() -> impl Iterator<Item = Subject> {
 
 /// Renders a frame with these settings; of alpha, where that is what is hard.
 fn render(Subject { engine, alpha, .. }: &mut Subject, frame: u32, settings: RenderSettings) -> Picture {
-    engine.set_render_settings(settings);
+    engine.set_settings(settings);
     let time = engine.timeline().time_of(frame);
-    let never = AtomicBool::new(false);
     let film = if *alpha {
-        let picture =
-            engine.render_alpha_on(time, Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap();
-        let alpha = picture.alpha;
+        let image = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) });
+        let alpha = image.unwrap().unwrap().alpha.unwrap();
         // Alpha is written without a transfer curve. Decoding it here cancels the curve of the comparison.
         let transfer = engine.film_settings().transfer;
         let light = |alpha: &f32| {

@@ -10,9 +10,9 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::{DAffine3, DQuat, DVec3};
 
-use rayreel::Engine;
 use rayreel::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use rayreel::trace::{CastRay, Geometry, Precision, PreparedScene, PreparedShape, SurfaceMaterial};
+use rayreel::{Engine, RenderSettings};
 
 const PRECISIONS: [Precision; 3] = [Precision::TextbookF32, Precision::TextbookF64, Precision::Guaranteed];
 
@@ -109,8 +109,11 @@ fn scenes() -> impl Iterator<Item = At<()>> {
 fn frames(bencher: Bencher<'_, '_>, At { name, precision, .. }: &At<()>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("ron");
     let mut engine = Engine::load(path).expect("shipped scenes are good");
-    engine.set_full(true);
-    engine.set_precision(*precision);
+    engine.set_settings(RenderSettings {
+        all_effects: true,
+        precision: Some(*precision),
+        ..engine.settings()
+    });
     let timeline = engine.timeline();
     let middle = timeline.time_of(timeline.frame_count() / 2);
     bencher.bench_local(|| engine.render_at(middle).expect("shipped scenes can be rendered"));

@@ -71,7 +71,7 @@
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int, blake3 |
 //! | `components` | plain data of entities | color, time, animation | glam, hecs |
 //! | `scene` | RON to world, diagnostics | components, animation, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
-//! | `systems` | the work of each frame; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
+//! | `systems` | the work of each frame, `frame` to `trace`; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
 //! | `output` | frame files, sequences, sheets | trace, color, time | png, exr, gif, blake3, rayon |
@@ -97,6 +97,8 @@ pub use color::Rgb;
 pub use engine::{Engine, EngineError, FrameReport, Hit, Ray};
 pub use hecs::{Entity, World};
 pub use scene::Scene;
-pub use systems::{Changes, Context, Effect, Fault, Need, Plan, RenderSettings, Step};
+pub use systems::{
+    Changes, Context, Effect, EffectSet, Fault, Need, Plan, RenderRequest, RenderSettings, Step,
+};
 pub use time::Time;
-pub use trace::Film;
+pub use trace::{Film, RenderedImage};

@@ -13,7 +13,7 @@ use std::thread;
 use std::time::Duration;
 
 use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Watching};
-use rayreel::{Engine, Scene};
+use rayreel::{EffectSet, Engine, Scene};
 
 #[path = "page/http.rs"]
 #[expect(dead_code, reason = "others look at more of an answer")]
@@ -49,7 +49,7 @@ fn a_long_session_grows_in_nothing_and_stays_right() {
         SessionSettings {
             scene: scene.clone(),
             overrides: Vec::new(),
-            left_out: Vec::new(),
+            without: EffectSet::default(),
             frame: 3,
             watching: Watching::Events,
             finish: false,

@@ -15,6 +15,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
+use rayreel::EffectSet;
 use rayreel::live::{Server, Session, SessionSettings, Watching};
 
 #[path = "../../tests/page/browser.rs"]
@@ -38,7 +39,7 @@ fn main() {
     let settings = SessionSettings {
         scene: scene.clone(),
         overrides: Vec::new(),
-        left_out: Vec::new(),
+        without: EffectSet::default(),
         frame: 0,
         watching: Watching::Events,
         finish: false,

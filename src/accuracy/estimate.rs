@@ -19,7 +19,7 @@ pub struct Estimate {
     pub seconds: f64,
 }
 
-/// Estimates the RMS error of pictures of a moment with these settings, without a reference. Two pictures are rendered with independent
+/// Estimates the RMS error of pictures of a moment with these settings, which override the engine's, without a reference. Two pictures are rendered with independent
 /// samples; the error of each is their difference divided by the square root of two. A picture with a single sample per pixel, which is the
 /// same in all pictures, is compared with pictures of four. Errors that all pictures share, such as those caused by the instants of an open
 /// shutter, are not detected. Returns `None` if cancelled.
@@ -33,14 +33,12 @@ pub fn estimate(
     settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<Option<Estimate>, EngineError> {
-    let usual = engine.settings();
-    let estimated = if settings.sampling(sampling_settings(engine.world())).samples > 1 {
+    let sampling = settings.or(engine.settings()).sampling(sampling_settings(engine.world()));
+    unless_cancelled(if sampling.samples > 1 {
         pair(engine, moment, settings, cancelled).map(|pair| pair.estimate)
     } else {
         single(engine, moment, settings, cancelled)
-    };
-    engine.set_render_settings(usual);
-    unless_cancelled(estimated)
+    })
 }
 
 /// Seeds of the independent pictures: digits of pi and of e, which scenes do not use.
@@ -52,7 +50,7 @@ pub(super) struct Pair {
     pub(super) estimate: Estimate,
 }
 
-/// Renders two pictures with independent samples. Leaves the engine's settings changed.
+/// Renders two pictures with independent samples.
 pub(super) fn pair(
     engine: &mut Engine,
     moment: Time,
@@ -67,7 +65,7 @@ pub(super) fn pair(
     Ok(Pair { films: [one, other], estimate: Estimate { rms, seconds: f64::midpoint(first, second) } })
 }
 
-/// Estimates the error of a picture with a single sample per pixel, from two pictures with four. Leaves the engine's settings changed.
+/// Estimates the error of a picture with a single sample per pixel, from two pictures with four.
 fn single(
     engine: &mut Engine,
     moment: Time,
@@ -98,8 +96,7 @@ fn timed(
     settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<(Film, f64), StopReason> {
-    engine.set_render_settings(settings);
-    let film = render(engine, moment, cancelled)?;
+    let film = render(engine, moment, settings, cancelled)?;
     let report = engine.report();
     Ok((film, (report.animate + report.prepare + report.trace).as_secs_f64()))
 }

@@ -13,7 +13,7 @@ pub struct FrameSamples {
     pub samples: u32,
     /// The error target of the picture; 0 for the same number of samples in all pixels.
     pub max_error: f32,
-    /// The least gains of the picture's rounds, if they do not follow from the error target: see [`Engine::rounds`].
+    /// The least gains of the picture's rounds, if they do not follow from the error target: see [`FrameReport::rounds`](crate::engine::FrameReport::rounds).
     pub rounds: Option<Vec<u32>>,
 }
 
@@ -26,10 +26,10 @@ impl FrameSamples {
 
     /// Configures an engine for pictures with these samples. If there are rounds, they apply to one picture.
     pub fn set_up(&self, engine: &mut Engine) {
-        engine.set_render_settings(RenderSettings {
+        engine.set_settings(RenderSettings {
             samples: Some(self.samples),
             max_error: Some(self.max_error),
-            ..RenderSettings::default()
+            ..engine.settings()
         });
         let replay =
             |rounds: &Vec<u32>| -> SharedRoundPolicy { Arc::new(Mutex::new(Replay::new(rounds.clone()))) };

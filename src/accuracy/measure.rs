@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use super::median_range::MedianRange;
-use super::parameter::{OwnSettings, Parameter, Subject, SweepRange, Variant, sweep, turned};
+use super::parameter::{OwnSettings, Parameter, Subject, SweepRange, sweep, turned};
 use super::report::{ReferenceInfo, Report, Row};
 use super::resample::resampled;
 use super::stop::{StopReason, render, unless_cancelled};
@@ -12,7 +12,7 @@ use super::{FilmError, OutputValues, ReferenceImage, Resolution, structural_simi
 use crate::color::Transfer;
 use crate::components::{FilmSettings, Sampling};
 use crate::engine::{Engine, EngineError};
-use crate::systems::{Effect, Plan, RenderSettings, quality_settings, sampling_settings};
+use crate::systems::{Plan, RenderSettings};
 use crate::time::Time;
 use crate::trace::{EstimatedError, Film, RayCounts};
 
@@ -61,8 +61,8 @@ pub trait Observer {
     }
 }
 
-/// Measures the cost of accuracy in a scene. Returns `None` if cancelled. The engine's settings are restored in any case. Effects that are
-/// disabled in the engine stay disabled throughout.
+/// Measures the cost of accuracy in a scene. Returns `None` if cancelled. Settings override the engine's, which are
+/// kept.
 ///
 /// # Errors
 ///
@@ -73,16 +73,11 @@ pub fn measure(
     cancelled: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Option<Report>, EngineError> {
-    let (settings, precision, left_out) = (engine.settings(), engine.precision(), engine.left_out().to_vec());
     let timeline = engine.timeline();
     let times = request.frames.iter().map(|frame| timeline.time_of(*frame)).collect();
     let (keep_films, work) = (request.keep_films, WorkEstimate::default());
-    let mut measurer = Measurer { engine, times, left_out: &left_out, cancelled, observer, keep_films, work };
-    let report = unless_cancelled(measurer.run(request));
-    engine.set_render_settings(settings);
-    engine.set_precision(precision);
-    engine.set_left_out(left_out);
-    report
+    let mut measurer = Measurer { engine, times, cancelled, observer, keep_films, work };
+    unless_cancelled(measurer.run(request))
 }
 
 /// The estimated work, in samples per pixel.
@@ -98,7 +93,6 @@ struct WorkEstimate {
 struct Measurer<'a> {
     engine: &'a mut Engine,
     times: Vec<Time>,
-    left_out: &'a [Effect],
     cancelled: &'a AtomicBool,
     observer: &'a mut dyn Observer,
     keep_films: bool,
@@ -137,8 +131,7 @@ impl Measurer<'_> {
         let Preset { rounds, samples, pictures, factor } = request.thoroughness;
         let pictures = pictures.max(2);
         let plan = self.plan()?;
-        let world = self.engine.world();
-        let own = OwnSettings { sampling: sampling_settings(world), quality: quality_settings(world) };
+        let own = OwnSettings { sampling: self.engine.sampling(), quality: self.engine.quality() };
         let most = if own.sampling.max_error > 0.0 { samples } else { samples.max(own.sampling.samples) };
         let reach = SweepRange {
             samples: most,
@@ -170,8 +163,8 @@ impl Measurer<'_> {
         let shallow = RenderSettings::default();
         let deep =
             RenderSettings { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
-        let as_it_is = self.render(&Variant::default(), None)?;
-        let deeper = self.render(&Variant { settings: deep, ..Variant::default() }, None)?;
+        let as_it_is = self.render(&RenderSettings::default(), None)?;
+        let deeper = self.render(&deep, None)?;
         let is_deep = self.error(&as_it_is.films, &deeper.films).max < f64::from(NO_CUTOFF);
         let seeds = (pictures, own.sampling.seed, samples);
         let start = Instant::now();
@@ -190,14 +183,14 @@ impl Measurer<'_> {
     /// Renders every variant and compares it with the references.
     fn rows(
         &mut self,
-        rows: Vec<(Subject, Variant)>,
+        rows: Vec<(Subject, RenderSettings)>,
         truth: &ReferenceSet,
         (own, reach): (OwnSettings, SweepRange),
     ) -> Result<Vec<Row>, StopReason> {
         let mut compared: Vec<Row> = Vec::with_capacity(rows.len());
-        let mut best: Option<(Variant, Vec<Film>)> = None;
-        for (subject, variant) in rows {
-            let rendered = self.render(&variant, Some(subject))?;
+        let mut best: Option<(RenderSettings, Vec<Film>)> = None;
+        for (subject, settings) in rows {
+            let rendered = self.render(&settings, Some(subject))?;
             let alone = match best_alone(subject, own, reach) {
                 None => self.error(&rendered.films, &truth.own),
                 Some(variant) => {
@@ -212,7 +205,7 @@ impl Measurer<'_> {
             };
             let row = Row {
                 subject,
-                variant,
+                settings,
                 error: self.error(&rendered.films, &truth.films),
                 similarity: self.similarity(&rendered.films, &truth.films),
                 alone,
@@ -221,7 +214,7 @@ impl Measurer<'_> {
                 rays: self.mean_rays(rendered.rays),
                 instructions: rendered.instructions,
                 estimated: rendered.estimated,
-                capped: capped(subject, &variant, rendered.estimated),
+                capped: capped(subject, &settings, rendered.estimated),
                 same_as: None,
                 on_front: false,
                 film: rendered.films.into_iter().next().filter(|_| self.keep_films),
@@ -236,7 +229,7 @@ impl Measurer<'_> {
     fn plan(&mut self) -> Result<Plan, StopReason> {
         let mut plan: Option<Plan> = None;
         for time in self.times.clone() {
-            let Some(of_frame) = self.engine.plan_at(time)?.cloned() else { continue };
+            let Some(of_frame) = self.engine.plan_at(time)? else { continue };
             match &mut plan {
                 Some(plan) => plan.join(&of_frame),
                 None => plan = Some(of_frame),
@@ -246,17 +239,20 @@ impl Measurer<'_> {
     }
 
     /// Estimates the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
-    fn foresee(&mut self, rows: &[(Subject, Variant)], own: OwnSettings, rounds: u32, reference: u32) {
+    fn foresee(&mut self, rows: &[(Subject, RenderSettings)], own: OwnSettings, rounds: u32, reference: u32) {
         let own = if own.sampling.max_error > 0.0 { ADAPTIVE } else { own.sampling.samples };
         self.work.own = own;
-        let of_rows: f64 = rows.iter().map(|(_, variant)| samples(&variant.settings, own)).sum();
+        let of_rows: f64 = rows.iter().map(|(_, settings)| samples(settings, own)).sum();
         let between = f64::from(own) * (rows.len().div_ceil(BETWEEN) + 1) as f64;
         self.work.all = f64::from(reference) + (of_rows + between) * f64::from(rounds) + of_rows;
     }
 
     /// Renders all frames with one variant.
-    fn render(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<MeasuredVariant, StopReason> {
-        variant.apply(self.engine, self.left_out);
+    fn render(
+        &mut self,
+        settings: &RenderSettings,
+        subject: Option<Subject>,
+    ) -> Result<MeasuredVariant, StopReason> {
         let mut rendered = MeasuredVariant {
             films: Vec::new(),
             seconds: 0.0,
@@ -268,7 +264,7 @@ impl Measurer<'_> {
             let share = (self.work.done / self.work.all.max(1.0)).min(1.0);
             self.observer.at(subject, share);
             let before = self.observer.instructions();
-            let film = render(self.engine, *time, self.cancelled)?;
+            let film = render(self.engine, *time, *settings, self.cancelled)?;
             if let Some((before, after)) = before.zip(self.observer.instructions()) {
                 *rendered.instructions.get_or_insert(0.0) += after.saturating_sub(before) as f64;
             }
@@ -280,7 +276,7 @@ impl Measurer<'_> {
                 if one.value < other.value { other } else { one }
             };
             rendered.estimated = rendered.estimated.into_iter().chain(report.error).reduce(largest);
-            self.work.done += samples(&variant.settings, self.work.own) / self.times.len() as f64;
+            self.work.done += samples(settings, self.work.own) / self.times.len() as f64;
         }
         rendered.seconds /= self.times.len().max(1) as f64;
         rendered.instructions = rendered.instructions.map(|all| all / self.times.len().max(1) as f64);
@@ -310,7 +306,7 @@ impl Measurer<'_> {
                 seed: Some(seed.wrapping_add(picture.wrapping_mul(APART))),
                 ..settings
             };
-            let rendered = self.render(&Variant { settings, ..Variant::default() }, None)?;
+            let rendered = self.render(&settings, None)?;
             frames.iter_mut().zip(rendered.films).for_each(|(films, film)| films.push(film));
         }
         let transfer = self.transfer();
@@ -323,19 +319,19 @@ impl Measurer<'_> {
         const OWN: Option<Subject> = Some(Subject::Own);
         let (distinct, same): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|row| rows[*row].same_as.is_none());
-        let spared = same.iter().map(|row| samples(&rows[*row].variant.settings, self.work.own)).sum::<f64>();
+        let spared = same.iter().map(|row| samples(&rows[*row].settings, self.work.own)).sum::<f64>();
         self.work.all -= spared * f64::from(rounds);
         let (mut measured, mut usual) = (vec![Vec::new(); distinct.len()], Vec::new());
         for _ in 0..rounds {
-            let mut before = self.seconds(&Variant::default(), OWN)?;
+            let mut before = self.seconds(&RenderSettings::default(), OWN)?;
             for (chunk, measured) in distinct.chunks(BETWEEN).zip(measured.chunks_mut(BETWEEN)) {
                 let mut seconds = Vec::new();
                 for row in chunk {
-                    let Row { subject, variant, .. } = &rows[*row];
-                    let (variant, subject) = (*variant, Some(*subject));
-                    seconds.push(self.seconds(&variant, subject)?);
+                    let Row { subject, settings, .. } = &rows[*row];
+                    let (settings, subject) = (*settings, Some(*subject));
+                    seconds.push(self.seconds(&settings, subject)?);
                 }
-                let after = self.seconds(&Variant::default(), OWN)?;
+                let after = self.seconds(&RenderSettings::default(), OWN)?;
                 let around = f64::midpoint(before, after).max(f64::MIN_POSITIVE);
                 usual.push(around);
                 before = after;
@@ -355,14 +351,14 @@ impl Measurer<'_> {
 
     /// Measures the seconds of a frame. For quick frames, it is the minimum of several: the first one after a frame with other settings
     /// takes longer, and interruptions by the system are as long as such a frame.
-    fn seconds(&mut self, variant: &Variant, subject: Option<Subject>) -> Result<f64, StopReason> {
+    fn seconds(&mut self, settings: &RenderSettings, subject: Option<Subject>) -> Result<f64, StopReason> {
         /// The duration for which quick frames are repeated.
         const LEAST: Duration = Duration::from_millis(20);
         let start = Instant::now();
-        let mut seconds = self.render(variant, subject)?.seconds;
+        let mut seconds = self.render(settings, subject)?.seconds;
         let done = self.work.done;
         while start.elapsed() < LEAST {
-            seconds = seconds.min(self.render(variant, subject)?.seconds);
+            seconds = seconds.min(self.render(settings, subject)?.seconds);
             self.work.done = done;
         }
         Ok(seconds)
@@ -398,11 +394,10 @@ impl Measurer<'_> {
 }
 
 /// Returns the variant in which only this subject has its best value; `None` if its best value is the converged reference.
-fn best_alone(subject: Subject, own: OwnSettings, reach: SweepRange) -> Option<Variant> {
-    let turned =
-        |parameter, value: f64| Some(Variant { settings: turned(parameter, value), ..Variant::default() });
+fn best_alone(subject: Subject, own: OwnSettings, reach: SweepRange) -> Option<RenderSettings> {
+    let turned = |parameter, value: f64| Some(turned(parameter, value));
     match subject {
-        Subject::Precision(_) | Subject::Size(..) | Subject::Without(_) => Some(Variant::default()),
+        Subject::Precision(_) | Subject::Size(..) | Subject::Without(_) => Some(RenderSettings::default()),
         Subject::Parameter(parameter @ Parameter::LightSamples, _) => {
             turned(parameter, f64::from(reach.light_samples) * 16.0)
         }
@@ -418,10 +413,10 @@ fn best_alone(subject: Subject, own: OwnSettings, reach: SweepRange) -> Option<V
 }
 
 /// Returns the maximum sample count per pixel, if it kept a picture from its error target.
-fn capped(subject: Subject, variant: &Variant, estimated: Option<EstimatedError>) -> Option<u32> {
+fn capped(subject: Subject, settings: &RenderSettings, estimated: Option<EstimatedError>) -> Option<u32> {
     match (subject, estimated) {
         (Subject::Parameter(Parameter::MaxError, target), Some(error)) if error.value > target => {
-            variant.settings.samples
+            settings.samples
         }
         _ => None,
     }

@@ -36,7 +36,7 @@ pub use front::Resolution;
 pub use measure::{Observer, Preset, Request, measure};
 pub use median_range::MedianRange;
 pub use output_values::OutputValues;
-pub use parameter::{Parameter, Subject, Variant};
+pub use parameter::{Parameter, Subject};
 pub use reference_image::ReferenceImage;
 pub use relative_error::relative_mse;
 pub use report::{ReferenceInfo, Report, Row, Share};

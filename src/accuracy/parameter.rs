@@ -3,7 +3,6 @@
 use std::fmt;
 
 use crate::components::{Quality, Sampling};
-use crate::engine::Engine;
 use crate::systems::{Effect, Plan, RenderSettings};
 use crate::trace::Precision;
 
@@ -63,27 +62,7 @@ impl Parameter {
     }
 }
 
-/// A set of settings to render a scene with.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Variant {
-    /// Settings that override the scene's own.
-    pub settings: RenderSettings,
-    /// The precision of ray-shape intersections.
-    pub precision: Precision,
-    /// An effect to disable.
-    pub without: Option<Effect>,
-}
-
-impl Variant {
-    /// Applies the settings to an engine, in which the effects in `left_out` are disabled as well.
-    pub(super) fn apply(&self, engine: &mut Engine, left_out: &[Effect]) {
-        engine.set_render_settings(self.settings);
-        engine.set_precision(self.precision);
-        engine.set_left_out(left_out.iter().copied().chain(self.without));
-    }
-}
-
-/// The difference of a variant from the scene's own settings.
+/// The difference of a row's settings from the scene's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Subject {
     /// No difference: the scene's own settings.
@@ -152,8 +131,9 @@ pub(super) fn sweep(
     own: OwnSettings,
     reach: SweepRange,
     sizes: &[(u32, u32)],
-) -> Vec<(Subject, Variant)> {
-    let mut rows = vec![(Subject::Own, Variant::default())];
+) -> Vec<(Subject, RenderSettings)> {
+    let own_settings = RenderSettings::default();
+    let mut rows = vec![(Subject::Own, own_settings)];
     for parameter in Parameter::ALL.into_iter().filter(|parameter| is_called_for(*parameter, plan)) {
         let turned = values(parameter, own, reach).into_iter().map(|value| {
             let mut settings = turned(parameter, value);
@@ -161,24 +141,21 @@ pub(super) fn sweep(
                 // Not more samples than a reference picture.
                 settings.samples = Some(reach.most);
             }
-            (Subject::Parameter(parameter, value), Variant { settings, ..Variant::default() })
+            (Subject::Parameter(parameter, value), settings)
         });
         rows.extend(turned);
     }
-    rows.extend(
-        [Precision::TextbookF64, Precision::TextbookF32]
-            .map(|precision| (Subject::Precision(precision), Variant { precision, ..Variant::default() })),
-    );
+    rows.extend([Precision::TextbookF64, Precision::TextbookF32].map(|precision| {
+        (Subject::Precision(precision), RenderSettings { precision: Some(precision), ..own_settings })
+    }));
     rows.extend(sizes.iter().map(|(width, height)| {
-        let settings = RenderSettings { size: Some((*width, *height)), ..RenderSettings::default() };
-        (Subject::Size(*width, *height), Variant { settings, ..Variant::default() })
+        let settings = RenderSettings { size: Some((*width, *height)), ..own_settings };
+        (Subject::Size(*width, *height), settings)
     }));
     let without = plan.needed().filter(|effect| *effect != Effect::Ambient || plan.needed().count() > 1);
-    rows.extend(
-        without.map(|effect| {
-            (Subject::Without(effect), Variant { without: Some(effect), ..Variant::default() })
-        }),
-    );
+    rows.extend(without.map(|effect| {
+        (Subject::Without(effect), RenderSettings { without: [effect].into(), ..own_settings })
+    }));
     rows
 }
 

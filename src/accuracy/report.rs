@@ -5,8 +5,9 @@ use std::time::Duration;
 use super::fit::PowerLaw;
 use super::front::{CostClass, FrontPoint, Resolution, front};
 use super::median_range::MedianRange;
-use super::parameter::{Parameter, Subject, Variant};
+use super::parameter::{Parameter, Subject};
 use super::{FilmError, ReferenceImage};
+use crate::systems::RenderSettings;
 use crate::trace::{EstimatedError, Film, RayCounts};
 
 /// The cost of accuracy in a scene.
@@ -53,7 +54,7 @@ pub struct Row {
     /// The difference from the scene's own settings.
     pub subject: Subject,
     /// The settings that it is rendered with.
-    pub variant: Variant,
+    pub settings: RenderSettings,
     /// The error against the reference: the largest error and fraction of any frame, and the RMS error over all frames.
     pub error: FilmError,
     /// The mean structural similarity to the reference.
@@ -105,7 +106,7 @@ impl Row {
     }
 
     fn kind(&self) -> CostClass {
-        (self.variant.precision, self.variant.settings.instants, self.variant.settings.size)
+        (self.settings.precision, self.settings.instants, self.settings.size)
     }
 
     /// Returns whether another row traces the same rays in the same way to the same picture.
@@ -212,7 +213,7 @@ mod tests {
     fn shares_below_0_within_the_spread_are_0() {
         let row = |low, median, high| Row {
             subject: Subject::Own,
-            variant: Variant::default(),
+            settings: RenderSettings::default(),
             error: FilmError::default(),
             similarity: 1.0,
             alone: FilmError::default(),

@@ -3,8 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::engine::{Engine, EngineError};
+use crate::systems::{RenderRequest, RenderSettings};
 use crate::time::Time;
-use crate::trace::Film;
+use crate::trace::{Film, Signals};
 
 /// The reason for the early end of a measurement.
 #[derive(Debug)]
@@ -21,9 +22,20 @@ impl From<EngineError> for StopReason {
     }
 }
 
-/// Renders one picture of a measurement.
-pub(super) fn render(engine: &mut Engine, time: Time, cancelled: &AtomicBool) -> Result<Film, StopReason> {
-    engine.render_unless(time, cancelled)?.ok_or(StopReason::Cancelled)
+/// Renders one picture of a measurement. `settings` override the engine's.
+pub(super) fn render(
+    engine: &mut Engine,
+    time: Time,
+    settings: RenderSettings,
+    cancelled: &AtomicBool,
+) -> Result<Film, StopReason> {
+    let request = RenderRequest {
+        settings: Some(settings.or(engine.settings())),
+        fingerprint: false,
+        signals: Signals::unless(cancelled),
+        ..RenderRequest::at(time)
+    };
+    Ok(engine.render(request)?.ok_or(StopReason::Cancelled)?.film)
 }
 
 /// Returns the measurement; `None` if it was cancelled.

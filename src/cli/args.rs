@@ -15,7 +15,7 @@ use rayreel::scene::Override;
 use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
 use rayreel::trace::{Passes, Precision};
-use rayreel::{Effect, Time};
+use rayreel::{Effect, EffectSet, Time};
 
 use super::values::{
     parse_cutoff, parse_depth, parse_duration, parse_effect, parse_index, parse_max_error, parse_min_samples,
@@ -233,6 +233,11 @@ impl OverrideArguments {
     /// Returns the samples per pixel, if an override sets that value itself.
     pub(super) fn samples(&self) -> Option<u32> {
         self.last("sampling.samples")?.value().parse().ok()
+    }
+
+    /// Returns the disabled effects.
+    pub(super) fn without(&self) -> EffectSet {
+        self.without.iter().copied().collect()
     }
 
     /// Returns the last override of a value, which is the effective one.

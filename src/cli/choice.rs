@@ -155,7 +155,7 @@ impl SampleSelection {
             paced.end();
         }
         let (Some(record), Some(samples)) = (&mut self.record, self.samples.take()) else { return Ok(()) };
-        let rounds = matches!(self.by, By::Deadline(_)).then(|| engine.rounds().to_vec());
+        let rounds = matches!(self.by, By::Deadline(_)).then(|| engine.report().rounds.clone());
         record.note(engine, FrameSamples { rounds, ..samples }, shot, took);
         record.write_if_due()
     }

@@ -12,7 +12,9 @@ use rayreel::Engine;
 use rayreel::accuracy::{Deadline, FrameSamples, FrameSurvey, survey_order};
 use rayreel::components::Sampling;
 use rayreel::output::{Sequence, WriteError};
-use rayreel::sequence::{Existing, FrameRequest, FrameVerdict, SequenceObserver};
+use rayreel::sequence::{
+    Existing, FrameRequest, FrameVerdict, SequenceObserver, frame_verdict, render_frames,
+};
 use rayreel::trace::RoundPolicy;
 
 use super::exit::Failure;
@@ -143,7 +145,7 @@ fn kept_seconds(
     let Some((samples, seconds)) = known else { return Ok(None) };
     samples.set_up(engine);
     let sequence = (&settings.sequence, settings.existing);
-    let verdict = engine.verdict(shot, &shot.file(&settings.sequence), sequence)?;
+    let verdict = frame_verdict(engine, shot, &shot.file(&settings.sequence), sequence)?;
     Ok((verdict == FrameVerdict::Whole).then_some(seconds))
 }
 
@@ -177,7 +179,8 @@ fn survey(
         let long = if surveyed.files.is_empty() { LONG * deadline.left() } else { 0.0 };
         let survey = Arc::new(Mutex::new(FrameSurvey::until(begun + Duration::from_secs_f64(long))));
         let mut surveyor = Surveyor { survey, begun, first: 0.0, writing: 0.0, refused: None };
-        engine.render_shots(
+        render_frames(
+            engine,
             std::iter::once(shot),
             (&sequence, Existing::Overwrite),
             cancelled,

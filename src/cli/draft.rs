@@ -1,7 +1,6 @@
 //! `rayreel render --draft`: reduced settings that keep a scene recognisable.
 
-use rayreel::Engine;
-use rayreel::components::{FilmSettings, Light, LightKind, Quality, Sampling};
+use rayreel::{Engine, RenderSettings};
 
 /// The divisor of the film's width and height.
 const SHRINKING: u32 = 3;
@@ -11,23 +10,16 @@ const DEPTH: u32 = 5;
 const LIGHT_SAMPLES: u32 = 4;
 
 /// Lowers the settings that cost time; raises none.
-pub(super) fn apply(engine: &mut Engine) {
-    let world = engine.world_mut();
-    for film in world.query_mut::<&mut FilmSettings>() {
-        let shrunk = |side: u32| (side / SHRINKING).max(1);
-        *film = FilmSettings { width: shrunk(film.width), height: shrunk(film.height), ..*film };
-    }
-    // A single sample is taken at one instant, through the centre of the lens.
-    for sampling in world.query_mut::<&mut Sampling>() {
-        sampling.samples = 1;
-        sampling.max_error = 0.0;
-    }
-    for quality in world.query_mut::<&mut Quality>() {
-        quality.depth = quality.depth.min(DEPTH);
-    }
-    for light in world.query_mut::<&mut Light>() {
-        if let LightKind::Area { samples, .. } = &mut light.kind {
-            *samples = (*samples).min(LIGHT_SAMPLES);
-        }
+pub(super) fn settings(engine: &Engine) -> RenderSettings {
+    let film = engine.film_settings();
+    let shrunk = |side: u32| (side / SHRINKING).max(1);
+    RenderSettings {
+        size: Some((shrunk(film.width), shrunk(film.height))),
+        // A single sample is taken at one instant, through the centre of the lens.
+        samples: Some(1),
+        max_error: Some(0.0),
+        depth: Some(engine.quality().depth.min(DEPTH)),
+        max_light_samples: Some(LIGHT_SAMPLES),
+        ..engine.settings()
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use rayreel::{Effect, Engine, EngineError, Scene};
+use rayreel::{Effect, Engine, EngineError, RenderSettings, Scene};
 
 use super::args::OverrideArguments;
 
@@ -16,7 +16,7 @@ pub(super) fn load(scene: &Path, overrides: &OverrideArguments) -> Result<Engine
     } else {
         Engine::from_scene(Scene::load_overridden(scene, &values)?.0)
     };
-    engine.set_left_out(overrides.without.iter().copied());
+    engine.set_settings(RenderSettings { without: overrides.without(), ..RenderSettings::default() });
     Ok(engine)
 }
 

@@ -11,9 +11,9 @@ use serde_json::json;
 
 use rayreel::output::{FoundFrame, WriteError, frame_size, remove_leftovers};
 use rayreel::scene::{Sources, input::is_stream};
-use rayreel::sequence::{FrameRequest, FrameVerdict, SequenceObserver, Surplus, find_surplus};
+use rayreel::sequence::{FrameRequest, FrameVerdict, SequenceObserver, Surplus, find_surplus, render_frames};
 use rayreel::trace::RenderProgress;
-use rayreel::{Engine, Scene};
+use rayreel::{Engine, RenderSettings, Scene};
 
 use super::args::{ProgressName, RenderArguments};
 use super::choice::{Chosen, SampleSelection};
@@ -26,7 +26,7 @@ use super::overrides::load;
 use super::print;
 use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
-use super::settings::{OutputSettings, resize, set_cutoff};
+use super::settings::OutputSettings;
 use super::sheet;
 use super::stream;
 
@@ -118,17 +118,19 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
 /// Applies the arguments to the engine and returns the render settings.
 pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<OutputSettings, Failure> {
     if arguments.draft {
-        draft::apply(engine);
+        engine.set_settings(draft::settings(engine));
     }
     let settings = OutputSettings::new(arguments, engine.timeline(), engine.film_settings())?;
-    engine.set_precision(arguments.precision.into());
-    engine.set_full(arguments.full);
-    if let Some(cutoff) = arguments.cutoff {
-        set_cutoff(engine, cutoff);
-    }
-    if let Some(size) = settings.size {
-        resize(engine, size);
-    }
+    engine.set_settings(
+        RenderSettings {
+            size: settings.size,
+            cutoff: arguments.cutoff,
+            precision: Some(arguments.precision.into()),
+            all_effects: arguments.full,
+            ..RenderSettings::default()
+        }
+        .or(engine.settings()),
+    );
     Ok(settings)
 }
 
@@ -208,7 +210,7 @@ fn render_all(
     let mut reporter =
         Reporter { settings, choice, report, progress, unwritten, noted: Ok(()), refused: None };
     let sequence = (&settings.sequence, settings.existing);
-    let rendered = engine.render_shots(settings.shots(), sequence, cancelled, &mut reporter);
+    let rendered = render_frames(engine, settings.shots(), sequence, cancelled, &mut reporter);
     let Reporter { progress, noted, refused, .. } = reporter;
     drop(progress);
     let rendered = rendered.map_err(Failure::from).and(noted.map_err(Failure::from));
@@ -257,8 +259,7 @@ impl SequenceObserver for Reporter<'_> {
         self.noted = self.choice.end(engine, shot);
         self.report.warnings.look(engine, &shot.moment());
         let path = shot.file(&self.settings.sequence);
-        let report = *engine.report();
-        self.unwritten.push_back(ShotReport::new(shot, Some(path), engine, report));
+        self.unwritten.push_back(ShotReport::new(shot, Some(path), engine.report()));
         if self.noted.is_ok() { Continue(()) } else { Break(()) }
     }
 

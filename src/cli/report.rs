@@ -58,7 +58,6 @@ pub(super) struct ShotReport {
     /// Path of the frame's own file; `None` on a sheet or a stream.
     path: Option<PathBuf>,
     cost: FrameReport,
-    needed: Vec<Effect>,
     write: Duration,
 }
 
@@ -116,7 +115,8 @@ impl RenderReport {
 
     /// Lists the effects that any frame needed, and counts the others.
     pub(super) fn plan(&self) -> String {
-        let needed = |effect: &Effect| self.shots.iter().any(|shot| shot.needed.contains(effect));
+        let needed =
+            |effect: &Effect| self.shots.iter().any(|shot| shot.needed().any(|needed| needed == *effect));
         let (needed, left_out): (Vec<_>, Vec<_>) = Effect::ALL.into_iter().partition(needed);
         let names: Vec<_> = needed.iter().map(|effect| effect.name()).collect();
         let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
@@ -182,15 +182,14 @@ impl SheetReport {
 }
 
 impl ShotReport {
-    /// Creates the report of the engine's last frame, whose cost is `cost`. `path` is `None` if the frame has no file of its own.
-    pub(super) fn new(
-        shot: &FrameRequest,
-        path: Option<PathBuf>,
-        engine: &Engine,
-        cost: FrameReport,
-    ) -> Self {
-        let needed = engine.plan().into_iter().flat_map(Plan::needed).collect();
-        Self { frame: shot.frame, path, cost, needed, write: Duration::ZERO }
+    /// Creates the report of a frame. `path` is `None` if the frame has no file of its own.
+    pub(super) fn new(shot: &FrameRequest, path: Option<PathBuf>, report: &FrameReport) -> Self {
+        Self { frame: shot.frame, path, cost: report.clone(), write: Duration::ZERO }
+    }
+
+    /// Returns the effects that the frame needed.
+    fn needed(&self) -> impl Iterator<Item = Effect> {
+        self.cost.plan.iter().flat_map(Plan::needed)
     }
 
     /// Returns the path of the frame's own file or, without one, its number or time.
@@ -269,7 +268,7 @@ impl ShotReport {
             "estimated_error": self.cost.error.map(|error| error.value),
             "estimated_error_deviation": self.cost.error.map(|error| error.deviation),
             "hidden_error": self.cost.error.map(|error| error.hidden),
-            "needed": self.needed.iter().map(|effect| effect.name()).collect::<Vec<_>>(),
+            "needed": self.needed().map(Effect::name).collect::<Vec<_>>(),
             "not_followed": { "depth": depth, "cutoff": cutoff },
             "guards": { "open": ambiguous, "contested": contested, "rough": rough, "overflowed": overflowed },
         })

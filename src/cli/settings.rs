@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
 
-use rayreel::components::{FilmSettings, Quality};
+use rayreel::Time;
+use rayreel::components::FilmSettings;
 use rayreel::output::{Channels, FrameFormat, Sequence, Sheet, VideoFormat};
 use rayreel::scene::input::is_stream;
 use rayreel::sequence::{Existing, FrameRequest, RenderOrder};
 use rayreel::time::{FrameList, Timeline};
-use rayreel::{Engine, Time};
 
 use super::args::{Format, ProgressName, RenderArguments};
 
@@ -221,20 +221,6 @@ fn filled(columns: u32, count: usize) -> (u32, u32) {
 pub(super) fn require_frame(index: u32, timeline: Timeline) -> anyhow::Result<()> {
     ensure!(index < timeline.frame_count(), "there is no frame {index}: {}", timeline_in_words(timeline));
     Ok(())
-}
-
-/// Changes the size of the scene's film.
-pub(super) fn resize(engine: &mut Engine, (width, height): (u32, u32)) {
-    for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
-        *film = FilmSettings { width, height, ..*film };
-    }
-}
-
-/// Sets the cutoff in 8-bit levels, below which rays are too faint to be traced.
-pub(super) fn set_cutoff(engine: &mut Engine, cutoff: f32) {
-    for quality in engine.world_mut().query_mut::<&mut Quality>() {
-        quality.cutoff = cutoff;
-    }
 }
 
 /// Returns the file's name without its extension, or `stdin` for standard input.

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use rayreel::Engine;
 use rayreel::components::FilmSettings;
 use rayreel::output::Sheet;
+use rayreel::sequence::render_encoded;
 
 use super::choice::SampleSelection;
 use super::exit::Failure;
@@ -30,13 +31,13 @@ pub(super) fn render(
     for shot in settings.shots() {
         choice.begin(engine, &shot);
         choice.render(engine);
-        let film = engine.render_shot(&shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
+        let film = render_encoded(engine, &shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
         let Some(film) = film else { return Ok(()) };
         choice.end(engine, &shot)?;
         choice.written(Duration::ZERO);
         report.warnings.look(engine, &shot.moment());
         sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
-        let shot = ShotReport::new(&shot, None, engine, *engine.report());
+        let shot = ShotReport::new(&shot, None, engine.report());
         progress.done(&shot);
         report.shots.push(shot);
     }

@@ -7,6 +7,7 @@ use anyhow::Context;
 
 use rayreel::Engine;
 use rayreel::output::{VideoFormat, VideoStream};
+use rayreel::sequence::render_encoded;
 
 use super::choice::SampleSelection;
 use super::exit::Failure;
@@ -28,7 +29,7 @@ pub(super) fn render(
     for shot in settings.shots() {
         choice.begin(engine, &shot);
         choice.render(engine);
-        let film = engine.render_shot(&shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
+        let film = render_encoded(engine, &shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
         let Some(film) = film else { return Ok(()) };
         choice.end(engine, &shot)?;
         report.warnings.look(engine, &shot.moment());
@@ -45,7 +46,7 @@ pub(super) fn render(
             }
             written => written.context("cannot write to standard output")?,
         }
-        let shot = ShotReport::new(&shot, None, engine, *engine.report());
+        let shot = ShotReport::new(&shot, None, engine.report());
         progress.done(&shot);
         report.shots.push(shot);
     }

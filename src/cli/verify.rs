@@ -7,8 +7,7 @@ use std::sync::atomic::Ordering;
 use anyhow::anyhow;
 use serde_json::json;
 
-use rayreel::RenderSettings;
-use rayreel::sequence::{FrameVerdict, SequenceVerdict, Surplus, VerifyError};
+use rayreel::sequence::{FrameVerdict, SequenceVerdict, Surplus, VerifyError, verify_sequence};
 use rayreel::time::FrameList;
 
 use super::args::VerifyArguments;
@@ -40,13 +39,14 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
         _ => None,
     };
     let cancelled = interruption.deferred();
+    let own = engine.settings();
     let bar = progress::plain_bar(frames.count());
-    let verdict = engine.verify_sequence(&frames, &settings.sequence, |engine, shot| {
+    let verdict = verify_sequence(&mut engine, &frames, &settings.sequence, |engine, shot| {
         bar.inc(1);
         let chosen = samples.as_ref().and_then(|samples| samples.samples_of(shot));
         match chosen {
             Some(samples) => samples.set_up(engine),
-            None => engine.set_render_settings(RenderSettings::default()),
+            None => engine.set_settings(own),
         }
         if cancelled.load(Ordering::Relaxed) { Break(()) } else { Continue(()) }
     });

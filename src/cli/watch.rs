@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
     let settings = SessionSettings {
         scene: arguments.scene.clone(),
         overrides: arguments.overrides.all(),
-        left_out: arguments.overrides.without.clone(),
+        without: arguments.overrides.without(),
         frame: arguments.frame.unwrap_or(0),
         watching: if arguments.poll { Watching::Polling } else { Watching::Events },
         finish: arguments.out.is_some(),

@@ -1,22 +1,22 @@
 //! The engine: a world with its systems and its prepared data.
 
-use std::borrow::Cow;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 use hecs::{Component, World};
 
 use super::cast::{Hit, IntoRay, Ray};
-use super::probe::Probe;
-use super::report::FrameReport;
-use crate::components::FilmSettings;
+use crate::color::Encoding;
+use crate::components::{FilmSettings, Quality, Sampling};
 use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, Changes, Context, Effect, Fault, Interrupted, Plan, Preparation, RenderSettings, Schedule,
-    ScriptFailure, Scripts, Shutters, Step, UnknownComponent, sampling_settings,
+    self, Context, Fault, FrameReport, Interrupted, Plan, Preparation, RenderRequest, RenderSettings,
+    Sampler, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
 };
-use crate::time::Timeline;
-use crate::trace::reference::Reference;
-use crate::trace::{self, Effects, Lighting, Precision, SampleMemory, SharedRoundPolicy, SimdLevel};
+use crate::time::{Time, Timeline};
+use crate::trace::reference::RayTree;
+use crate::trace::{Film, FrameFingerprint, PassPixel, RenderedImage, SharedRoundPolicy, Signals};
 
 /// A world of entities that is rendered at any moment of its timeline.
 ///
@@ -79,30 +79,11 @@ use crate::trace::{self, Effects, Lighting, Precision, SampleMemory, SharedRound
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```
 pub struct Engine {
-    pub(super) world: World,
-    pub(super) timeline: Timeline,
-    pub(super) systems: Schedule,
-    /// The writes since the last preparation.
-    pub(super) changes: Changes,
-    pub(super) preparation: Option<Preparation>,
-    pub(super) precision: Precision,
-    pub(super) simd: SimdLevel,
-    /// True if all effects are rendered, even those that the scene does not need.
-    pub(super) full: bool,
-    /// The disabled effects.
-    pub(super) left_out: Vec<Effect>,
-    pub(super) settings: RenderSettings,
-    /// The exposure of frames; `None` until it is read from the world.
-    pub(super) shutters: Option<Shutters>,
-    pub(super) plan: Option<Plan>,
-    pub(super) report: FrameReport,
-    /// The policy that chooses the samples of each round. `None` uses the error target alone.
-    pub(super) policy: Option<SharedRoundPolicy>,
-    /// The least gains of the last image's rounds, if a policy chose them.
-    pub(super) rounds: Vec<u32>,
-    /// The sample buffers of the last image, kept for reuse and for [`Engine::sample_counts`].
-    pub(super) sample_memory: SampleMemory,
-    pub(super) script_sources: ScriptSources,
+    pub(super) simulation: Simulation,
+    settings: RenderSettings,
+    sampler: Sampler,
+    report: FrameReport,
+    script_sources: ScriptSources,
 }
 
 /// The reason why a frame could not be rendered.
@@ -121,7 +102,7 @@ pub enum EngineError {
 
 impl EngineError {
     /// Returns the error for a halt. `None` if the frame was only cancelled.
-    pub(super) fn of(halt: Interrupted, sources: &ScriptSources) -> Option<Self> {
+    fn of(halt: Interrupted, sources: &ScriptSources) -> Option<Self> {
         Some(match halt {
             Interrupted::Cancelled => return None,
             Interrupted::UnknownComponent(unknown) => Self::UnknownComponent(unknown),
@@ -156,10 +137,10 @@ impl Engine {
     /// Starts with the timeline and the scripts of a scene, after its world has been set.
     pub(super) fn start(&mut self, timeline: Timeline, scripts: SceneScripts) {
         let (scripts, sources) = scripts.into_parts();
-        self.systems.set_scripts(Scripts::new(scripts, timeline));
+        self.simulation.schedule.set_scripts(Scripts::new(scripts, timeline));
         self.script_sources = sources;
-        self.timeline = timeline;
-        self.shutters = None;
+        self.simulation.timeline = timeline;
+        self.simulation.forget_shutters();
     }
 
     /// Creates an engine for a world. Its timeline has 24 frames per second and a single frame; [`set_timeline`](Engine::set_timeline)
@@ -168,103 +149,95 @@ impl Engine {
     #[must_use]
     pub fn new(world: World) -> Self {
         Self {
-            world,
-            timeline: Timeline::still(),
-            systems: Schedule::default(),
-            changes: Changes::all(),
-            preparation: None,
-            precision: Precision::default(),
-            simd: SimdLevel::best(),
-            full: false,
-            left_out: Vec::new(),
+            simulation: Simulation::new(world),
             settings: RenderSettings::default(),
-            shutters: None,
-            plan: None,
-            policy: None,
-            rounds: Vec::new(),
+            sampler: Sampler::default(),
             report: FrameReport::default(),
-            sample_memory: SampleMemory::default(),
             script_sources: ScriptSources::default(),
         }
     }
 
     /// Adds a pure system: a function of time that writes to the world. Its writes are undone before every frame.
     pub fn add_system(&mut self, system: impl Fn(&mut Context<'_>) + Send + 'static) {
-        self.systems.rewind(&mut self.world);
-        self.changes.mark_all();
-        self.shutters = None;
-        self.systems.add(system);
+        self.simulation.rewind();
+        self.simulation.schedule.add(system);
     }
 
     /// Adds a system that carries state from step to step. For the moment `t` the engine runs it `floor(t / step)` times, starting from a
     /// copy of the world at time 0. Going back in time starts over.
     pub fn add_stepped_system(&mut self, step: Step, system: impl Fn(&mut Context<'_>) + Send + 'static) {
-        self.systems.rewind(&mut self.world);
-        self.changes.mark_all();
-        self.shutters = None;
-        self.systems.add_stepped(step, system);
+        self.simulation.rewind();
+        self.simulation.schedule.add_stepped(step, system);
     }
 
     /// Registers a custom component type as part of the state that is copied and restored. Custom systems require this for every custom
     /// component type.
     pub fn register<T: Component + Clone>(&mut self) {
-        self.systems.registry_mut().register::<T>();
+        self.simulation.schedule.registry_mut().register::<T>();
     }
 
     /// Returns the world at the moment of the last frame. If the shutter was open, the world is at the last instant of the frame;
     /// [`seek`](Engine::seek) brings it to the frame's own moment.
     #[must_use]
     pub fn world(&self) -> &World {
-        &self.world
+        &self.simulation.world
     }
 
     /// Returns the world as it was at the start, before any step, for editing. The next frame reads the whole world again.
     pub fn world_mut(&mut self) -> &mut World {
-        self.systems.rewind(&mut self.world);
-        self.changes.mark_all();
-        self.shutters = None;
-        &mut self.world
+        self.simulation.rewind();
+        &mut self.simulation.world
     }
 
     /// Returns the frame rate and the duration.
     #[must_use]
     pub fn timeline(&self) -> Timeline {
-        self.timeline
+        self.simulation.timeline
     }
 
     /// Sets the frame rate and the duration.
     pub fn set_timeline(&mut self, timeline: Timeline) {
-        self.timeline = timeline;
-        self.systems.scripts_mut().set_timeline(timeline);
+        self.simulation.timeline = timeline;
+        self.simulation.schedule.scripts_mut().set_timeline(timeline);
     }
 
-    /// Sets the precision of intersections from the next frame on. The default is guaranteed; the other values are for comparisons with
-    /// textbook formulas.
-    pub fn set_precision(&mut self, precision: Precision) {
-        self.precision = precision;
-    }
-
-    /// Returns the precision of intersections.
+    /// Returns the settings of rendering, which override the scene's own.
     #[must_use]
-    pub fn precision(&self) -> Precision {
-        self.precision
+    pub fn settings(&self) -> RenderSettings {
+        self.settings
     }
 
-    /// Sets the SIMD level from the next frame on. The default is the best level that the processor supports; the others are for
-    /// comparisons. Images are the same at all levels.
-    #[doc(hidden)]
-    pub fn set_simd_level(&mut self, simd: SimdLevel) {
-        self.simd = simd;
+    /// Sets the settings of rendering, from the next frame on.
+    pub fn set_settings(&mut self, settings: RenderSettings) {
+        self.settings = settings;
     }
 
-    /// Returns the size and the encoding of the film.
+    /// Sets the policy that chooses the samples of each round, for images with an error target. `None` uses the target alone.
+    pub fn set_round_policy(&mut self, policy: Option<SharedRoundPolicy>) {
+        self.sampler.policy = policy;
+    }
+
+    /// Returns the size and the encoding of the film, with the settings applied.
     #[must_use]
     pub fn film_settings(&self) -> FilmSettings {
-        systems::film_settings(&self.world)
+        self.simulation.film(&self.settings)
     }
 
-    /// Returns the prepared camera at the moment of the last frame (the last instant, if the shutter was open) or [`seek`](Engine::seek).
-    /// `None` before the first frame or seek.
+    /// Returns the maximum ray depth and the cutoff, with the settings applied.
+    #[must_use]
+    pub fn quality(&self) -> Quality {
+        self.simulation.quality(&self.settings)
+    }
+
+    /// Returns the number and the choice of samples per pixel, with the settings applied. Sampling is adaptive if
+    /// [`max_error`](Sampling::max_error) is above 0; `samples` is the maximum then.
+    #[must_use]
+    pub fn sampling(&self) -> Sampling {
+        self.simulation.sampling(&self.settings)
+    }
+
+    /// Returns the prepared data of the world at the moment of the last frame (the last instant, if the shutter was open) or
+    /// [`seek`](Engine::seek). `None` before the first frame or seek.
     ///
     /// ```no_run
     /// use rayreel::Engine;
@@ -273,76 +246,16 @@ impl Engine {
     /// let timeline = engine.timeline();
     /// for frame in 0..timeline.frame_count() {
     ///     engine.seek(timeline.time_of(frame))?;
-    ///     if let Some(camera) = engine.camera() {
+    ///     if let Some(prepared) = engine.prepared() {
+    ///         let camera = prepared.camera();
     ///         println!("{} looks along {}", camera.position(), camera.axes()[2]);
     ///     }
     /// }
     /// # Ok::<(), rayreel::EngineError>(())
     /// ```
     #[must_use]
-    pub fn camera(&self) -> Option<&trace::PreparedCamera> {
-        Some(self.preparation.as_ref()?.camera())
-    }
-
-    /// Returns the effects that the last frame needed or omitted, with reasons. `None` before the first frame.
-    #[must_use]
-    pub fn plan(&self) -> Option<&Plan> {
-        self.plan.as_ref()
-    }
-
-    /// Disables these effects, and no others, from the next frame on, even if a scene needs them, to measure their contribution. If the
-    /// shadows of transparent objects are disabled, these objects occlude lights like opaque ones.
-    pub fn set_left_out(&mut self, effects: impl IntoIterator<Item = Effect>) {
-        self.left_out = effects.into_iter().collect();
-    }
-
-    /// Returns the disabled effects.
-    #[must_use]
-    pub fn left_out(&self) -> &[Effect] {
-        &self.left_out
-    }
-
-    /// Sets the render settings that override the scene's own from the next frame on. Drafts use the scene's own settings.
-    pub fn set_render_settings(&mut self, settings: RenderSettings) {
-        self.settings = settings;
-    }
-
-    /// Sets the policy that chooses the samples of each round, for images with an error target. `None` uses the target alone.
-    pub fn set_round_policy(&mut self, policy: Option<SharedRoundPolicy>) {
-        self.policy = policy;
-    }
-
-    /// Returns the least gains of the last image's rounds, if a policy chose them. A [`Replay`](trace::Replay) of them gives the same
-    /// image.
-    #[must_use]
-    pub fn rounds(&self) -> &[u32] {
-        &self.rounds
-    }
-
-    /// Returns the number of samples of each pixel of the last image, row by row from the top. Empty if all pixels have the same number,
-    /// that is, without an [error target](Engine::is_adaptive).
-    #[must_use]
-    pub fn sample_counts(&self) -> Vec<u32> {
-        let FilmSettings { width, height, .. } = self.film_settings();
-        self.sample_memory.counts((width, height))
-    }
-
-    /// Returns the render settings that override the scene's own.
-    #[must_use]
-    pub fn settings(&self) -> RenderSettings {
-        self.settings
-    }
-
-    /// Sets whether to render with all effects, even those that a scene does not need. This is slower and gives the same bits; it is meant
-    /// for comparisons.
-    pub fn set_full(&mut self, full: bool) {
-        self.full = full;
-    }
-
-    /// Returns the entities whose shapes are rendered at the moment of the last frame or [`seek`](Engine::seek), in document order. Empty
-    /// before the first frame or seek.
-    pub fn drawn(&self) -> impl Iterator<Item = hecs::Entity> {
-        self.preparation.iter().flat_map(|preparation| preparation.drawn().iter().copied())
+    pub fn prepared(&self) -> Option<&Preparation> {
+        self.simulation.preparation.as_ref()
     }
 
     /// Returns the faults of the world at the moment of the last frame (the last instant, if the shutter was open) or
@@ -366,10 +279,10 @@ impl Engine {
     /// ```
     #[must_use]
     pub fn faults(&self) -> Vec<Fault> {
-        self.preparation.as_ref().map_or_else(Vec::new, |preparation| preparation.faults(&self.world))
+        self.prepared().map_or_else(Vec::new, |prepared| prepared.faults(self.world()))
     }
 
-    /// Returns the cost of the last frame.
+    /// Returns the report of the last frame.
     #[must_use]
     pub fn report(&self) -> &FrameReport {
         &self.report
@@ -395,7 +308,7 @@ impl Engine {
     /// ```
     #[must_use]
     pub fn cast(&self, ray: impl IntoRay) -> Option<Hit> {
-        let preparation = self.preparation.as_ref()?;
+        let preparation = self.prepared()?;
         let (ray, exponent) = ray.into_ray()?;
         let surface = preparation.scene().cast(&ray)?;
         Some(Hit::new(preparation.entity(surface.hit.id), &ray, exponent, surface))
@@ -404,7 +317,7 @@ impl Engine {
     /// Casts many rays like [`cast`](Engine::cast), on the threads of the current rayon pool. The hits are in the order of the rays.
     #[must_use]
     pub fn cast_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
-        let Some(preparation) = &self.preparation else {
+        let Some(preparation) = self.prepared() else {
             return vec![None; rays.len()];
         };
         let (rays, exponents): (Vec<_>, Vec<_>) = rays
@@ -425,61 +338,158 @@ impl Engine {
             .collect()
     }
 
-    /// Returns the ray tree of the first sample of the pixel in column `i` and row `j`. It is the only sample unless
-    /// [`Sampling`](crate::components::Sampling) has more. See [`probe_sample`](Engine::probe_sample).
-    #[doc(hidden)]
-    #[must_use]
-    pub fn probe(&self, i: u32, j: u32) -> Option<Probe<'_>> {
-        self.probe_sample(i, j, 0)
+    /// Renders frame `index` of the timeline, which may be beyond its end. The result does not depend on previously rendered frames.
+    ///
+    /// # Errors
+    ///
+    /// If custom systems need the world copied and it holds components that were not registered, or if a script gives no value.
+    pub fn render_frame(&mut self, index: u32) -> Result<Film, EngineError> {
+        self.render_at(self.timeline().time_of(index))
     }
 
-    /// Returns the ray tree of sample `index` of the pixel in column `i` and row `j`, traced by the reference path, at the moment of the
-    /// last [`seek`](Engine::seek) or, if the shutter is open, [`seek_sample`](Engine::seek_sample). `None` before the first of them,
-    /// outside the film, and for a sample that the pixel does not have.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn probe_sample(&self, i: u32, j: u32, index: u32) -> Option<Probe<'_>> {
-        let shown = self.shown()?;
-        let (camera, sampling) = (shown.camera(), shown.sampling(self.report.time));
-        let (columns, rows) = camera.resolution();
-        let exists = i < columns && j < rows && index < sampling.samples;
-        let mut reference = Reference::new(shown.scene(), camera, sampling, self.effects_left());
-        let tree = exists.then(|| reference.sample(i, j, index))??;
-        Some(Probe::new(self.preparation.as_ref()?, tree))
+    /// Renders a moment.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_at(&mut self, time: Time) -> Result<Film, EngineError> {
+        let image = self.render(RenderRequest::at(time))?;
+        Ok(image.map_or_else(|| Film::new(0, 0), |image| image.film))
     }
 
-    /// Returns the number and the choice of samples per pixel at the moment of the last frame or [`seek`](Engine::seek). `None` before the
-    /// first frame or seek.
-    #[must_use]
-    pub fn sampling(&self) -> Option<trace::PixelSampling> {
-        let sampling = self.preparation.as_ref()?.sampling(self.report.time);
-        let samples = if self.left_out.contains(&Effect::Antialiasing) { 1 } else { sampling.samples };
-        Some(trace::PixelSampling { samples, ..sampling })
+    /// Renders an image. Returns `None` if it was cancelled, or stopped at a pause. Afterwards the [report](Engine::report) describes it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render<E: Encoding>(
+        &mut self,
+        request: RenderRequest<'_, E>,
+    ) -> Result<Option<RenderedImage<E::Pixel>>, EngineError> {
+        self.report = FrameReport::at(request.time);
+        let frame = self.simulation.frame(request.time, request.settings.unwrap_or(self.settings));
+        let image =
+            systems::trace(&mut self.simulation, &frame, request, &mut self.sampler, &mut self.report);
+        self.unless_cancelled(image)
     }
 
-    /// Returns whether sampling is adaptive: see [`Sampling::max_error`](crate::components::Sampling::max_error).
-    #[must_use]
-    pub fn is_adaptive(&self) -> bool {
-        let sampling = self.settings.sampling(sampling_settings(&self.world));
-        sampling.max_error > 0.0 && !self.left_out.contains(&Effect::Antialiasing)
+    /// Renders a moment by the reference path, which tests every ray against every shape, with or without an alpha channel. It is slow and
+    /// single-threaded, and gives the same bits.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn render_reference(&mut self, time: Time, alpha: bool) -> Result<RenderedImage, EngineError> {
+        let (frame, policy) = (self.simulation.frame(time, self.settings), self.sampler.policy.as_ref());
+        self.report = FrameReport::at(time);
+        let image = systems::trace_reference(&mut self.simulation, &frame, alpha, policy, &mut self.report);
+        let nothing = RenderedImage { film: Film::new(0, 0), alpha: None };
+        Ok(self.unless_cancelled(image)?.unwrap_or(nothing))
     }
 
-    /// Returns the prepared data without the disabled effects.
-    pub(super) fn shown(&self) -> Option<Cow<'_, Preparation>> {
-        let mut shown = Cow::Borrowed(self.preparation.as_ref()?);
-        for effect in &self.left_out {
-            shown.to_mut().leave_out(*effect);
+    /// Returns the first hit of the ray through the centre of each pixel, row by row from the top, computed on the threads of the current
+    /// rayon pool. The scene is at the moment or, while the shutter is open, at the frame's first instant. The [report](Engine::report) of
+    /// the last image is kept; the time taken is added to its tracing time. `None` if `cancelled` became true.
+    ///
+    /// ```
+    /// use std::sync::atomic::AtomicBool;
+    /// use rayreel::components::{Camera, FilmSettings, Material, Shape, Transform};
+    /// use rayreel::{Engine, Rgb, Time, World};
+    ///
+    /// let mut world = World::new();
+    /// let clay = Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None };
+    /// world.spawn((Shape::Sphere { radius: 1.0 }, clay, Transform::default()));
+    /// world.spawn((Camera::default(),));
+    /// world.spawn((FilmSettings { width: 3, height: 3, ..FilmSettings::default() },));
+    /// let passes = Engine::new(world).passes(Time::ZERO, &AtomicBool::new(false))?.unwrap();
+    /// assert_eq!((passes[4].depth, passes[4].normal, passes[4].id), (4.0, [0.0, 0.0, -1.0], 1));
+    /// # Ok::<(), rayreel::EngineError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn passes(
+        &mut self,
+        time: Time,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<Vec<PassPixel>>, EngineError> {
+        let start = Instant::now();
+        let frame = self.simulation.frame(time, self.settings);
+        let passes = systems::trace_passes(&mut self.simulation, &frame, cancelled);
+        self.report.trace += start.elapsed();
+        Ok(self.unless_cancelled(passes)?.flatten())
+    }
+
+    /// Returns the fingerprint that the [report](FrameReport::fingerprint) would have if the moment were rendered. Brings the world to the
+    /// moment.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn fingerprint_at(&mut self, time: Time) -> Result<FrameFingerprint, EngineError> {
+        let (frame, policy) = (self.simulation.frame(time, self.settings), self.sampler.policy.as_ref());
+        self.report = FrameReport::at(time);
+        let fingerprint = systems::fingerprint(&mut self.simulation, &frame, policy, &mut self.report);
+        Ok(self.unless_cancelled(fingerprint)?.unwrap_or_else(FrameFingerprint::of_nothing))
+    }
+
+    /// Returns the effects that a moment needs or omits, with reasons, without rendering it. Brings the world to the moment.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn plan_at(&mut self, time: Time) -> Result<Option<Plan>, EngineError> {
+        let frame = self.simulation.frame(time, self.settings);
+        self.report = FrameReport::at(time);
+        let planned = systems::plan(&mut self.simulation, &frame, &mut self.report);
+        self.unless_cancelled(planned)?;
+        Ok(self.report.plan.clone())
+    }
+
+    /// Advances the world and the kernel's data to a moment, without rendering.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn seek(&mut self, time: Time) -> Result<(), EngineError> {
+        let frame = self.simulation.frame(time, self.settings);
+        self.report = FrameReport::at(time);
+        let never = Signals::none().cancelled;
+        let sought = self.simulation.advance_to(time, &frame, &mut self.report, never);
+        self.unless_cancelled(sought).map(drop)
+    }
+
+    /// Returns the ray tree of sample `index` of the pixel in column `i` and row `j` at a moment, traced by the reference path. `None`
+    /// outside the film, and for a sample that the pixel does not have. The [report](Engine::report) of the last image is kept.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn probe(
+        &mut self,
+        time: Time,
+        pixel: (u32, u32),
+        index: u32,
+    ) -> Result<Option<RayTree>, EngineError> {
+        let frame = self.simulation.frame(time, self.settings);
+        let tree = systems::trace_sample(&mut self.simulation, &frame, pixel, index);
+        Ok(self.unless_cancelled(tree)?.flatten())
+    }
+
+    /// Returns the number of samples of each pixel of the last image, row by row from the top. Empty if all pixels have the same number,
+    /// that is, without an [error target](Sampling::max_error).
+    #[must_use]
+    pub fn sample_counts(&self) -> Vec<u32> {
+        let FilmSettings { width, height, .. } = self.film_settings();
+        self.sampler.memory.counts((width, height))
+    }
+
+    /// Returns a result of the systems, `None` if it was cancelled, or the error for the reason why there is none.
+    fn unless_cancelled<T>(&self, result: Result<T, Interrupted>) -> Result<Option<T>, EngineError> {
+        match result {
+            Ok(result) => Ok(Some(result)),
+            Err(halt) => EngineError::of(halt, &self.script_sources).map_or(Ok(None), Err),
         }
-        Some(shown)
-    }
-
-    /// Returns the effects that images may have if a scene needs them. The other disabled effects are already absent from the
-    /// [shown](Engine::shown) data.
-    pub(super) fn effects_left(&self) -> Effects {
-        let lighting = match self.left_out.contains(&Effect::ClearShadows) {
-            true => Lighting::Shadows,
-            false => Lighting::ClearShadows,
-        };
-        Effects { lighting, ..Effects::ALL }
     }
 }

@@ -3,14 +3,8 @@
 mod cast;
 #[expect(clippy::module_inception, reason = "what the folder is about")]
 mod engine;
-mod probe;
 mod reload;
-mod render;
-mod report;
 
+pub use crate::systems::{FrameReport, RenderRequest};
 pub use cast::{Hit, IntoRay, Ray, SecondaryRay};
 pub use engine::{Engine, EngineError};
-#[doc(hidden)]
-pub use probe::Probe;
-pub use render::Draft;
-pub use report::FrameReport;

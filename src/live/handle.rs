@@ -10,7 +10,7 @@ use super::published::{Picture, Published};
 use super::state::State;
 use super::watcher::Watching;
 use crate::scene::Override;
-use crate::systems::Effect;
+use crate::systems::EffectSet;
 
 /// The settings of a session.
 #[derive(Clone, Debug)]
@@ -20,7 +20,7 @@ pub struct SessionSettings {
     /// Values that override the values in the files, also after edits.
     pub overrides: Vec<Override>,
     /// Effects that are disabled even if the scene needs them.
-    pub left_out: Vec<Effect>,
+    pub without: EffectSet,
     /// Index of the first frame to be shown.
     pub frame: u32,
     /// Method of detecting file changes.

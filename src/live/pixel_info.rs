@@ -3,8 +3,9 @@
 use hecs::{Entity, World};
 use serde::Serialize;
 
+use crate::components::Sampling;
 use crate::components::{Name, Order};
-use crate::engine::{Engine, EngineError, Probe};
+use crate::engine::{Engine, EngineError};
 use crate::scene::Sources;
 use crate::time::Time;
 use crate::trace::reference::RayEnd;
@@ -54,20 +55,19 @@ impl PixelInfo {
         pixel: (u32, u32),
         picture: Option<&Film>,
     ) -> Result<Option<Self>, EngineError> {
-        engine.seek_sample(time, 0)?;
-        let all = engine.sampling().map_or(1, |sampling| sampling.samples);
-        let all = (!engine.is_adaptive()).then_some(all);
-        let Some(probe) = engine.probe(pixel.0, pixel.1) else { return Ok(None) };
-        let surface = probe.tree.rays.first().and_then(|first| match &first.end {
+        let Sampling { samples: all, max_error, .. } = engine.sampling();
+        let all = (max_error == 0.0).then_some(all);
+        let Some(tree) = engine.probe(time, pixel, 0)? else { return Ok(None) };
+        let surface = tree.rays.first().and_then(|first| match &first.end {
             RayEnd::Surface(lit) => {
                 let distance = lit.surface.distance(&first.ray);
-                Some(SurfaceInfo::of(engine, sources, &probe, &lit.surface, distance))
+                SurfaceInfo::of(engine, sources, &lit.surface, distance)
             }
             RayEnd::Background(_) | RayEnd::BeyondDepth(_) => None,
         });
         let (color, samples) = match picture {
             Some(film) => (film.pixel(pixel.0, pixel.1), all),
-            None => (probe.color(), Some(1)),
+            None => (tree.color(), Some(1)),
         };
         let bytes = engine.film_settings().transfer.encode(color);
         Ok(Some(Self { pixel, linear: color.to_array(), bytes, samples, all, surface }))
@@ -75,23 +75,17 @@ impl PixelInfo {
 }
 
 impl SurfaceInfo {
-    fn of(
-        engine: &Engine,
-        sources: &Sources,
-        probe: &Probe<'_>,
-        surface: &SurfacePoint,
-        distance: f64,
-    ) -> Self {
-        let (world, seen) = (engine.world(), probe.entity(surface.hit.id));
+    fn of(engine: &Engine, sources: &Sources, surface: &SurfacePoint, distance: f64) -> Option<Self> {
+        let (world, seen) = (engine.world(), engine.prepared()?.entity(surface.hit.id));
         let (entity, place) = named(world, sources, seen);
-        Self {
+        Some(Self {
             entity,
             material: order_of(world, seen).and_then(|order| sources.material(order)),
             place,
             point: surface.point.to_array(),
             normal: surface.facing_normal().to_array(),
             distance,
-        }
+        })
     }
 }
 

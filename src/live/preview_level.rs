@@ -6,7 +6,8 @@
 
 use std::time::Duration;
 
-use crate::engine::Draft;
+use crate::components::{FilmSettings, Quality};
+use crate::systems::{Effect, RenderSettings};
 
 /// Target time of the first coarse picture, in milliseconds.
 pub(super) const FIRST: f64 = 6.0;
@@ -67,15 +68,22 @@ pub(super) struct Timings {
 }
 
 impl PreviewLevel {
-    /// Returns the draft settings of the step.
-    pub(super) fn draft(self) -> Draft {
-        let (light_samples, depth) = match self.effort {
-            Effort::Bare => (1, 1),
+    /// Returns the render settings of the step, for a scene with this film and this quality.
+    pub(super) fn settings(self, film: FilmSettings, quality: Quality) -> RenderSettings {
+        let whole = sized(self.divisor, film);
+        match self.effort {
+            Effort::Bare => RenderSettings {
+                depth: Some(1),
+                max_light_samples: Some(1),
+                without: [Effect::Shadows].into(),
+                ..whole
+            },
             // Deep enough to see through a glass.
-            Effort::Plain => (1, 5),
-            Effort::Whole => (u32::MAX, u32::MAX),
-        };
-        Draft { divisor: self.divisor, light_samples, depth, shadows: self.effort != Effort::Bare }
+            Effort::Plain => {
+                RenderSettings { depth: Some(quality.depth.min(5)), max_light_samples: Some(1), ..whole }
+            }
+            Effort::Whole => whole,
+        }
     }
 
     pub(super) fn effort(self) -> Effort {
@@ -191,6 +199,17 @@ impl Timings {
 fn pixels((width, height): (u32, u32), divisor: u32) -> u64 {
     let side = |side: u32| u64::from((side / divisor).max(1));
     side(width) * side(height)
+}
+
+/// Returns the settings of a picture with one sample per pixel, at the frame's own moment, whose sides are divided by `divisor`.
+pub(super) fn sized(divisor: u32, film: FilmSettings) -> RenderSettings {
+    let side = |pixels: u32| (pixels / divisor.max(1)).max(1);
+    RenderSettings {
+        size: Some((side(film.width), side(film.height))),
+        samples: Some(1),
+        max_error: Some(0.0),
+        ..RenderSettings::default()
+    }
 }
 
 /// Returns the divisor of a film's sides that leaves at most `most` pixels.

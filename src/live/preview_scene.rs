@@ -1,18 +1,18 @@
 //! The displayed scene, ready to be rendered.
 
-use std::ops::ControlFlow::{self, Continue};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::commands::Detail;
 use super::pixel_info::{PixelInfo, named};
-use super::preview_level::RequestedPicture;
+use super::preview_level::{PreviewLevel, RequestedPicture, sized};
 use super::state::{CurvePlace, Planned, Times};
 use crate::accuracy::{Estimate, estimate};
-use crate::components::FilmSettings;
-use crate::engine::{Draft, Engine, EngineError, FrameReport};
+use crate::components::{FilmSettings, Sampling};
+use crate::engine::{Engine, EngineError, FrameReport};
 use crate::scene::{LoadError, Reader, Scene, Sources};
-use crate::systems::{Effect, RenderSettings};
+use crate::systems::{Effect, EffectSet, RenderRequest, RenderSettings};
 use crate::time::Timeline;
 use crate::trace::{Film, RenderJob, Signals};
 
@@ -38,7 +38,7 @@ impl PreviewScene {
     pub(super) fn replace(
         stage: &mut Option<Self>,
         LoadedScene { scene, sources }: LoadedScene,
-        left_out: &[Effect],
+        without: EffectSet,
     ) {
         match stage {
             Some(stage) => {
@@ -47,7 +47,7 @@ impl PreviewScene {
             }
             None => {
                 let mut engine = Engine::from_scene(scene);
-                engine.set_left_out(left_out.iter().copied());
+                engine.set_settings(RenderSettings { without, ..RenderSettings::default() });
                 *stage = Some(Self { engine, sources });
             }
         }
@@ -70,25 +70,31 @@ impl PreviewScene {
     pub(super) fn target(&self, detail: Detail) -> RequestedPicture {
         let FilmSettings { width, height, .. } = self.film_settings();
         let (divisor, samples) = match detail {
-            Detail::Full => (1, self.engine.least_samples()),
+            Detail::Full => (1, self.least_samples()),
             Detail::Draft => (1, 1),
             Detail::Half => (2, 1),
         };
         RequestedPicture { film: (width, height), divisor, samples }
     }
 
+    /// Returns the number of samples of each pixel of a full picture; 1, the minimum, if sampling is adaptive.
+    fn least_samples(&self) -> u32 {
+        let Sampling { samples, max_error, .. } = self.engine.sampling();
+        if max_error > 0.0 { 1 } else { samples }
+    }
+
     /// Returns the effects of a frame. `made` is true if the frame is the last full picture.
     pub(super) fn planned(&mut self, frame: u32, made: bool) -> Result<Vec<Planned>, EngineError> {
         let time = self.timeline().time_of(frame);
-        let plan = if made { self.engine.plan() } else { self.engine.plan_at(time)? };
-        Ok(plan.map(Planned::all).unwrap_or_default())
+        let plan = if made { self.engine.report().plan.clone() } else { self.engine.plan_at(time)? };
+        Ok(plan.as_ref().map(Planned::all).unwrap_or_default())
     }
 
     /// Renders a coarse picture of a frame. Returns `None` if it was cancelled. Calls `begin` once everything is ready for rays.
     pub(super) fn draft(
         &mut self,
         frame: u32,
-        draft: Draft,
+        level: PreviewLevel,
         cancelled: &AtomicBool,
         begin: &(dyn Fn() + Sync),
     ) -> Result<Option<Film>, EngineError> {
@@ -98,10 +104,13 @@ impl PreviewScene {
             false
         };
         let signals = Signals { cancelled, pause: &pause };
-        self.engine.render_draft_on(time, draft, &mut None, signals, &mut |_| Continue(()))
+        let settings = level.settings(self.film_settings(), self.engine.quality());
+        let settings = Some(settings.or(self.engine.settings()));
+        let request = RenderRequest { settings, fingerprint: false, signals, ..RenderRequest::at(time) };
+        Ok(self.engine.render(request)?.map(|image| image.film))
     }
 
-    /// Renders a frame until it is finished or stopped; see [`Engine::render_on`].
+    /// Renders a frame until it is finished or stopped; see [`Engine::render`].
     pub(super) fn render_on(
         &mut self,
         (frame, detail): (u32, Detail),
@@ -110,11 +119,20 @@ impl PreviewScene {
         visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
     ) -> Result<Option<Film>, EngineError> {
         let time = self.timeline().time_of(frame);
-        match detail {
-            Detail::Full => self.engine.render_on(time, begun, signals, visit),
-            Detail::Draft => self.engine.render_draft_on(time, Draft::sized(1), begun, signals, visit),
-            Detail::Half => self.engine.render_draft_on(time, Draft::sized(2), begun, signals, visit),
-        }
+        let settings = match detail {
+            Detail::Full => None,
+            Detail::Draft => Some(sized(1, self.film_settings())),
+            Detail::Half => Some(sized(2, self.film_settings())),
+        };
+        let request = RenderRequest {
+            settings: settings.map(|settings| settings.or(self.engine.settings())),
+            fingerprint: false,
+            signals,
+            on_pause: Some(visit),
+            resume: Some(begun),
+            ..RenderRequest::at(time)
+        };
+        Ok(self.engine.render(request)?.map(|image| image.film))
     }
 
     /// Returns the faults at the moment of the last picture, one line each, with remedies.
@@ -161,12 +179,18 @@ impl PreviewScene {
         if !self.engine.plan_at(time)?.is_some_and(|plan| plan.needs(effect)) {
             return Ok(Some(None));
         }
-        let left_out = self.engine.left_out().to_vec();
+        let base = self.engine.settings();
         let mut took = |effect: Option<Effect>| -> Result<Option<f64>, EngineError> {
-            self.engine.set_left_out(left_out.iter().copied().chain(effect));
-            let film = self.engine.render_unless(time, cancelled);
-            self.engine.set_left_out(left_out.iter().copied());
-            Ok(film?.map(|_| Times::milliseconds(self.engine.report().trace)))
+            let without =
+                RenderSettings { without: effect.into_iter().collect(), ..RenderSettings::default() };
+            let request = RenderRequest {
+                settings: Some(without.or(base)),
+                fingerprint: false,
+                signals: Signals::unless(cancelled),
+                ..RenderRequest::at(time)
+            };
+            let image = self.engine.render(request)?;
+            Ok(image.map(|_| Times::milliseconds(self.engine.report().trace)))
         };
         // Each picture is compared with a complete one rendered at the same time, since the speed of the machine may change.
         let (Some(whole), Some(part)) = (took(None)?, took(Some(effect))?) else { return Ok(None) };
@@ -182,7 +206,8 @@ impl PreviewScene {
         cancelled: &AtomicBool,
     ) -> Result<Option<CurvePlace>, EngineError> {
         const MOST: u32 = 1024;
-        let own = (!self.engine.is_adaptive()).then(|| self.engine.least_samples());
+        let Sampling { samples, max_error, .. } = self.engine.sampling();
+        let own = (max_error == 0.0).then_some(samples);
         let Some(exponent) = index.checked_sub(1) else {
             return self.measured(frame, (own, RenderSettings::default()), cancelled);
         };

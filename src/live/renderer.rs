@@ -54,10 +54,9 @@ impl Worker {
         };
         let commands = &self.handle.commands;
         let deadline = if role == LevelRole::Between { None } else { step.deadline() };
-        let (film, is_late) = commands.with_deadline(deadline, |begin| {
-            scene.draft(state.frame, step.draft(), commands.interrupt(), begin)
-        });
-        let report = *scene.report();
+        let (film, is_late) = commands
+            .with_deadline(deadline, |begin| scene.draft(state.frame, step, commands.interrupt(), begin));
+        let report = scene.report().clone();
         let took = Times::milliseconds(report.trace);
         let film = match film {
             Ok(Some(film)) => film,
@@ -274,8 +273,9 @@ impl Worker {
     ) -> Option<FinishedRender> {
         let rendering = self.next != NextTask::Nothing;
         let scene = self.scene.as_mut()?;
-        let (report, transfer) = (*scene.report(), scene.film_settings().transfer);
+        let (report, transfer) = (scene.report().clone(), scene.film_settings().transfer);
         let mut times = state.times;
+        let rays = report.rays.total();
         times.set_frame(&FrameReport { trace: traced, ..report });
         let plan = match kind {
             PictureKind::Coarse(_) => None,
@@ -284,7 +284,6 @@ impl Worker {
             }
         };
         let warnings = if kind == PictureKind::Full { scene.warnings() } else { Vec::new() };
-        let rays = report.rays.total();
         Some(FinishedRender { film, transfer, kind, times, rays, plan, warnings, rendering })
     }
 

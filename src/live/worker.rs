@@ -138,7 +138,7 @@ impl Worker {
         match self.read() {
             Ok((read, read_in)) => {
                 let start = Instant::now();
-                PreviewScene::replace(&mut self.scene, read, &self.settings.left_out);
+                PreviewScene::replace(&mut self.scene, read, self.settings.without);
                 let build = Times::milliseconds(start.elapsed());
                 self.on_loaded(Times { read: read_in, build, ..Times::default() });
             }

@@ -18,6 +18,9 @@ mod verify;
 
 pub use frame_request::FrameRequest;
 pub use order::{RenderOrder, Shard, ShardError};
-pub use render::{Existing, SequenceError, SequenceObserver, SequenceProgress, SequenceReport};
+pub use render::{
+    Existing, SequenceError, SequenceObserver, SequenceProgress, SequenceReport, frame_verdict,
+    render_encoded, render_frames, render_sequence,
+};
 pub use surplus::{Surplus, SurplusReason, find_surplus};
-pub use verify::{FrameVerdict, SequenceVerdict, VerifyError};
+pub use verify::{FrameVerdict, SequenceVerdict, VerifyError, verify_sequence};

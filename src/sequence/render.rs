@@ -8,14 +8,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::progress_timer::watched;
+use super::verify::judge;
 use super::{FrameRequest, FrameVerdict};
-use crate::engine::{Engine, EngineError};
+use crate::engine::{Engine, EngineError, RenderRequest};
 use crate::output::{
     Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, Sequence, WriteError,
     WrittenFrame, remove_leftovers,
 };
 use crate::time::FrameList;
-use crate::trace::{AlphaFilm, EncodedFilm, PassPixel, RenderJob, RenderProgress};
+use crate::trace::{EncodedFilm, PassPixel, RenderProgress, RenderedImage};
 
 /// The treatment of existing frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -100,200 +101,198 @@ pub enum SequenceError {
     },
 }
 
-impl Engine {
-    /// Renders frames into the folder of a sequence, except for frames that are already complete and up to date. After each frame,
-    /// `on_progress` decides whether to continue.
-    ///
-    /// ```no_run
-    /// use std::ops::ControlFlow::Continue;
-    /// use rayreel::output::{FrameFormat, Sequence};
-    /// use rayreel::{Engine, time::FrameList};
-    ///
-    /// let mut engine = Engine::load("scenes/first_light.ron")?;
-    /// let count = engine.timeline().frame_count();
-    /// let sequence = Sequence::new("out".into(), "first_light", count - 1, FrameFormat::default());
-    /// let report = engine.render_sequence(&FrameList::all(count), &sequence, |progress| {
-    ///     println!("{} of {}", progress.done, progress.total);
-    ///     Continue(())
-    /// })?;
-    /// assert_eq!(report.written + report.kept, count as usize);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`], and if the file system reports an error. All files written are complete.
-    pub fn render_sequence(
-        &mut self,
-        frames: &FrameList,
-        sequence: &Sequence,
-        on_progress: impl FnMut(SequenceProgress) -> ControlFlow<()>,
-    ) -> Result<SequenceReport, SequenceError> {
-        make_folder(sequence.directory())?;
-        let frames = frames.within(self.timeline().frame_count());
-        let mut counted = Counted {
-            on_progress,
-            total: frames.count(),
-            report: SequenceReport::default(),
-            flow: Continue(()),
-            refused: None,
-        };
-        let timeline = self.timeline();
-        let shots = FrameRequest::frames(&frames, timeline);
-        let never = AtomicBool::new(false);
-        self.render_shots(shots, (sequence, Existing::Keep), &never, &mut counted)?;
-        counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
-    }
+/// Renders frames into the folder of a sequence, except for frames that are already complete and up to date. After each frame,
+/// `on_progress` decides whether to continue.
+///
+/// ```no_run
+/// use std::ops::ControlFlow::Continue;
+/// use rayreel::output::{FrameFormat, Sequence};
+/// use rayreel::{Engine, sequence::render_sequence, time::FrameList};
+///
+/// let mut engine = Engine::load("scenes/first_light.ron")?;
+/// let count = engine.timeline().frame_count();
+/// let sequence = Sequence::new("out".into(), "first_light", count - 1, FrameFormat::default());
+/// let report = render_sequence(&mut engine, &FrameList::all(count), &sequence, |progress| {
+///     println!("{} of {}", progress.done, progress.total);
+///     Continue(())
+/// })?;
+/// assert_eq!(report.written + report.kept, count as usize);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// As [`Engine::render_frame`], and if the file system reports an error. All files written are complete.
+pub fn render_sequence(
+    engine: &mut Engine,
+    frames: &FrameList,
+    sequence: &Sequence,
+    on_progress: impl FnMut(SequenceProgress) -> ControlFlow<()>,
+) -> Result<SequenceReport, SequenceError> {
+    make_folder(sequence.directory())?;
+    let frames = frames.within(engine.timeline().frame_count());
+    let mut counted = Counted {
+        on_progress,
+        total: frames.count(),
+        report: SequenceReport::default(),
+        flow: Continue(()),
+        refused: None,
+    };
+    let timeline = engine.timeline();
+    let shots = FrameRequest::frames(&frames, timeline);
+    let never = AtomicBool::new(false);
+    render_frames(engine, shots, (sequence, Existing::Keep), &never, &mut counted)?;
+    counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
+}
 
-    /// Renders shots into the folder of a sequence, which must exist, until a file cannot be written, the observer breaks, or `cancelled`
-    /// becomes true. Shots that were rendered before an error are written.
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`].
-    pub fn render_shots(
-        &mut self,
-        shots: impl Iterator<Item = FrameRequest>,
-        (sequence, existing): (&Sequence, Existing),
-        cancelled: &AtomicBool,
-        observer: &mut dyn SequenceObserver,
-    ) -> Result<(), EngineError> {
-        let writer = FrameWriter::start();
-        // Shots submitted to the writer, indexed by ticket.
-        let mut submitted: Vec<FrameRequest> = Vec::new();
-        let settle =
-            |written: WrittenFrame, submitted: &[FrameRequest], observer: &mut dyn SequenceObserver| {
-                let is_good = written.result.is_ok();
-                match written.result {
-                    Ok(()) => observer.written(&submitted[written.ticket], written.duration),
-                    Err(error) => observer.refused(error),
+/// Renders shots into the folder of a sequence, which must exist, until a file cannot be written, the observer breaks, or `cancelled`
+/// becomes true. Shots that were rendered before an error are written.
+///
+/// # Errors
+///
+/// As [`Engine::render_frame`].
+pub fn render_frames(
+    engine: &mut Engine,
+    shots: impl Iterator<Item = FrameRequest>,
+    (sequence, existing): (&Sequence, Existing),
+    cancelled: &AtomicBool,
+    observer: &mut dyn SequenceObserver,
+) -> Result<(), EngineError> {
+    let writer = FrameWriter::start();
+    // Shots submitted to the writer, indexed by ticket.
+    let mut submitted: Vec<FrameRequest> = Vec::new();
+    let settle = |written: WrittenFrame, submitted: &[FrameRequest], observer: &mut dyn SequenceObserver| {
+        let is_good = written.result.is_ok();
+        match written.result {
+            Ok(()) => observer.written(&submitted[written.ticket], written.duration),
+            Err(error) => observer.refused(error),
+        }
+        is_good
+    };
+    let mut rendered = Ok(());
+    for shot in shots {
+        if cancelled.load(Ordering::Relaxed) {
+            break;
+        }
+        observer.begin(engine, &shot);
+        let path = shot.file(sequence);
+        match frame_verdict(engine, &shot, &path, (sequence, existing)) {
+            Ok(FrameVerdict::Missing) => {}
+            Ok(FrameVerdict::Whole) => {
+                if observer.kept(engine, &shot).is_break() {
+                    break;
                 }
-                is_good
-            };
-        let mut rendered = Ok(());
-        for shot in shots {
-            if cancelled.load(Ordering::Relaxed) {
+                continue;
+            }
+            Ok(verdict) => observer.rejected(&shot, &verdict),
+            Err(error) => {
+                rendered = Err(error);
                 break;
             }
-            observer.begin(self, &shot);
-            let path = shot.file(sequence);
-            match self.verdict(&shot, &path, (sequence, existing)) {
-                Ok(FrameVerdict::Missing) => {}
-                Ok(FrameVerdict::Whole) => {
-                    if observer.kept(self, &shot).is_break() {
-                        break;
-                    }
-                    continue;
-                }
-                Ok(verdict) => observer.rejected(&shot, &verdict),
-                Err(error) => {
-                    rendered = Err(error);
-                    break;
-                }
-            }
-            observer.render(self, &shot);
-            let mut all_good = true;
-            let mut tell = |progress| {
-                for written in writer.written() {
-                    all_good &= settle(written, &submitted, observer);
-                }
-                observer.rendering(&shot, progress);
-            };
-            let pixels = match self.pixels_unless(&shot, sequence.format(), cancelled, &mut tell) {
-                Ok(Some(pixels)) => pixels,
-                stopped => {
-                    rendered = stopped.map(drop);
-                    break;
-                }
-            };
-            let flow = observer.rendered(self, &shot);
-            let fingerprint = self.report().fingerprint;
-            writer.submit(submitted.len(), path, pixels, sequence.format(), fingerprint);
-            submitted.push(shot);
+        }
+        observer.render(engine, &shot);
+        let mut all_good = true;
+        let mut tell = |progress| {
             for written in writer.written() {
                 all_good &= settle(written, &submitted, observer);
             }
-            if !all_good || flow.is_break() {
+            observer.rendering(&shot, progress);
+        };
+        let pixels = match render_pixels(engine, &shot, sequence.format(), cancelled, &mut tell) {
+            Ok(Some(pixels)) => pixels,
+            stopped => {
+                rendered = stopped.map(drop);
                 break;
             }
-        }
-        for written in writer.finish() {
-            settle(written, &submitted, observer);
-        }
-        rendered
-    }
-
-    /// Renders a shot as output bytes. Returns `None` if `cancelled` becomes true during rendering. Reports the progress to `tell` once a
-    /// second.
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`].
-    pub fn render_shot(
-        &mut self,
-        shot: &FrameRequest,
-        cancelled: &AtomicBool,
-        tell: &mut dyn FnMut(RenderProgress),
-    ) -> Result<Option<EncodedFilm>, EngineError> {
-        watched(cancelled, tell, |signals, look| {
-            self.render_encoded_on(shot.time, signals, &mut |exposure| look(exposure.progress()))
-        })
-    }
-
-    /// Renders a shot's pixels for a format, with cancellation and progress reports as in [`Engine::render_shot`].
-    fn pixels_unless(
-        &mut self,
-        shot: &FrameRequest,
-        format: FrameFormat,
-        cancelled: &AtomicBool,
-        tell: &mut dyn FnMut(RenderProgress),
-    ) -> Result<Option<FramePixels>, EngineError> {
-        if !format.is_linear() {
-            return Ok(self.render_shot(shot, cancelled, tell)?.map(FramePixels::Encoded));
-        }
-        let exposed = watched(cancelled, tell, |signals, look| {
-            let mut visit = |exposure: &RenderJob| look(exposure.progress());
-            match format.channels() {
-                Channels::Rgb => {
-                    let film = self.render_on(shot.time, &mut None, signals, &mut visit)?;
-                    Ok::<_, EngineError>(film.map(|film| (film, None)))
-                }
-                Channels::Rgba => {
-                    let exposed = self.render_alpha_on(shot.time, signals, &mut visit)?;
-                    Ok(exposed.map(|AlphaFilm { light, alpha }| (light, Some(alpha))))
-                }
-            }
-        })?;
-        let Some((film, alpha)) = exposed else { return Ok(None) };
-        let passes = match format.passes().is_empty() {
-            true => Vec::new(),
-            false => match self.passes_unless(shot.time, cancelled)? {
-                None if cancelled.load(Ordering::Relaxed) => return Ok(None),
-                passes => passes.unwrap_or_else(|| vec![PassPixel::NOTHING; film.pixels().len()]),
-            },
         };
-        let transfer = self.film_settings().transfer;
-        Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))
+        let flow = observer.rendered(engine, &shot);
+        let fingerprint = engine.report().fingerprint;
+        writer.submit(submitted.len(), path, pixels, sequence.format(), fingerprint);
+        submitted.push(shot);
+        for written in writer.written() {
+            all_good &= settle(written, &submitted, observer);
+        }
+        if !all_good || flow.is_break() {
+            break;
+        }
     }
+    for written in writer.finish() {
+        settle(written, &submitted, observer);
+    }
+    rendered
+}
 
-    /// Returns the state of a shot's file. Files to be overwritten count as missing.
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`].
-    pub fn verdict(
-        &mut self,
-        shot: &FrameRequest,
-        path: &Path,
-        (sequence, existing): (&Sequence, Existing),
-    ) -> Result<FrameVerdict, EngineError> {
-        match existing {
-            Existing::Overwrite => Ok(FrameVerdict::Missing),
-            Existing::Keep => {
-                let film = self.film_settings();
-                let size = (film.width, film.height);
-                self.judge(shot, FoundFrame::expected_at(path, sequence.format(), size))
-            }
+/// Renders a shot as output bytes. Returns `None` if `cancelled` becomes true during rendering. Reports the progress to `tell` once a
+/// second.
+///
+/// # Errors
+///
+/// As [`Engine::render_frame`].
+pub fn render_encoded(
+    engine: &mut Engine,
+    shot: &FrameRequest,
+    cancelled: &AtomicBool,
+    tell: &mut dyn FnMut(RenderProgress),
+) -> Result<Option<EncodedFilm>, EngineError> {
+    let transfer = engine.film_settings().transfer;
+    watched(cancelled, tell, |signals, look| {
+        let request = RenderRequest {
+            signals,
+            on_pause: Some(&mut |job| look(job.progress())),
+            ..RenderRequest::encoded(shot.time, transfer)
+        };
+        Ok(engine.render(request)?.map(|image| image.film))
+    })
+}
+
+/// Renders a shot's pixels for a format, with cancellation and progress reports as in [`render_encoded`].
+fn render_pixels(
+    engine: &mut Engine,
+    shot: &FrameRequest,
+    format: FrameFormat,
+    cancelled: &AtomicBool,
+    tell: &mut dyn FnMut(RenderProgress),
+) -> Result<Option<FramePixels>, EngineError> {
+    if !format.is_linear() {
+        return Ok(render_encoded(engine, shot, cancelled, tell)?.map(FramePixels::Encoded));
+    }
+    let image = watched(cancelled, tell, |signals, look| {
+        engine.render(RenderRequest {
+            alpha: format.channels() == Channels::Rgba,
+            signals,
+            on_pause: Some(&mut |job| look(job.progress())),
+            ..RenderRequest::at(shot.time)
+        })
+    })?;
+    let Some(RenderedImage { film, alpha }) = image else { return Ok(None) };
+    let passes = match format.passes().is_empty() {
+        true => Vec::new(),
+        false => match engine.passes(shot.time, cancelled)? {
+            None if cancelled.load(Ordering::Relaxed) => return Ok(None),
+            passes => passes.unwrap_or_else(|| vec![PassPixel::NOTHING; film.pixels().len()]),
+        },
+    };
+    let transfer = engine.film_settings().transfer;
+    Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))
+}
+
+/// Returns the state of a shot's file. Files to be overwritten count as missing.
+///
+/// # Errors
+///
+/// As [`Engine::render_frame`].
+pub fn frame_verdict(
+    engine: &mut Engine,
+    shot: &FrameRequest,
+    path: &Path,
+    (sequence, existing): (&Sequence, Existing),
+) -> Result<FrameVerdict, EngineError> {
+    match existing {
+        Existing::Overwrite => Ok(FrameVerdict::Missing),
+        Existing::Keep => {
+            let film = engine.film_settings();
+            let size = (film.width, film.height);
+            judge(engine, shot, FoundFrame::expected_at(path, sequence.format(), size))
         }
     }
 }

@@ -68,71 +68,69 @@ pub enum VerifyError {
     Folder(#[from] io::Error),
 }
 
-impl Engine {
-    /// Verifies the frames of a sequence and the other files in its folder. Before each frame, `begin` may configure the engine, and
-    /// decides whether to continue.
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`], and if the folder cannot be read.
-    pub fn verify_sequence(
-        &mut self,
-        frames: &FrameList,
-        sequence: &Sequence,
-        mut begin: impl FnMut(&mut Engine, &FrameRequest) -> ControlFlow<()>,
-    ) -> Result<SequenceVerdict, VerifyError> {
-        /// Number of files that are read at once.
-        const TOGETHER: usize = 64;
-        let timeline = self.timeline();
-        let count = timeline.frame_count();
-        let shots: Vec<FrameRequest> = FrameRequest::frames(&frames.within(count), timeline).collect();
-        let film = self.film_settings();
-        let size = (film.width, film.height);
-        let mut verdict = SequenceVerdict::default();
-        'all: for shots in shots.chunks(TOGETHER) {
-            let look =
-                |shot: &FrameRequest| FoundFrame::expected_at(&shot.file(sequence), sequence.format(), size);
-            let found = shots.par_iter().map(look);
-            for (shot, found) in shots.iter().zip(found.collect::<Vec<_>>()) {
-                if begin(self, shot).is_break() {
-                    break 'all;
-                }
-                let of_frame = self.judge(shot, found)?;
-                verdict.frames.extend(shot.frame.map(|frame| (frame, of_frame)));
+/// Verifies the frames of a sequence and the other files in its folder. Before each frame, `begin` may configure the engine, and
+/// decides whether to continue.
+///
+/// # Errors
+///
+/// As [`Engine::render_frame`], and if the folder cannot be read.
+pub fn verify_sequence(
+    engine: &mut Engine,
+    frames: &FrameList,
+    sequence: &Sequence,
+    mut begin: impl FnMut(&mut Engine, &FrameRequest) -> ControlFlow<()>,
+) -> Result<SequenceVerdict, VerifyError> {
+    /// Number of files that are read at once.
+    const TOGETHER: usize = 64;
+    let timeline = engine.timeline();
+    let count = timeline.frame_count();
+    let shots: Vec<FrameRequest> = FrameRequest::frames(&frames.within(count), timeline).collect();
+    let film = engine.film_settings();
+    let size = (film.width, film.height);
+    let mut verdict = SequenceVerdict::default();
+    'all: for shots in shots.chunks(TOGETHER) {
+        let look =
+            |shot: &FrameRequest| FoundFrame::expected_at(&shot.file(sequence), sequence.format(), size);
+        let found = shots.par_iter().map(look);
+        for (shot, found) in shots.iter().zip(found.collect::<Vec<_>>()) {
+            if begin(engine, shot).is_break() {
+                break 'all;
+            }
+            let of_frame = judge(engine, shot, found)?;
+            verdict.frames.extend(shot.frame.map(|frame| (frame, of_frame)));
+        }
+    }
+    let is_asked = |frame: u32| verdict.frames.binary_search_by_key(&frame, |(asked, _)| *asked).is_ok();
+    let surplus = find_surplus(sequence, count, size)?;
+    // Files of another size are already reported as stale if their frames were verified.
+    verdict.surplus = surplus
+        .into_iter()
+        .filter(|surplus| {
+            let frame = surplus.path.file_name().and_then(|name| sequence.frame_of(name));
+            surplus.reason.is_about_name() || !frame.is_some_and(is_asked)
+        })
+        .collect();
+    Ok(verdict)
+}
+
+/// Compares the file found for a shot with the frame that would be rendered now.
+pub(super) fn judge(
+    engine: &mut Engine,
+    shot: &FrameRequest,
+    found: FoundFrame,
+) -> Result<FrameVerdict, EngineError> {
+    Ok(match found {
+        FoundFrame::Missing => FrameVerdict::Missing,
+        FoundFrame::Torn(reason) => FrameVerdict::Torn(reason),
+        FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
+        FoundFrame::OtherSize { .. } => FrameVerdict::Stale,
+        FoundFrame::Whole { provenance, .. } => {
+            match provenance.frame == engine.fingerprint_at(shot.time)? {
+                true => FrameVerdict::Whole,
+                false => FrameVerdict::Stale,
             }
         }
-        let is_asked = |frame: u32| verdict.frames.binary_search_by_key(&frame, |(asked, _)| *asked).is_ok();
-        let surplus = find_surplus(sequence, count, size)?;
-        // Files of another size are already reported as stale if their frames were verified.
-        verdict.surplus = surplus
-            .into_iter()
-            .filter(|surplus| {
-                let frame = surplus.path.file_name().and_then(|name| sequence.frame_of(name));
-                surplus.reason.is_about_name() || !frame.is_some_and(is_asked)
-            })
-            .collect();
-        Ok(verdict)
-    }
-
-    /// Compares the file found for a shot with the frame that would be rendered now.
-    pub(super) fn judge(
-        &mut self,
-        shot: &FrameRequest,
-        found: FoundFrame,
-    ) -> Result<FrameVerdict, EngineError> {
-        Ok(match found {
-            FoundFrame::Missing => FrameVerdict::Missing,
-            FoundFrame::Torn(reason) => FrameVerdict::Torn(reason),
-            FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
-            FoundFrame::OtherSize { .. } => FrameVerdict::Stale,
-            FoundFrame::Whole { provenance, .. } => {
-                match provenance.frame == self.fingerprint_at(shot.time)? {
-                    true => FrameVerdict::Whole,
-                    false => FrameVerdict::Stale,
-                }
-            }
-        })
-    }
+    })
 }
 
 /// Describes the state of a file.

@@ -1,13 +1,27 @@
 //! Removes effects from prepared data, to measure their contribution to the image.
 
-use super::{Effect, Preparation};
+use std::borrow::Cow;
+
+use super::{Effect, EffectSet, Preparation};
 use crate::color::Rgb;
 use crate::trace::{LightSource, PreparedBackground, PreparedFog, SurfaceMaterial};
 
+/// The effects that render settings disable without a copy of the data: of lights, samples, instants, or the kernel's own.
+const IN_SETTINGS: [Effect; 4] =
+    [Effect::Shadows, Effect::ClearShadows, Effect::Antialiasing, Effect::MotionBlur];
+
 impl Preparation {
-    /// Removes the data that causes an effect. Motion blur and shadows of transparent objects are not caused by prepared data; the renderer
-    /// disables them.
-    pub(crate) fn leave_out(&mut self, effect: Effect) {
+    /// Returns the data without these effects.
+    pub(crate) fn without(&self, effects: EffectSet) -> Cow<'_, Self> {
+        let mut shown = Cow::Borrowed(self);
+        for effect in effects.iter().filter(|effect| !IN_SETTINGS.contains(effect)) {
+            shown.to_mut().remove(effect);
+        }
+        shown
+    }
+
+    /// Removes the data that causes an effect.
+    fn remove(&mut self, effect: Effect) {
         match effect {
             Effect::Ambient => self.scene.ambient = Rgb::ZERO,
             Effect::Diffuse => self.repaint(|material| {
@@ -17,7 +31,6 @@ impl Preparation {
                 }
             }),
             Effect::Specular => self.repaint(|material| material.specular = 0.0),
-            Effect::Shadows => self.scene.lights.iter_mut().for_each(|light| light.casts_shadows = false),
             Effect::AreaLights => self.shrink_lights(|source| match *source {
                 LightSource::Sphere { center, .. } | LightSource::Rectangle { center, .. } => {
                     LightSource::Point(center)
@@ -48,9 +61,8 @@ impl Preparation {
                     self.scene.background = PreparedBackground::Flat((bottom + top) * 0.5);
                 }
             }
-            Effect::Antialiasing => self.sampling.samples = 1,
             Effect::DepthOfField => self.camera = self.camera.without_lens(),
-            Effect::ClearShadows | Effect::MotionBlur => {}
+            Effect::Shadows | Effect::ClearShadows | Effect::Antialiasing | Effect::MotionBlur => {}
         }
     }
 

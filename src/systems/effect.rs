@@ -70,3 +70,52 @@ impl fmt::Display for Effect {
         formatter.write_str(self.name())
     }
 }
+
+/// A set of effects.
+///
+/// ```
+/// use rayreel::{Effect, EffectSet};
+///
+/// let set: EffectSet = [Effect::Fog, Effect::Shadows].into();
+/// assert!(set.contains(Effect::Fog) && !set.contains(Effect::Checker));
+/// assert_eq!(set.iter().collect::<Vec<_>>(), [Effect::Shadows, Effect::Fog]);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct EffectSet(u32);
+
+impl EffectSet {
+    /// Returns whether the set contains an effect.
+    #[must_use]
+    pub fn contains(self, effect: Effect) -> bool {
+        self.0 & (1 << effect as u32) != 0
+    }
+
+    /// Returns whether the set has no effect.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Returns the set with an effect added.
+    #[must_use]
+    pub fn with(self, effect: Effect) -> Self {
+        Self(self.0 | (1 << effect as u32))
+    }
+
+    /// Returns the effects, in the order of [`Effect::ALL`].
+    pub fn iter(self) -> impl Iterator<Item = Effect> {
+        Effect::ALL.into_iter().filter(move |effect| self.contains(*effect))
+    }
+}
+
+impl FromIterator<Effect> for EffectSet {
+    fn from_iter<I: IntoIterator<Item = Effect>>(effects: I) -> Self {
+        effects.into_iter().fold(Self::default(), Self::with)
+    }
+}
+
+impl<const COUNT: usize> From<[Effect; COUNT]> for EffectSet {
+    fn from(effects: [Effect; COUNT]) -> Self {
+        effects.into_iter().collect()
+    }
+}

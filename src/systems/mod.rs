@@ -1,7 +1,7 @@
 //! The systems that run for each frame, in this order:
 //!
 //! ```text
-//! stepped systems up to this moment -> animate -> scripts -> pure systems -> propagate -> prepare   (-> trace)
+//! stepped systems up to this moment -> animate -> scripts -> pure systems -> propagate -> prepare -> plan -> trace
 //! ```
 //!
 //! - Custom systems are pure or stepped: [`Engine::add_system`](crate::Engine::add_system) and
@@ -14,6 +14,9 @@
 //! - [`Fault`]s report the entities that are not drawn as specified.
 //! - The preparation is the only bridge from the world to the kernel: it copies shapes, materials, lights and the camera into arrays, in
 //!   document order, and updates only the data that has changed.
+//! - The tracer, `trace`, queries the prepared world for closest hits and shadow rays, and writes the film.
+//!
+//! The loop over the instants of a frame is `frame`.
 //!
 //! hecs does not track changes, so systems declare their writes: see [`Changes`].
 
@@ -24,6 +27,8 @@ mod context;
 mod disabled_effects;
 mod effect;
 mod faults;
+mod fingerprint;
+mod frame;
 mod interrupted;
 mod order;
 mod plan;
@@ -31,28 +36,32 @@ mod prepare;
 mod propagate;
 mod property;
 mod property_access;
+mod report;
 mod schedule;
 mod scripts;
 mod snapshot;
+mod trace;
 mod value_error;
 mod world_transform;
 
 pub use animate::animate;
 pub use changes::Changes;
 pub use context::Context;
-pub use effect::Effect;
+pub use effect::{Effect, EffectSet};
 pub use faults::{Consequence, Fallback, Fault, FaultCause};
+pub(crate) use frame::{FrameInstants, NextInstants, PreparedInstant, Simulation};
 pub(crate) use interrupted::{Interrupted, ScriptFailure};
 pub(crate) use order::order_newcomers;
 pub use plan::{Need, Plan};
-#[doc(hidden)]
-pub use prepare::Preparation;
-pub use prepare::{ActiveCamera, RenderSettings, active_camera, film_settings};
-pub(crate) use prepare::{FrameSettings, Shutter, Shutters, quality_settings, sampling_settings};
+pub use prepare::{ActiveCamera, Preparation, RenderSettings, active_camera, film_settings};
+pub(crate) use prepare::{quality_settings, sampling_settings};
 pub use propagate::propagate;
 pub use property_access::value;
+pub use report::FrameReport;
 pub(crate) use schedule::Schedule;
 pub use schedule::Step;
 pub(crate) use scripts::Scripts;
 pub use snapshot::UnknownComponent;
 pub(crate) use snapshot::{Registry, Snapshot};
+pub use trace::{OnPause, RenderRequest};
+pub(crate) use trace::{Sampler, fingerprint, plan, trace, trace_passes, trace_reference, trace_sample};

@@ -5,7 +5,7 @@
 
 use hecs::{Component, World};
 
-use super::{Effect, Preparation};
+use super::{Effect, EffectSet, Preparation};
 use crate::color::Rgb;
 use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular};
 use crate::trace::{self, Effects, LightSource, Lighting, Paths, PreparedBackground, ShapeId};
@@ -85,9 +85,9 @@ impl Plan {
     }
 
     /// Marks effects as disabled by request.
-    pub(crate) fn leave_out(&mut self, effects: &[Effect]) {
-        for effect in effects {
-            self.needs[*effect as usize] = Need::LeftOut("it is left out by request");
+    pub(crate) fn leave_out(&mut self, effects: EffectSet) {
+        for effect in effects.iter() {
+            self.needs[effect as usize] = Need::LeftOut("it is left out by request");
         }
     }
 

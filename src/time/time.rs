@@ -10,6 +10,12 @@ pub struct Time {
     pub(super) denominator: u64,
 }
 
+impl Default for Time {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
 impl Time {
     /// The start of the timeline.
     pub const ZERO: Self = Self { numerator: 0, denominator: 1 };

@@ -20,17 +20,16 @@ pub struct Film<Pixel = Rgb> {
 /// The pixels of a frame as output bytes, encoded by a [`Transfer`].
 pub type EncodedFilm = Film<[u8; 3]>;
 
-/// The pixels of a frame with alpha, for compositing: what the scene covers, without the background beyond it.
-///
-/// Light is premultiplied: over a picture b the composite is `light + (1 - alpha) b`, pixel by pixel, in linear light (Porter and Duff,
-/// "Compositing Digital Images", SIGGRAPH 1984, section 3).
+/// A rendered image: the pixels of a frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AlphaFilm {
-    /// The mean radiance over all samples of each pixel, where samples that are not covered count as 0.
-    pub light: Film,
-    /// The share of covered samples in each pixel, from 0 to 1. A sample is covered if its camera ray hits a shape, or passes through fog or
-    /// an absorbing medium. The background in mirrors and behind glass counts as covered.
-    pub alpha: Film<f32>,
+pub struct RenderedImage<Pixel = Rgb> {
+    /// The mean radiance over all samples of each pixel. In an image with alpha, samples that are not covered count as 0: light is
+    /// premultiplied, so that over a picture b the composite is `film + (1 - alpha) b`, pixel by pixel, in linear light (Porter and Duff,
+    /// "Compositing Digital Images", SIGGRAPH 1984, section 3).
+    pub film: Film<Pixel>,
+    /// The share of covered samples in each pixel, from 0 to 1, if it was requested. A sample is covered if its camera ray hits a shape, or
+    /// passes through fog or an absorbing medium. The background in mirrors and behind glass counts as covered.
+    pub alpha: Option<Film<f32>>,
 }
 
 impl Film {
@@ -102,17 +101,10 @@ impl EncodedFilm {
     }
 }
 
-impl AlphaFilm {
-    /// Creates a film without any coverage.
-    pub(crate) fn empty(width: u32, height: u32) -> Self {
-        Self { light: Film::new(width, height), alpha: Film::zeros(width, height) }
-    }
-
-    /// Returns the share of covered samples.
-    #[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
-    pub(crate) fn share(covered: f64, samples: f64) -> f32 {
-        (covered / samples) as f32
-    }
+/// Returns the share of covered samples.
+#[expect(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
+pub(crate) fn alpha(covered: f64, samples: f64) -> f32 {
+    (covered / samples) as f32
 }
 
 impl Film<f32> {

@@ -99,14 +99,14 @@ mod work_queue;
 
 pub(crate) use adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
 pub use adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
-pub use film::{AlphaFilm, EncodedFilm, Film};
+pub use film::{EncodedFilm, Film, RenderedImage};
 pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
 pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
 pub use math::PixelSampling;
 pub use passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use query::Escalations;
-pub(crate) use render_job::{Developed, SampleMemory, SamplePlan};
 pub use render_job::{RenderJob, RenderProgress};
+pub(crate) use render_job::{SampleMemory, SamplePlan};
 pub use render_stats::{RayCounts, TreeEnds};
 pub use scene::{Precision, PreparedCamera};
 pub use tile_work::Signals;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::color::Rgb;
 use crate::trace::adaptive::{Adaptive, PacketSums, PixelMemory, SampleSums, SharedRoundPolicy, block};
 use crate::trace::effects::{Effects, Lighting};
-use crate::trace::film::{AlphaFilm, Film};
+use crate::trace::film::{self, Film, RenderedImage};
 use crate::trace::light::{
     ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
     SecondaryRays, ShadingPoint, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, sample_light,
@@ -315,23 +315,16 @@ impl ReferenceSums {
         }
     }
 
-    /// Returns the picture.
+    /// Returns the picture, with alpha if its plan asks for it.
     #[must_use]
-    pub(crate) fn resolve(&self) -> Film {
-        let (columns, rows) = self.resolution;
-        Film::from_pixels(columns, rows, self.pixels.iter().map(|pixel| pixel.mean(pixel.all)))
-    }
-
-    /// Returns the picture with alpha, without its background.
-    #[must_use]
-    pub(crate) fn develop_with_alpha(&self) -> AlphaFilm {
-        let (columns, rows) = self.resolution;
-        let light = self.pixels.iter().map(|pixel| pixel.mean(pixel.covered));
-        let share = |pixel: &PixelSum| {
-            AlphaFilm::share(f64::from(pixel.covered_count), f64::from(pixel.count.max(1)))
-        };
-        let alpha = Film::from_numbers(columns, rows, self.pixels.iter().map(share).collect());
-        AlphaFilm { light: Film::from_pixels(columns, rows, light), alpha }
+    pub(crate) fn resolve(&self) -> RenderedImage {
+        let ((columns, rows), has_alpha) = (self.resolution, self.plan.alpha);
+        let light = |pixel: &PixelSum| pixel.mean(if has_alpha { pixel.covered } else { pixel.all });
+        let share = |pixel: &PixelSum| film::alpha(pixel.covered_count.into(), f64::from(pixel.count.max(1)));
+        let film = Film::from_pixels(columns, rows, self.pixels.iter().map(light));
+        let alpha =
+            has_alpha.then(|| Film::from_numbers(columns, rows, self.pixels.iter().map(share).collect()));
+        RenderedImage { film, alpha }
     }
 }
 
@@ -365,7 +358,7 @@ impl SampleSums for ReferenceSums {
 pub fn render(scene: &PreparedScene, camera: &PreparedCamera, sampling: PixelSampling) -> Film {
     let mut sums = ReferenceSums::new(camera.resolution(), SamplePlan::uniform(sampling.samples, 1));
     Reference::new(scene, camera, sampling, Effects::ALL).add(&mut sums, 0);
-    sums.resolve()
+    sums.resolve().film
 }
 
 fn trace(

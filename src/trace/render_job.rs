@@ -11,7 +11,7 @@ use crate::trace::adaptive::{
     SharedRoundPolicy, block,
 };
 use crate::trace::effects::Effects;
-use crate::trace::film::{AlphaFilm, Film};
+use crate::trace::film::{self, Film, RenderedImage};
 use crate::trace::light::RenderContext;
 use crate::trace::math::{Colors, LANES, Numbers, PixelSampling, SimdLevel, Vectors};
 use crate::trace::query::{Intersector, Scratch, Textbook};
@@ -100,13 +100,6 @@ impl SamplePlan {
         self.target
             .map(|target| Adaptive::new(resolution, (self.samples, order, self.starts_wide), target, memory))
     }
-}
-
-/// A finished picture.
-pub(crate) struct Developed<Pixel> {
-    pub(crate) film: Film<Pixel>,
-    /// Alpha channel, if requested.
-    pub(crate) alpha: Option<Film<f32>>,
 }
 
 /// Sample memory kept for the next picture: allocating it again costs more than using it.
@@ -363,17 +356,17 @@ impl<E: Encoding> RenderJob<E> {
     #[doc(hidden)]
     #[must_use]
     pub fn resolve(self) -> (Film<E::Pixel>, RenderStats) {
-        let (Developed { film, .. }, stats, _) = self.finish();
+        let (RenderedImage { film, .. }, stats, _) = self.finish();
         (film, stats)
     }
 
     /// Returns the picture, its render statistics, and the sample memory for reuse.
-    pub(crate) fn finish(mut self) -> (Developed<E::Pixel>, RenderStats, SampleMemory) {
+    pub(crate) fn finish(mut self) -> (RenderedImage<E::Pixel>, RenderStats, SampleMemory) {
         let mut stats = self.stats;
         match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
             Pixels::Picture(film) => {
                 let film = film.unwrap_or_else(|| Film::black(self.encoding, self.width, self.height));
-                (Developed { film, alpha: None }, stats, SampleMemory::default())
+                (RenderedImage { film, alpha: None }, stats, SampleMemory::default())
             }
             Pixels::Sums(sums) => {
                 let has_alpha = !sums.covered.is_empty();
@@ -382,7 +375,7 @@ impl<E: Encoding> RenderJob<E> {
                 stats.escalations.overflowed += overflowed;
                 let alpha = has_alpha.then(|| self.develop_alpha(&sums));
                 let pixels = self.adaptive.map(Adaptive::into_memory).unwrap_or_default();
-                (Developed { film, alpha }, stats, SampleMemory { sums, pixels })
+                (RenderedImage { film, alpha }, stats, SampleMemory { sums, pixels })
             }
         }
     }
@@ -424,7 +417,7 @@ impl<E: Encoding> RenderJob<E> {
                 for (row, alpha) in rows.enumerate() {
                     for (column, alpha) in alpha[i as usize..(i + width) as usize].iter_mut().enumerate() {
                         let (packet, lane) = Tile::lane_of(column, row);
-                        *alpha = AlphaFilm::share(covered[packet].get(lane), counts[packet].get(lane));
+                        *alpha = film::alpha(covered[packet].get(lane), counts[packet].get(lane));
                     }
                 }
             }

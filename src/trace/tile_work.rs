@@ -26,6 +26,15 @@ pub struct Signals<'a> {
     pub pause: &'a (dyn Fn() -> bool + Sync),
 }
 
+impl Signals<'_> {
+    /// Returns signals that never end tracing.
+    #[must_use]
+    pub fn none() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Signals::unless(&NEVER)
+    }
+}
+
 impl<'a> Signals<'a> {
     /// Creates signals with `cancelled` only, without pauses.
     #[must_use]

@@ -4,13 +4,10 @@
 
 mod hard_scenes;
 
-use std::ops::ControlFlow::Continue;
-use std::sync::atomic::AtomicBool;
-
 use hard_scenes::{HardScene, hard_scenes};
 use rayreel::accuracy::FilmError;
-use rayreel::trace::{EstimatedError, Film, Signals};
-use rayreel::{Engine, RenderSettings, Rgb, Scene, Time};
+use rayreel::trace::{EstimatedError, Film};
+use rayreel::{Engine, RenderRequest, RenderSettings, Rgb, Scene, Time};
 
 fn engine(scene: &HardScene) -> Engine {
     Engine::from_scene(Scene::from_text(scene.name, scene.text.clone()).unwrap())
@@ -22,17 +19,16 @@ fn moment() -> Time {
 
 /// Renders a picture with these settings: its alpha, as light, where that is what is hard.
 fn render(engine: &mut Engine, settings: RenderSettings, alpha: bool) -> Film {
-    engine.set_render_settings(settings);
+    engine.set_settings(settings);
     if !alpha {
         return engine.render_at(moment()).unwrap();
     }
-    let never = AtomicBool::new(false);
-    let picture =
-        engine.render_alpha_on(moment(), Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap();
+    let picture = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(moment()) });
+    let alpha = picture.unwrap().unwrap().alpha.unwrap();
     let transfer = engine.film_settings().transfer;
     let light = |alpha: &f32| transfer.decode([255.0 * f64::from(*alpha); 3]);
-    let pixels: Vec<Rgb> = picture.alpha.pixels().iter().map(light).collect();
-    Film::from_pixels(picture.alpha.width(), picture.alpha.height(), pixels.into_iter())
+    let pixels: Vec<Rgb> = alpha.pixels().iter().map(light).collect();
+    Film::from_pixels(alpha.width(), alpha.height(), pixels.into_iter())
 }
 
 /// Returns the true error of a picture for a target, and the estimate.
@@ -104,7 +100,7 @@ fn frames_with_a_target_depend_on_no_other_frame() {
         let mut alone = engine(&scene);
         let mut after = engine(&scene);
         for frame in [0, 3, 7] {
-            after.set_render_settings(settings);
+            after.set_settings(settings);
             let _ = after.render_frame(frame).unwrap();
         }
         assert!(render(&mut alone, settings, false) == render(&mut after, settings, false), "{}", scene.name);

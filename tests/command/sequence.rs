@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::ops::ControlFlow::Continue;
 use std::path::Path;
 
+use rayreel::RenderRequest;
 use rayreel::color::Transfer;
-use rayreel::trace::{AlphaFilm, Signals};
 use serde_json::Value;
 
 use crate::{RAYREEL, command, output_of, pictures, rayreel, text, told};
@@ -378,9 +377,9 @@ fn frames_with_alpha_leave_the_background_out() {
     let folder = folder.path();
     write_film(folder, 1.0, |film| film.replace("Scene(", "Scene(sampling: (samples: 4),"));
     let mut engine = rayreel::Engine::load(folder.join("film.ron")).unwrap();
-    let (time, never) = (engine.timeline().time_of(1), std::sync::atomic::AtomicBool::new(false));
-    let AlphaFilm { light, alpha } =
-        engine.render_alpha_on(time, Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap();
+    let time = engine.timeline().time_of(1);
+    let image = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) }).unwrap().unwrap();
+    let (light, alpha) = (image.film, image.alpha.unwrap());
     let transfer = engine.film_settings().transfer;
     let partly = alpha.pixels().iter().filter(|alpha| **alpha > 0.0 && **alpha < 1.0).count();
     assert!(partly > 5 && alpha.pixels().contains(&0.0) && alpha.pixels().contains(&1.0), "{partly}");

@@ -1,12 +1,11 @@
 //! Tests of pictures with alpha, against the reference path and against pictures with backgrounds.
 
-use std::ops::ControlFlow::Continue;
 use std::sync::atomic::AtomicBool;
 
 use rayreel::components::{FilmSettings, Sampling};
 use rayreel::scene::Scene;
-use rayreel::trace::{AlphaFilm, Signals, SimdLevel};
-use rayreel::{Engine, Rgb, Time};
+use rayreel::trace::{RenderedImage, SimdLevel};
+use rayreel::{Engine, RenderRequest, RenderSettings, Rgb, Time};
 
 const SIZE: (u32, u32) = (45, 27);
 
@@ -23,9 +22,8 @@ fn engine(scene: &str, samples: u32, max_error: f32) -> Engine {
     engine
 }
 
-fn render(engine: &mut Engine, time: Time) -> AlphaFilm {
-    let never = AtomicBool::new(false);
-    engine.render_alpha_on(time, Signals::unless(&never), &mut |_| Continue(())).unwrap().unwrap()
+fn render(engine: &mut Engine, time: Time) -> RenderedImage {
+    engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) }).unwrap().unwrap()
 }
 
 #[test]
@@ -33,10 +31,10 @@ fn alpha_is_that_of_the_reference_path() {
     for scene in ["first_light", "glass_marbles", "fairground", "foggy_avenue", "box_field"] {
         for (samples, max_error, full) in [(1, 0.0, true), (3, 0.0, false), (32, 2.0, false)] {
             let mut engine = engine(scene, samples, max_error);
-            engine.set_full(full);
+            engine.set_settings(RenderSettings { all_effects: full, ..engine.settings() });
             let time = "0.7".parse().unwrap();
             let film = render(&mut engine, time);
-            let expected = engine.render_alpha_reference(time).unwrap();
+            let expected = engine.render_reference(time, true).unwrap();
             assert!(film == expected, "{scene}, {samples} samples, error {max_error}");
         }
     }
@@ -47,8 +45,9 @@ fn what_is_covered_and_the_background_are_the_picture() {
     for (samples, max_error) in [(1, 0.0), (5, 0.0), (64, 1.0)] {
         let mut engine = engine("first_light", samples, max_error);
         let picture = engine.render_at(Time::ZERO).unwrap();
-        let report = *engine.report();
-        let AlphaFilm { light, alpha } = render(&mut engine, Time::ZERO);
+        let report = engine.report().clone();
+        let RenderedImage { film: light, alpha } = render(&mut engine, Time::ZERO);
+        let alpha = alpha.unwrap();
         if max_error == 0.0 {
             assert_eq!(engine.report().rays, report.rays);
         } else {
@@ -103,11 +102,11 @@ const GLASS: &str = r#"
 #[test]
 fn what_meets_something_covers_the_background() {
     let fog = render(&mut engine("foggy_avenue", 2, 0.0), Time::ZERO);
-    assert!(fog.alpha.pixels().iter().all(|alpha| *alpha == 1.0));
+    assert!(fog.alpha.unwrap().pixels().iter().all(|alpha| *alpha == 1.0));
     let scene = Scene::from_text("glass.ron", GLASS.to_owned()).unwrap_or_else(|error| panic!("{error}"));
     let mut glass = Engine::from_scene(scene);
-    let AlphaFilm { alpha, .. } = render(&mut glass, Time::ZERO);
-    let (passes, mut met) = (glass.passes_unless(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap(), 0);
+    let alpha = render(&mut glass, Time::ZERO).alpha.unwrap();
+    let (passes, mut met) = (glass.passes(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap(), 0);
     for (alpha, pass) in alpha.pixels().iter().zip(passes) {
         let is_met = pass.id > 0;
         assert_eq!(*alpha, f32::from(u8::from(is_met)));
@@ -126,7 +125,7 @@ fn threads_and_vectors_change_no_bit() {
     }
     for (name, level) in SimdLevel::all() {
         let mut engine = engine("fairground", 16, 1.0);
-        engine.set_simd_level(level);
+        engine.set_settings(RenderSettings { simd: Some(level), ..engine.settings() });
         assert!(render(&mut engine, time) == picture, "{name}");
     }
 }

@@ -22,7 +22,7 @@ fn eyes(engine: &mut Engine) -> Vec<DVec3> {
     let timeline = engine.timeline();
     let eye = |frame| {
         engine.seek(timeline.time_of(frame)).unwrap();
-        engine.camera().unwrap().position()
+        engine.prepared().unwrap().camera().position()
     };
     (0..timeline.frame_count()).map(eye).collect()
 }
@@ -143,7 +143,7 @@ fn entities_and_targets_go_along_ways_too() {
     let ray = rayreel::Ray { origin: DVec3::new(9.0, 0.0, 0.0), direction: DVec3::NEG_X };
     assert!((engine.cast(ray).unwrap().distance - 5.0).abs() < 1e-14);
     let expected = (DVec3::new(0.0, 0.75, 2.25) - DVec3::new(0.0, 0.0, -8.0)).normalize();
-    assert!(engine.camera().unwrap().axes()[2].distance(expected) < 1e-14);
+    assert!(engine.prepared().unwrap().camera().axes()[2].distance(expected) < 1e-14);
 }
 
 /// Checks that targets stay at the end of their tracks, and that the view of a camera at rest then turns no further.
@@ -160,7 +160,7 @@ fn targets_hold_where_their_ways_end() {
         let timeline = engine.timeline();
         let mut view = |frame| {
             engine.seek(timeline.time_of(frame)).unwrap();
-            engine.camera().unwrap().axes()[2]
+            engine.prepared().unwrap().camera().axes()[2]
         };
         let views: Vec<DVec3> = (0..timeline.frame_count()).map(&mut view).collect();
         let held = views[143];

@@ -149,7 +149,7 @@ fn a_cut_belongs_to_the_frame_at_its_time_and_to_all_of_its_instants() {
         let moment = time(frame);
         assert!(engine.render_at(moment).unwrap() == alone(CAMERAS, name, moment), "frame {frame}");
         assert!(alone(CAMERAS, "top", moment) != alone(CAMERAS, "camera", moment), "frame {frame}");
-        let blurs = engine.plan().unwrap().needs(Effect::MotionBlur);
+        let blurs = engine.report().plan.as_ref().unwrap().needs(Effect::MotionBlur);
         assert_eq!(blurs, name != "side", "frame {frame}");
     }
 }

@@ -1,11 +1,10 @@
 //! Tests that films of output bytes equal encoded linear films.
 
-use std::ops::ControlFlow::Continue;
 use std::sync::atomic::AtomicBool;
 
 use rayreel::color::Transfer;
 use rayreel::trace::Signals;
-use rayreel::{Engine, Film, Scene, Time};
+use rayreel::{Engine, Film, RenderRequest, Scene, Time};
 
 /// Returns a scene with these film and sampling settings, whose light ranges from none to more than a film can hold.
 fn engine(film: &str, sampling: &str) -> Engine {
@@ -42,7 +41,6 @@ fn bytes(film: &Film, transfer: Transfer) -> Vec<u8> {
 
 #[test]
 fn bytes_stored_while_tracing_are_those_of_linear_light() {
-    let never = AtomicBool::new(false);
     let blurred = "sampling: (samples: 4, instants: 2),";
     for (transfer, name) in [(Transfer::Classic, "Classic"), (Transfer::Srgb, "Srgb")] {
         for size in ["width: 1, height: 1", "width: 37, height: 22", "width: 130, height: 67"] {
@@ -52,11 +50,9 @@ fn bytes_stored_while_tracing_are_those_of_linear_light() {
                 for time in ["0", "0.5", "0.3"] {
                     let time: Time = time.parse().unwrap();
                     let [linear, encoded] = &mut engines;
-                    let linear = linear.render_unless(time, &never).unwrap().unwrap();
-                    let encoded = encoded
-                        .render_encoded_on(time, Signals::unless(&never), &mut |_| Continue(()))
-                        .unwrap()
-                        .unwrap();
+                    let linear = linear.render_at(time).unwrap();
+                    let encoded =
+                        encoded.render(RenderRequest::encoded(time, transfer)).unwrap().unwrap().film;
                     assert_eq!((encoded.width(), encoded.height()), (linear.width(), linear.height()));
                     let plain = bytes(&linear, transfer);
                     let ranges = plain.contains(&255) && plain.iter().any(|byte| (1..255).contains(byte));
@@ -73,18 +69,11 @@ fn bytes_stored_while_tracing_are_those_of_linear_light() {
 fn no_bytes_are_returned_of_a_frame_that_was_cancelled() {
     let cancelled = AtomicBool::new(true);
     let mut engine = engine("width: 64, height: 48", "");
-    assert!(
-        engine
-            .render_encoded_on(Time::ZERO, Signals::unless(&cancelled), &mut |_| Continue(()))
-            .unwrap()
-            .is_none()
-    );
-    let never = AtomicBool::new(false);
-    let film = engine.render_unless(Time::ZERO, &never).unwrap().unwrap();
     let transfer = engine.film_settings().transfer;
-    let encoded = engine
-        .render_encoded_on(Time::ZERO, Signals::unless(&never), &mut |_| Continue(()))
-        .unwrap()
-        .unwrap();
+    let whole = || RenderRequest::encoded(Time::ZERO, transfer);
+    let request = RenderRequest { signals: Signals::unless(&cancelled), ..whole() };
+    assert!(engine.render(request).unwrap().is_none());
+    let film = engine.render_at(Time::ZERO).unwrap();
+    let encoded = engine.render(whole()).unwrap().unwrap().film;
     assert!(encoded.bytes() == bytes(&film, transfer));
 }

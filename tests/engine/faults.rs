@@ -16,7 +16,7 @@ use rayreel::components::{
     Shot, Shots, Specular, Transform, View, WorldTransform,
 };
 use rayreel::systems::{Consequence, FaultCause};
-use rayreel::{Context, Engine, Entity, Fault, Film, Ray, Rgb, Time, World};
+use rayreel::{Context, Engine, Entity, Fault, Film, Ray, RenderSettings, Rgb, Time, World};
 
 /// Generates any numbers, with a high share of problematic ones.
 fn number() -> impl Strategy<Value = f64> {
@@ -335,7 +335,7 @@ fn check_faults(engine: &Engine) -> TestCaseResult {
         prop_assert!(fault.cause != FaultCause::Undeclared, "{}", fault);
     }
     let named = not_drawn(&faults);
-    let drawn: BTreeSet<Entity> = engine.drawn().collect();
+    let drawn: BTreeSet<Entity> = engine.prepared().unwrap().drawn().iter().copied().collect();
     let shapes: BTreeSet<Entity> = engine.world().query::<hecs::With<Entity, &Shape>>().iter().collect();
     let both: BTreeSet<Entity> = named.union(&drawn).copied().collect();
     prop_assert!(named.is_disjoint(&drawn), "drawn and named");
@@ -358,13 +358,13 @@ proptest! {
         later in prop::collection::vec((any::<prop::sample::Index>(), thing()), 0..4),
     ) {
         let mut engine = Engine::new(world(&things, &settings));
-        engine.set_full(true);
+        engine.set_settings(RenderSettings { all_effects: true, ..engine.settings() });
         let film = engine.render_at(Time::ZERO).unwrap();
         check_film(&engine, &film)?;
         check_faults(&engine)?;
-        let _ = engine.render_reference(Time::ZERO).unwrap();
+        let _ = engine.render_reference(Time::ZERO, false).unwrap().film;
         let _ = engine.cast(Ray { origin: DVec3::ZERO, direction: DVec3::ONE });
-        let _ = engine.plan();
+        let _ = engine.report().plan.as_ref();
 
         // The same checks follow for a system that changes the world and declares its changes entity by entity.
         let entities: Vec<Entity> = engine.world().query::<hecs::With<Entity, &Shape>>().iter().collect();

@@ -19,16 +19,19 @@ fn passes_are_what_the_reference_path_meets() {
             (sampling.samples, sampling.max_error) = (1, 0.0);
         }
         let film = engine.render_at(Time::ZERO).unwrap();
-        let report = *engine.report();
-        assert_eq!(engine.passes_unless(Time::ZERO, &AtomicBool::new(true)).unwrap(), None);
-        let passes = engine.passes_unless(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap();
-        let told = *engine.report();
+        let report = engine.report().clone();
+        assert_eq!(engine.passes(Time::ZERO, &AtomicBool::new(true)).unwrap(), None);
+        let passes = engine.passes(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap();
+        let told = engine.report().clone();
         assert!(told.trace > report.trace);
-        assert_eq!((passes.len(), told), (film.pixels().len(), FrameReport { trace: told.trace, ..report }));
+        assert_eq!(
+            (passes.len(), &told),
+            (film.pixels().len(), &FrameReport { trace: told.trace, ..report })
+        );
         let mut met = 0;
         for (index, pass) in (0..).zip(&passes) {
-            let probe = engine.probe(index % 24, index / 24).unwrap();
-            let traced = &probe.tree.rays[0];
+            let tree = engine.probe(Time::ZERO, (index % 24, index / 24), 0).unwrap().unwrap();
+            let traced = &tree.rays[0];
             match &traced.end {
                 RayEnd::Surface(lit) => {
                     let surface = &lit.surface;
@@ -55,7 +58,7 @@ fn passes(camera: &str, entities: &str) -> Vec<PassPixel> {
     );
     let mut engine = Engine::from_scene(Scene::from_text("passes.ron", text).unwrap());
     let time = engine.timeline().time_of(1);
-    engine.passes_unless(time, &AtomicBool::new(false)).unwrap().unwrap()
+    engine.passes(time, &AtomicBool::new(false)).unwrap().unwrap()
 }
 
 /// Checks depth on screens 4 wide and 2 high, at a distance of 2 from the eye: pixels are 1 apart.

@@ -1,6 +1,6 @@
 //! Test of sample counts that differ between pixels.
 
-use rayreel::{Engine, Scene, Time};
+use rayreel::{Engine, RenderSettings, Scene, Time};
 
 const SCENE: &str = r#"Scene(
     film: (width: 50, height: 30),
@@ -28,10 +28,7 @@ fn all_samples_are_counted_where_they_are_taken() {
             .map(|(right, down)| film.pixel((pixel % 50 + right).max(1) - 1, (pixel / 50 + down).max(1) - 1));
         assert!(around.iter().any(|color| *color != around[0]), "{pixel}: {count}");
     }
-    engine.set_render_settings(rayreel::RenderSettings {
-        max_error: Some(0.0),
-        ..rayreel::RenderSettings::default()
-    });
+    engine.set_settings(RenderSettings { max_error: Some(0.0), ..RenderSettings::default() });
     engine.render_at(Time::ZERO).unwrap();
     assert!(engine.sample_counts().is_empty());
 }

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use glam::{DQuat, DVec3};
 use rayreel::components::{Light, Material, Name, Order, Shape, Transform};
-use rayreel::engine::Draft;
-use rayreel::{Changes, Context, Engine, EngineError, Scene, Step};
+use rayreel::trace::Signals;
+use rayreel::{Changes, Context, Engine, EngineError, RenderRequest, RenderedImage, Scene, Step};
 
 use crate::named;
 use crate::spent::Spent;
@@ -282,22 +282,27 @@ fn laborious(balls: usize) -> String {
     format!("entities: [{entities}], animate: [{scripts}]")
 }
 
+fn render_unless(engine: &mut Engine, time: &str, cancelled: &AtomicBool) -> Option<RenderedImage> {
+    let signals = Signals::unless(cancelled);
+    engine.render(RenderRequest { signals, ..RenderRequest::at(time.parse().unwrap()) }).unwrap()
+}
+
 #[test]
 fn a_frame_is_cancelled_while_its_scripts_run() {
     let text = laborious(4000);
     let mut engine = engine(&text);
     let cancelled = AtomicBool::new(false);
-    let (film, draft, waited) = std::thread::scope(|scope| {
+    let (film, other, waited) = std::thread::scope(|scope| {
         scope.spawn(|| {
             std::thread::sleep(Duration::from_millis(100));
             cancelled.store(true, Ordering::Relaxed);
         });
         let start = Instant::now();
-        let film = engine.render_unless("1".parse().unwrap(), &cancelled).unwrap();
+        let film = render_unless(&mut engine, "1", &cancelled);
         let waited = start.elapsed();
-        (film, engine.render_draft_unless("2".parse().unwrap(), Draft::sized(2), &cancelled).unwrap(), waited)
+        (film, render_unless(&mut engine, "2", &cancelled), waited)
     });
-    assert!(film.is_none() && draft.is_none());
+    assert!(film.is_none() && other.is_none());
     assert!(waited < Duration::from_secs(2), "{waited:?}");
 }
 
@@ -307,7 +312,7 @@ fn what_was_cancelled_leaves_no_trace() {
     let mut engine = engine(&text);
     engine.render_at("1".parse().unwrap()).unwrap();
     let cancelled = AtomicBool::new(true);
-    assert!(engine.render_unless("2".parse().unwrap(), &cancelled).unwrap().is_none());
+    assert!(render_unless(&mut engine, "2", &cancelled).is_none());
     let film = engine.render_at("1.5".parse().unwrap()).unwrap();
     assert_eq!(film, self::engine(&text).render_at("1.5".parse().unwrap()).unwrap());
 }
@@ -356,7 +361,7 @@ fn scripts_blur_what_they_move() {
         let mut engine = Engine::from_scene(Scene::from_text("scene.ron", text).unwrap());
         (
             engine.render_frame(10).unwrap(),
-            engine.plan().unwrap().need(rayreel::Effect::MotionBlur).is_needed(),
+            engine.report().plan.as_ref().unwrap().need(rayreel::Effect::MotionBlur).is_needed(),
         )
     };
     let (moving, blurred) = with("[6 * t - 6, 0, 0]");

@@ -246,20 +246,20 @@ proptest! {
         left_out in prop::option::weighted(0.3, prop::sample::select(&Effect::ALL[..])),
     ) {
         let mut engine = Engine::new(world(effects, &things, &lights, eye, samples, cutoff));
-        engine.set_left_out(left_out);
-        let reference = engine.render_reference(Time::ZERO).unwrap();
+        engine.set_settings(RenderSettings { without: left_out.into_iter().collect(), ..engine.settings() });
+        let reference = engine.render_reference(Time::ZERO, false).unwrap().film;
         let planned = engine.render_at(Time::ZERO).unwrap();
         assert_same(&planned, &reference)?;
         let rays = engine.report().rays;
         for (name, level) in SimdLevel::all() {
-            engine.set_simd_level(level);
+            engine.set_settings(RenderSettings { simd: Some(level), ..engine.settings() });
             for pool in POOLS.iter() {
                 let film = pool.install(|| engine.render_at(Time::ZERO)).unwrap();
                 prop_assert!(film == planned, "{} threads, {name}", pool.current_num_threads());
                 prop_assert_eq!(engine.report().rays, rays);
             }
         }
-        engine.set_full(true);
+        engine.set_settings(RenderSettings { all_effects: true, ..engine.settings() });
         let full = engine.render_at(Time::ZERO).unwrap();
         assert_same(&full, &reference)?;
     }
@@ -280,15 +280,15 @@ proptest! {
         error in prop_oneof![Just(0.3f32), Just(2.0), Just(8.0)],
     ) {
         let mut engine = Engine::new(world(effects, &things, &lights, eye, if has_lens { 3 } else { 2 }, 0.25));
-        engine.set_render_settings(RenderSettings { samples: Some(samples), max_error: Some(error), ..RenderSettings::default() });
-        let reference = engine.render_reference(Time::ZERO).unwrap();
+        engine.set_settings(RenderSettings { samples: Some(samples), max_error: Some(error), ..RenderSettings::default() });
+        let reference = engine.render_reference(Time::ZERO, false).unwrap().film;
         let planned = engine.render_at(Time::ZERO).unwrap();
         assert_same(&planned, &reference)?;
-        let report = *engine.report();
+        let report = engine.report().clone();
         prop_assert!(report.error.is_some());
         prop_assert!(report.rays.camera >= 32 * 18);
         for (name, level) in SimdLevel::all() {
-            engine.set_simd_level(level);
+            engine.set_settings(RenderSettings { simd: Some(level), ..engine.settings() });
             for pool in POOLS.iter() {
                 let film = pool.install(|| engine.render_at(Time::ZERO)).unwrap();
                 prop_assert!(film == planned, "{} threads, {name}", pool.current_num_threads());

@@ -119,7 +119,7 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
     });
     let middle = engine.timeline().frame_count() / 2;
     let film = engine.render_frame(middle).unwrap();
-    (film, *engine.camera().unwrap())
+    (film, *engine.prepared().unwrap().camera())
 }
 
 /// Mirrors every space at its own x = 0, which mirrors the world.

@@ -56,7 +56,7 @@ fn ends(depth: u64, cutoff: u64) -> TreeEnds {
 }
 
 fn need(engine: &Engine, effect: Effect) -> Need {
-    engine.plan().unwrap().need(effect)
+    engine.report().plan.as_ref().unwrap().need(effect)
 }
 
 const MATTE: &str = "(k_d: 1)";

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use browser::Browser;
 use http::request;
+use rayreel::EffectSet;
 use rayreel::live::{Server, Session, SessionSettings, Watching};
 use serde_json::json;
 use tempfile::TempDir;
@@ -75,7 +76,7 @@ fn session(folder: &TempDir) -> Session {
         SessionSettings {
             scene,
             overrides: Vec::new(),
-            left_out: Vec::new(),
+            without: EffectSet::default(),
             frame: 0,
             watching: Watching::Events,
             finish: false,
@@ -290,7 +291,7 @@ fn another_scene_begins_with_its_own_frame() {
     let settings = SessionSettings {
         scene,
         overrides: Vec::new(),
-        left_out: Vec::new(),
+        without: EffectSet::default(),
         frame: 5,
         watching: Watching::Events,
         finish: false,

@@ -18,7 +18,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use rayreel::components::FilmSettings;
 use rayreel::output::{FoundFrame, FrameFormat, FrameWriter, encode};
 use rayreel::trace::SimdLevel;
-use rayreel::{Engine, Film};
+use rayreel::{Engine, Film, RenderSettings};
 
 use crate::{root, scenes_in};
 
@@ -154,7 +154,7 @@ fn neither_threads_nor_instructions_matter() {
         let mut engine = load(&path, (150, 85));
         let last = frames(&engine)[2];
         let mut render = |pool: &ThreadPool, level| {
-            engine.set_simd_level(level);
+            engine.set_settings(RenderSettings { simd: Some(level), ..engine.settings() });
             let film = pool.install(|| engine.render_frame(last).unwrap());
             (film, engine.report().rays)
         };
@@ -175,7 +175,7 @@ fn the_reference_path_makes_the_same_pictures() {
         for frame in frames(&engine) {
             let time = engine.timeline().time_of(frame);
             let fast = engine.render_at(time).unwrap();
-            let reference = engine.render_reference(time).unwrap();
+            let reference = engine.render_reference(time, false).unwrap().film;
             assert!(fast == reference, "{} frame {frame}", path.display());
         }
     }

@@ -3,14 +3,29 @@
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 
-use rayreel::engine::Draft;
 use rayreel::trace::Signals;
-use rayreel::{Engine, Film, Rgb, Scene};
+use rayreel::{Effect, Engine, Film, RenderRequest, RenderSettings, Rgb, Scene, Time};
 
 use crate::session::scene;
 
 fn engine(text: String) -> Engine {
     Engine::from_scene(Scene::from_text("ball.ron", text).unwrap())
+}
+
+/// Returns the settings of a draft: one sample per pixel, and sides divided by `divisor`.
+fn sized(divisor: u32) -> RenderSettings {
+    RenderSettings {
+        size: Some(((64 / divisor).max(1), (36 / divisor).max(1))),
+        samples: Some(1),
+        max_error: Some(0.0),
+        ..RenderSettings::default()
+    }
+}
+
+fn render(engine: &mut Engine, time: Time, settings: RenderSettings, cancelled: &AtomicBool) -> Option<Film> {
+    let signals = Signals::unless(cancelled);
+    let request = RenderRequest { settings: Some(settings), signals, ..RenderRequest::at(time) };
+    engine.render(request).unwrap().map(|image| image.film)
 }
 
 #[test]
@@ -21,15 +36,13 @@ fn a_draft_has_one_sample_and_leaves_the_frame_as_it_is() {
     let time = plain.timeline().time_of(3);
     let (one, four) = (plain.render_at(time).unwrap(), sampled.render_at(time).unwrap());
     assert!(one != four);
-    let plan = sampled.plan().cloned();
-    assert!(sampled.render_draft_unless(time, Draft::sized(1), &never).unwrap().unwrap() == one);
-    assert_eq!(sampled.plan().cloned(), plan);
-    let coarse = sampled.render_draft_unless(time, Draft::sized(5), &never).unwrap().unwrap();
+    assert!(render(&mut sampled, time, sized(1), &never).unwrap() == one);
+    let coarse = render(&mut sampled, time, sized(5), &never).unwrap();
     assert_eq!((coarse.width(), coarse.height()), (12, 7));
     assert_eq!(sampled.report().rays.camera, 84);
     assert!(sampled.render_at(time).unwrap() == four);
     let cancelled = AtomicBool::new(true);
-    assert_eq!(sampled.render_draft_unless(time, Draft::sized(1), &cancelled).unwrap(), None);
+    assert_eq!(render(&mut sampled, time, sized(1), &cancelled), None);
 }
 
 /// Returns a scene with an area light, glass, a lens and an open shutter.
@@ -51,14 +64,15 @@ fn less_is_left_out_of_a_draft_than_it_is_asked_for_and_the_scene_stays_whole() 
     let mut engine = engine(rich(4, 2));
     let (time, never) = (engine.timeline().time_of(3), AtomicBool::new(false));
     let whole = engine.render_at(time).unwrap();
-    let plain = Draft { light_samples: 1, depth: 2, ..Draft::sized(1) };
-    let bare = Draft { shadows: false, depth: 1, ..plain };
+    let plain = RenderSettings { max_light_samples: Some(1), depth: Some(2), ..sized(1) };
+    let bare = RenderSettings { without: [Effect::Shadows].into(), depth: Some(1), ..plain };
     let mut last = u64::MAX;
-    for draft in [Draft::sized(1), plain, bare, Draft { divisor: 4, ..bare }, Draft { divisor: 64, ..bare }] {
-        engine.render_draft_unless(time, draft, &never).unwrap().unwrap();
+    for (draft, divisor) in [(sized(1), 1), (plain, 1), (bare, 1), (bare, 4), (bare, 64)] {
+        let draft = RenderSettings { size: sized(divisor).size, ..draft };
+        render(&mut engine, time, draft, &never).unwrap();
         let rays = engine.report().rays;
         assert!(rays.total() < last, "{draft:?}");
-        assert!(draft.shadows || (rays.shadow, rays.refraction) == (0, 0), "{draft:?}");
+        assert!(draft.without.is_empty() || (rays.shadow, rays.refraction) == (0, 0), "{draft:?}");
         last = rays.total();
         // A normal render afterwards shows the whole scene.
         assert_eq!(engine.render_at(time).unwrap(), whole);
@@ -73,7 +87,7 @@ fn a_picture_made_in_pieces_has_the_bits_and_the_rays_of_one_made_at_once() {
         let mut engine = engine(rich(samples, instants));
         let time = engine.timeline().time_of(3);
         let once = engine.render_at(time).unwrap();
-        let report = *engine.report();
+        let report = engine.report().clone();
         for rest in 1..6 {
             let (mut begun, mut pieces, mut shares) = (None, 0, vec![0.0]);
             let film = loop {
@@ -86,10 +100,15 @@ fn a_picture_made_in_pieces_has_the_bits_and_the_rays_of_one_made_at_once() {
                 };
                 let signals = Signals { cancelled: &cancelled, pause: &pause };
                 let mut visit = |_: &_| Break(());
-                let film = engine.render_on(time, &mut begun, signals, &mut visit).unwrap();
+                let image = engine.render(RenderRequest {
+                    signals,
+                    on_pause: Some(&mut visit),
+                    resume: Some(&mut begun),
+                    ..RenderRequest::at(time)
+                });
                 pieces += 1;
-                if let Some(film) = film {
-                    break film;
+                if let Some(image) = image.unwrap() {
+                    break image.film;
                 }
                 shares.extend(begun.as_ref().and_then(|begun| begun.progress().share));
             };
@@ -122,7 +141,8 @@ fn what_there_is_of_a_picture_lies_over_another_one() {
         left.store(portion.into(), Ordering::Relaxed);
         Continue(())
     };
-    assert!(engine.render_on(time, &mut None, signals, &mut visit).unwrap() == Some(whole.clone()));
+    let request = RenderRequest { signals, on_pause: Some(&mut visit), ..RenderRequest::at(time) };
+    assert!(engine.render(request).unwrap().unwrap().film == whole);
     let finished = |film: &Film| {
         (0..36)
             .flat_map(|j| (0..64).map(move |i| (i, j)))

@@ -6,12 +6,12 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use rayreel::Engine;
 use rayreel::live::{
     Event, PixelInfo, ProbeReply, Session, SessionCommand, SessionSettings, Shown, ViewChange, Watching,
 };
 use rayreel::output::encode_quickly;
 use rayreel::scene::LoadError;
+use rayreel::{EffectSet, Engine};
 use tempfile::TempDir;
 
 use crate::{AT_MOST, LONG_ENOUGH};
@@ -57,7 +57,7 @@ impl Stage {
         let settings = SessionSettings {
             scene: path,
             overrides: Vec::new(),
-            left_out: Vec::new(),
+            without: EffectSet::default(),
             frame: 0,
             watching: Watching::Events,
             finish,

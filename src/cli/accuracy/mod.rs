@@ -15,10 +15,11 @@ use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
-use rayreel::Engine;
 use rayreel::accuracy::{OutputValues, Preset, Report, Request, measure};
 use rayreel::components::FilmSettings;
 use rayreel::time::FrameList;
+use rayreel::trace::Signals;
+use rayreel::{Engine, RenderRequest, RenderSettings};
 
 use super::args::AccuracyArguments;
 use super::exit::Failure;
@@ -26,7 +27,7 @@ use super::heat_map::heat_map;
 use super::interrupt::Interruption;
 use super::overrides::{Changed, load};
 use super::print;
-use super::settings::{require_frame, resize};
+use super::settings::require_frame;
 use super::write_file::{ensure_not_the_scene, write_file};
 use machine::Machine;
 use progress::MeasureProgress;
@@ -53,9 +54,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     }
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
     let (frames, spread_over) = frames(arguments, &engine)?;
-    if let Some(size) = arguments.size {
-        resize(&mut engine, size);
-    }
+    engine.set_settings(RenderSettings { size: arguments.size, ..engine.settings() });
     let mut progress = MeasureProgress::start();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, usize::from))
@@ -71,7 +70,9 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     let cancelled = interruption.deferred();
     let report = pool.install(|| measure(&mut engine, &request, cancelled, &mut progress));
     if let (Some(file), Ok(Some(_))) = (&arguments.sample_map, &report) {
-        if pool.install(|| engine.render_unless(first, cancelled))?.is_none() {
+        let signals = Signals::unless(cancelled);
+        let image = pool.install(|| engine.render(RenderRequest { signals, ..RenderRequest::at(first) }));
+        if image?.is_none() {
             return Err(interruption.failure());
         }
         write_file(file, &sample_map(&engine)?)?;
@@ -99,7 +100,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
 fn sample_map(engine: &Engine) -> anyhow::Result<Vec<u8>> {
     let FilmSettings { width, height, .. } = engine.film_settings();
     let mut counts = engine.sample_counts();
-    let everywhere = engine.sampling().map_or(1, |sampling| sampling.samples);
+    let everywhere = engine.sampling().samples;
     counts.resize(width as usize * height as usize, everywhere);
     let powers: Vec<f64> =
         counts.into_iter().map(|count| 1.0 + libm::log2(f64::from(count.max(1)))).collect();

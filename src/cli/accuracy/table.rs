@@ -223,13 +223,14 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use rayreel::accuracy::{FilmError, ReferenceInfo, Resolution, Variant};
+    use rayreel::RenderSettings;
+    use rayreel::accuracy::{FilmError, ReferenceInfo, Resolution};
     use rayreel::trace::{EstimatedError, Film, RayCounts};
 
     fn row(subject: Subject, error: f64, samples: u64) -> Row {
         Row {
             subject,
-            variant: Variant::default(),
+            settings: RenderSettings::default(),
             error: FilmError { max: 10.0 * error, rms: error, share_off: 0.25 },
             similarity: 0.99,
             alone: FilmError::default(),

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use rayreel::accuracy::{FilmError, MedianRange};
-use rayreel::{Effect, Engine, EngineError, Film};
+use rayreel::{Effect, Engine, EngineError, Film, RenderRequest, RenderSettings};
 
 use super::super::instructions::Instructions;
 use super::super::report::in_millions;
@@ -137,28 +137,23 @@ impl Cost {
 fn render(
     engine: &mut Engine,
     frames: &[u32],
-    left_out: Option<Effect>,
+    without: Option<Effect>,
     counter: &mut Instructions,
 ) -> Result<MeasuredEffects, EngineError> {
-    let others = engine.left_out().to_vec();
-    engine.set_left_out(others.iter().copied().chain(left_out));
+    let base = engine.settings();
+    let settings =
+        RenderSettings { without: without.into_iter().collect(), ..RenderSettings::default() }.or(base);
     let mut rendered = MeasuredEffects { films: Vec::new(), rays: 0.0, instructions: None, seconds: 0.0 };
     let before = counter.so_far();
     for frame in frames {
-        let film = engine.render_frame(*frame);
+        let time = engine.timeline().time_of(*frame);
+        let request = RenderRequest { settings: Some(settings), ..RenderRequest::at(time) };
+        rendered.films.extend(engine.render(request)?.map(|image| image.film));
         let report = engine.report();
         rendered.rays += report.rays.total() as f64;
         rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
-        match film {
-            Ok(film) => rendered.films.push(film),
-            Err(error) => {
-                engine.set_left_out(others);
-                return Err(error);
-            }
-        }
     }
     let counted = before.zip(counter.so_far());
     rendered.instructions = counted.map(|(before, after)| after.saturating_sub(before) as f64);
-    engine.set_left_out(others);
     Ok(rendered)
 }

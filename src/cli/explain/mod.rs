@@ -12,16 +12,16 @@ use anyhow::Context;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 
-use rayreel::Engine;
 use rayreel::scene::Printable;
 use rayreel::time::FrameList;
+use rayreel::{Engine, RenderSettings};
 
 use super::args::ExplainArguments;
 use super::exit::Failure;
 use super::instructions::Instructions;
 use super::overrides::{Changed, load};
 use super::print;
-use super::settings::{require_frame, resize};
+use super::settings::require_frame;
 use cost::Costs;
 use timeline::PlannedTimeline;
 
@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
         return path::draw(&mut engine, &frames, &arguments.scene, file);
     }
     if let Some(size) = arguments.size {
-        resize(&mut engine, size);
+        engine.set_settings(RenderSettings { size: Some(size), ..engine.settings() });
     }
     // The counter must start before the threads whose instructions it counts.
     let mut counter = Instructions::start();

@@ -9,11 +9,11 @@ mod rays;
 mod read;
 mod tree;
 
-use rayreel::{Engine, Scene};
+use rayreel::{Engine, RenderSettings, Scene};
 
 use super::args::ProbeArguments;
 use super::exit::Failure;
-use super::settings::{require_frame, resize};
+use super::settings::require_frame;
 
 pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     if arguments.scene.as_os_str() == "-"
@@ -27,28 +27,28 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     let (scene, sources) = Scene::load_overridden(&arguments.scene, &arguments.overrides.all())?;
     let file = arguments.scene.display().to_string();
     let mut engine = Engine::from_scene(scene);
-    engine.set_left_out(arguments.overrides.without.iter().copied());
+    engine.set_settings(RenderSettings {
+        size: arguments.size,
+        without: arguments.overrides.without(),
+        ..RenderSettings::default()
+    });
     let frame = arguments.at.is_none().then(|| arguments.frame.unwrap_or(0));
     if let Some(frame) = frame {
         require_frame(frame, engine.timeline())?;
-    }
-    if let Some(size) = arguments.size {
-        resize(&mut engine, size);
     }
     let time = arguments.at.unwrap_or_else(|| engine.timeline().time_of(frame.unwrap_or(0)));
     if let Some(rays) = &arguments.rays {
         engine.seek(time)?;
         return rays::run(rays, &engine, arguments.json);
     }
-    engine.seek_sample(time, arguments.sample.unwrap_or(0))?;
     let at = pixel::PixelAt {
         file: &file,
         sources: &sources,
         pixel: arguments.pixel.unwrap_or((0, 0)),
         sample: arguments.sample.unwrap_or(0),
-        samples: engine.sampling().map_or(1, |sampling| sampling.samples),
+        samples: engine.sampling().samples,
         frame,
         time,
     };
-    pixel::run(&at, &engine, arguments.json)
+    pixel::run(&at, &mut engine, arguments.json)
 }

@@ -4,11 +4,10 @@ use anyhow::{Context, ensure};
 use serde_json::{Value, json};
 
 use rayreel::components::Name;
-use rayreel::engine::Probe;
 use rayreel::scene::{SourceLine, Sources};
-use rayreel::systems::active_camera;
+use rayreel::systems::{Preparation, active_camera};
 use rayreel::trace::Attenuation;
-use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, RayKind, TracedRay};
+use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay};
 use rayreel::{Engine, Entity, Rgb, Time};
 
 use super::super::exit::Failure;
@@ -35,18 +34,18 @@ pub(super) struct PixelAt<'a> {
     pub(super) time: Time,
 }
 
-pub(super) fn run(at: &PixelAt<'_>, engine: &Engine, json: bool) -> Result<(), Failure> {
+pub(super) fn run(at: &PixelAt<'_>, engine: &mut Engine, json: bool) -> Result<(), Failure> {
     let film = engine.film_settings();
-    let (column, row) = at.pixel;
     ensure_pixel(at.pixel, (film.width, film.height))?;
     ensure_sample(at.sample, at.samples)?;
-    let probe = engine
-        .probe_sample(column, row, at.sample)
+    let tree = engine.probe(at.time, at.pixel, at.sample)?;
+    let (tree, prepared) = tree
+        .zip(engine.prepared())
         .context("the camera is not in a finite place at this moment: all pixels show the background")?;
-    let mut entities = probe.lights().to_vec();
-    entities.extend(probe.tree.rays.iter().flat_map(|traced| met(&probe, traced)));
+    let mut entities = prepared.lights().to_vec();
+    entities.extend(tree.rays.iter().flat_map(|traced| met(prepared, traced)));
     let lines = EntityLines::of(engine.world(), at.sources, &entities);
-    let explanation = PixelExplanation { at, engine, probe, lines };
+    let explanation = PixelExplanation { at, engine, prepared, tree, lines };
     if json {
         print::json(explanation.json())?;
     } else {
@@ -75,27 +74,28 @@ fn ensure_sample(sample: u32, samples: u32) -> anyhow::Result<()> {
 }
 
 /// Returns all entities that are hit by a ray or by the shadow rays from its end.
-fn met(probe: &Probe<'_>, traced: &TracedRay) -> Vec<Entity> {
+fn met(prepared: &Preparation, traced: &TracedRay) -> Vec<Entity> {
     let RayEnd::Surface(lit) = &traced.end else { return Vec::new() };
     let hiding = lit.lights.iter().filter_map(|reach| match reach {
         LightReach::Hidden(slot) => Some(*slot),
         LightReach::NotAsked | LightReach::Reaches { .. } => None,
     });
     let slots = std::iter::once(lit.surface.hit.id).chain(lit.also_there.iter().copied()).chain(hiding);
-    slots.map(|slot| probe.entity(slot)).collect()
+    slots.map(|slot| prepared.entity(slot)).collect()
 }
 
 /// The contents of an explanation.
 struct PixelExplanation<'a> {
     at: &'a PixelAt<'a>,
     engine: &'a Engine,
-    probe: Probe<'a>,
+    prepared: &'a Preparation,
+    tree: RayTree,
     lines: EntityLines<'a>,
 }
 
 impl PixelExplanation<'_> {
     fn bytes(&self) -> [u8; 3] {
-        self.engine.film_settings().transfer.encode(self.probe.color())
+        self.engine.film_settings().transfer.encode(self.tree.color())
     }
 
     /// Returns the line on which the active camera of the moment starts.
@@ -115,7 +115,7 @@ impl PixelExplanation<'_> {
         };
         let sample = match self.at.samples {
             1 => String::new(),
-            samples if self.engine.is_adaptive() => {
+            samples if self.engine.sampling().max_error > 0.0 => {
                 format!(" sample {} of {samples} at most,", self.at.sample)
             }
             samples => format!(" sample {} of {samples},", self.at.sample),
@@ -126,7 +126,7 @@ impl PixelExplanation<'_> {
             film.height,
             self.camera()
         );
-        text += &format!("{:<14}{}\n", "linear", color(self.probe.color()).trim_end());
+        text += &format!("{:<14}{}\n", "linear", color(self.tree.color()).trim_end());
         let bytes = self.bytes().map(|byte| column_of(&byte.to_string()));
         text += &format!("{:<14}{}\n", "bytes", bytes.concat().trim_end());
         for node in self.roots() {
@@ -138,7 +138,7 @@ impl PixelExplanation<'_> {
 
     /// Returns the tree of rays. Subtrees nested deeper than [`NESTED`] become separate trees.
     fn roots(&self) -> Vec<TreeNode> {
-        let rays = &self.probe.tree.rays;
+        let rays = &self.tree.rays;
         let mut generations: Vec<usize> = Vec::with_capacity(rays.len());
         for traced in rays {
             generations.push(traced.parent.map_or(0, |parent| generations[parent] + 1));
@@ -189,14 +189,14 @@ impl PixelExplanation<'_> {
                     ("normal", vector(surface.facing_normal())),
                 ]);
                 for slot in lit.also_there.iter().copied() {
-                    facts.push(("also there", format!(" {}", self.lines.text(self.probe.entity(slot)))));
+                    facts.push(("also there", format!(" {}", self.lines.text(self.prepared.entity(slot)))));
                 }
-                let entity = self.lines.text(self.probe.entity(surface.hit.id));
+                let entity = self.lines.text(self.prepared.entity(surface.hit.id));
                 (format!("meets {entity} from {side}"), self.contributions(lit))
             }
         };
         for slot in &traced.inside {
-            facts.push(("inside", format!(" {}", self.lines.text(self.probe.entity(*slot)))));
+            facts.push(("inside", format!(" {}", self.lines.text(self.prepared.entity(*slot)))));
         }
         facts.push(("light", color(light)));
         if traced.passage != Attenuation::CLEAR {
@@ -214,18 +214,18 @@ impl PixelExplanation<'_> {
     /// Lists all contributions to the light from a surface: the ambient light and each light source.
     fn contributions(&self, lit: &LitSurface) -> Vec<TreeNode> {
         let lights =
-            self.probe.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
+            self.prepared.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
                 let told = match reach {
                     LightReach::Reaches { color, hidden: 0 } => adds(*color),
                     LightReach::Reaches { color, hidden } => {
-                        let samples = self.probe.light_samples(index);
+                        let samples = self.prepared.light_samples(index);
                         format!("{} ({hidden} of {samples} samples are hidden)", adds(*color))
                     }
                     LightReach::NotAsked => {
                         "no shadow ray: off, behind, aimed elsewhere or not scattered".to_owned()
                     }
                     LightReach::Hidden(slot) => {
-                        format!("hidden by {}", self.lines.text(self.probe.entity(*slot)))
+                        format!("hidden by {}", self.lines.text(self.prepared.entity(*slot)))
                     }
                 };
                 (self.lines.text(*entity), told)
@@ -248,14 +248,14 @@ impl PixelExplanation<'_> {
             "frame": self.at.frame,
             "time": self.at.time.seconds(),
             "camera_line": self.camera().line,
-            "linear": self.probe.color().to_array(),
+            "linear": self.tree.color().to_array(),
             "bytes": self.bytes(),
-            "rays": self.probe.tree.rays.iter().map(|traced| self.ray_json(traced)).collect::<Vec<_>>(),
+            "rays": self.tree.rays.iter().map(|traced| self.ray_json(traced)).collect::<Vec<_>>(),
         })
     }
 
     fn ray_json(&self, traced: &TracedRay) -> Value {
-        let entity = |slot: &_| self.lines.json(self.probe.entity(*slot));
+        let entity = |slot: &_| self.lines.json(self.prepared.entity(*slot));
         let (found, surface) = match &traced.end {
             RayEnd::Background(_) => ("background", Value::Null),
             RayEnd::BeyondDepth(_) => ("depth limit", Value::Null),
@@ -280,8 +280,8 @@ impl PixelExplanation<'_> {
 
     fn surface_json(&self, traced: &TracedRay, lit: &LitSurface) -> Value {
         let surface = &lit.surface;
-        let entity = |slot| self.lines.json(self.probe.entity(slot));
-        let lights = self.probe.lights().iter().zip(&lit.lights).map(|(light, reach)| {
+        let entity = |slot| self.lines.json(self.prepared.entity(slot));
+        let lights = self.prepared.lights().iter().zip(&lit.lights).map(|(light, reach)| {
             let (outcome, adds, hidden_samples, hidden_by) = match reach {
                 LightReach::Reaches { color, hidden } => {
                     ("reaches", Some(color.to_array()), Some(*hidden), None)

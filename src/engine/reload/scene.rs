@@ -12,8 +12,8 @@ impl Engine {
     /// matched by name; entities without names by transform and shape, and the remaining ones by position. The BVH over the shapes is
     /// rebuilt only if a shape, its transform or the order of the shapes differs.
     ///
-    /// Custom systems are kept and start over on the world of the new scene, in which all entities are new. The precision and the disabled
-    /// effects are kept too. Until the next frame or [`seek`](Engine::seek), the engine reports on the last one.
+    /// Custom systems are kept and start over on the world of the new scene, in which all entities are new. The settings are kept
+    /// too. Until the next frame or [`seek`](Engine::seek), the engine reports on the last one.
     ///
     /// ```
     /// use rayreel::{Engine, Scene};
@@ -38,13 +38,13 @@ impl Engine {
     /// ```
     pub fn reload(&mut self, scene: Scene) {
         let Scene { world, timeline, scripts, .. } = scene;
-        if self.systems.is_empty() {
-            self.changes.merge(&patch(&mut self.world, world));
+        let simulation = &mut self.simulation;
+        if simulation.schedule.is_empty() {
+            simulation.changes.merge(&patch(&mut simulation.world, world));
         } else {
             // Custom systems may depend on the order in which the entities of a world were spawned.
-            self.systems.rewind(&mut self.world);
-            self.world = world;
-            self.changes.mark_all();
+            simulation.rewind();
+            simulation.world = world;
         }
         self.start(timeline, scripts);
     }

@@ -1,7 +1,9 @@
 //! The settings that trade accuracy for time.
 
-use super::settings::{linear_cutoff, sane_film, sane_sampling};
+use super::settings::{linear_cutoff, sane_film, sane_quality, sane_sampling};
 use crate::components::{AreaShape, FilmSettings, Quality, Sampling};
+use crate::systems::{Effect, EffectSet};
+use crate::trace::{Precision, SimdLevel};
 
 /// The settings of one frame that trade accuracy for time, clamped to their limits.
 #[derive(Clone, Debug)]
@@ -12,12 +14,19 @@ pub(crate) struct FrameSettings {
     pub(crate) depth: u32,
     /// The cutoff in linear light, 0 or more.
     pub(crate) cutoff: f32,
-    /// The number of samples of each light, 1 or more.
-    pub(crate) light_samples: Vec<u32>,
+    /// The settings of each light.
+    pub(crate) lights: Vec<LightSettings>,
 }
 
-/// Render settings that override the scene's own and trade accuracy for time. `None` keeps the scene's value; other values are clamped to
-/// their limits.
+/// The settings of a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightSettings {
+    /// The number of samples, 1 or more.
+    pub(crate) samples: u32,
+    pub(crate) casts_shadows: bool,
+}
+
+/// Settings of rendering. `None` keeps the scene's own value; other values are clamped to their limits.
 ///
 /// ```
 /// use rayreel::components::FilmSettings;
@@ -26,7 +35,7 @@ pub(crate) struct FrameSettings {
 /// let mut world = World::new();
 /// world.spawn((FilmSettings { width: 8, height: 4, ..FilmSettings::default() },));
 /// let mut engine = Engine::new(world);
-/// engine.set_render_settings(RenderSettings { samples: Some(16), ..RenderSettings::default() });
+/// engine.set_settings(RenderSettings { samples: Some(16), ..RenderSettings::default() });
 /// engine.render_at(Time::ZERO)?;
 /// assert_eq!(engine.report().rays.camera, 8 * 4 * 16);
 /// # Ok::<(), rayreel::EngineError>(())
@@ -45,18 +54,68 @@ pub struct RenderSettings {
     pub instants: Option<u32>,
     /// The number of samples of each area light per lit point.
     pub light_samples: Option<u32>,
+    /// The maximum number of samples of each area light per lit point.
+    pub max_light_samples: Option<u32>,
     /// The maximum ray depth: [`Quality::depth`].
     pub depth: Option<u32>,
     /// The cutoff in 8-bit levels: [`Quality::cutoff`].
     pub cutoff: Option<f32>,
+    /// Disabled effects, even if the scene needs them. Without the shadows of transparent objects, these objects occlude lights like opaque
+    /// ones.
+    pub without: EffectSet,
+    /// True if all other effects are rendered, even those that the scene does not need. This is slower and gives the same bits; it is meant
+    /// for comparisons.
+    pub all_effects: bool,
+    /// The precision of intersections. `None` is guaranteed precision; the other values are for comparisons with textbook formulas.
+    pub precision: Option<Precision>,
+    /// The SIMD level, for comparisons: images are the same at all levels. `None` is the best level that the processor supports.
+    pub simd: Option<SimdLevel>,
 }
 
 impl RenderSettings {
+    /// Returns these settings, and those of `base` where they are `None`. The effects that either disables are disabled.
+    #[must_use]
+    pub fn or(self, base: Self) -> Self {
+        Self {
+            size: self.size.or(base.size),
+            samples: self.samples.or(base.samples),
+            max_error: self.max_error.or(base.max_error),
+            seed: self.seed.or(base.seed),
+            instants: self.instants.or(base.instants),
+            light_samples: self.light_samples.or(base.light_samples),
+            max_light_samples: self.max_light_samples.or(base.max_light_samples),
+            depth: self.depth.or(base.depth),
+            cutoff: self.cutoff.or(base.cutoff),
+            without: self.without.iter().chain(base.without.iter()).collect(),
+            all_effects: self.all_effects || base.all_effects,
+            precision: self.precision.or(base.precision),
+            simd: self.simd.or(base.simd),
+        }
+    }
+
+    /// Returns the film settings with the overrides applied.
+    pub(crate) fn film(&self, own: FilmSettings) -> FilmSettings {
+        let (width, height) = self.size.unwrap_or((own.width, own.height));
+        sane_film(FilmSettings { width, height, ..own })
+    }
+
+    /// Returns the depth and the cutoff with the overrides applied.
+    pub(crate) fn quality(&self, own: Quality) -> Quality {
+        sane_quality(Quality {
+            depth: self.depth.unwrap_or(own.depth),
+            cutoff: self.cutoff.unwrap_or(own.cutoff),
+        })
+    }
+
     /// Returns the sampling with the overrides applied.
     pub(crate) fn sampling(&self, own: Sampling) -> Sampling {
+        let (samples, max_error) = match self.without.contains(Effect::Antialiasing) {
+            true => (1, 0.0),
+            false => (self.samples.unwrap_or(own.samples), self.max_error.unwrap_or(own.max_error)),
+        };
         sane_sampling(Sampling {
-            samples: self.samples.unwrap_or(own.samples),
-            max_error: self.max_error.unwrap_or(own.max_error),
+            samples,
+            max_error,
             seed: self.seed.unwrap_or(own.seed),
             instants: self.instants.unwrap_or(own.instants),
             ..own
@@ -66,18 +125,19 @@ impl RenderSettings {
     /// Applies the overrides to the settings.
     pub(crate) fn apply(&self, settings: &mut FrameSettings) {
         settings.sampling = self.sampling(settings.sampling);
-        if let Some((width, height)) = self.size {
-            settings.film = sane_film(FilmSettings { width, height, ..settings.film });
-        }
+        settings.film = self.film(settings.film);
         if let Some(depth) = self.depth {
             settings.depth = depth.clamp(1, Quality::LARGEST_DEPTH);
         }
         if let Some(cutoff) = self.cutoff {
             settings.cutoff = linear_cutoff(cutoff, settings.film.transfer);
         }
-        if let Some(samples) = self.light_samples {
+        for light in &mut settings.lights {
             // Lights without an extent take one sample, regardless of this number.
-            settings.light_samples.fill(samples.clamp(1, AreaShape::LARGEST_SAMPLES));
+            let samples = self.light_samples.unwrap_or(light.samples);
+            let most = self.max_light_samples.map_or(AreaShape::LARGEST_SAMPLES, |most| most.max(1));
+            light.samples = samples.clamp(1, most.min(AreaShape::LARGEST_SAMPLES));
+            light.casts_shadows &= !self.without.contains(Effect::Shadows);
         }
     }
 }

@@ -20,8 +20,8 @@ use crate::components::{
 };
 use crate::time::Time;
 use crate::trace::{
-    self, Convergence, ErrorTarget, Geometry, MaterialTable, Precision, PreparedScene, SceneChanges,
-    ShapeChange, ShapeId, SimdLevel,
+    self, Convergence, ErrorTarget, Geometry, MaterialTable, PreparedScene, SceneChanges, ShapeChange,
+    ShapeId, SimdLevel,
 };
 use camera::prepared_camera;
 use faults::surface_fault;
@@ -31,8 +31,9 @@ use read::{VisibleShapes, read_all, read_shapes};
 use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sane_sampling};
 
 pub use camera::{ActiveCamera, active_camera};
-pub(crate) use camera::{Shutter, Shutters};
-pub(crate) use frame_settings::FrameSettings;
+pub(super) use camera::{Shutter, Shutters};
+pub(super) use frame_settings::FrameSettings;
+use frame_settings::LightSettings;
 pub use frame_settings::RenderSettings;
 pub use settings::film_settings;
 pub(crate) use settings::{quality_settings, sampling_settings};
@@ -169,14 +170,10 @@ impl Preparation {
         &self.scene
     }
 
-    /// Sets the precision of the kernel's intersections.
-    pub fn set_precision(&mut self, precision: Precision) {
-        self.scene.precision = precision;
-    }
-
-    /// Sets the SIMD level of ray tracing.
-    pub(crate) fn set_simd_level(&mut self, simd: SimdLevel) {
-        self.scene.simd = simd;
+    /// Sets the precision of the kernel's intersections, and the SIMD level, for later queries too.
+    pub(crate) fn configure(&mut self, settings: &RenderSettings) {
+        self.scene.precision = settings.precision.unwrap_or_default();
+        self.scene.simd = settings.simd.unwrap_or_else(SimdLevel::best);
     }
 
     /// Returns the kernel's camera.
@@ -233,6 +230,12 @@ impl Preparation {
         &self.lights
     }
 
+    /// Returns the number of samples of a light per lit point: 1 except for area lights.
+    #[must_use]
+    pub fn light_samples(&self, index: usize) -> u32 {
+        self.scene.lights.get(index).map_or(1, |light| light.samples)
+    }
+
     /// Returns the effects that this moment needs, with reasons.
     #[must_use]
     pub fn plan(&self, world: &World) -> Plan {
@@ -246,7 +249,7 @@ impl Preparation {
             sampling: self.sampling,
             depth: self.scene.depth,
             cutoff: self.scene.cutoff,
-            light_samples: self.scene.lights.iter().map(|light| light.samples).collect(),
+            lights: self.scene.lights.iter().map(own_settings).collect(),
         }
     }
 
@@ -263,8 +266,9 @@ impl Preparation {
         }
         self.scene.depth = settings.depth;
         self.scene.cutoff = settings.cutoff;
-        for (light, samples) in self.scene.lights.iter_mut().zip(&settings.light_samples) {
-            light.samples = *samples;
+        for (light, settings) in self.scene.lights.iter_mut().zip(&settings.lights) {
+            light.samples = settings.samples;
+            light.casts_shadows = settings.casts_shadows;
         }
         before
     }
@@ -326,6 +330,11 @@ impl Preparation {
         self.lights = lights.0;
         SceneChanges { lights: lights_differ, camera: camera_differs, settings, ..SceneChanges::default() }
     }
+}
+
+/// Returns a light's own settings.
+fn own_settings(light: &trace::PreparedLight) -> LightSettings {
+    LightSettings { samples: light.samples, casts_shadows: light.casts_shadows }
 }
 
 /// Writes a value, and returns whether it differs from the previous one.

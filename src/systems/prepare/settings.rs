@@ -44,7 +44,11 @@ pub(crate) fn sampling_settings(world: &World) -> Sampling {
 /// Returns the depth and the cutoff, clamped to their limits.
 #[must_use]
 pub(crate) fn quality_settings(world: &World) -> Quality {
-    let Quality { depth, cutoff } = first(world);
+    sane_quality(first(world))
+}
+
+/// Clamps the depth and the cutoff to their limits.
+pub(super) fn sane_quality(Quality { depth, cutoff }: Quality) -> Quality {
     let cutoff = if cutoff > 0.0 { cutoff.min(Quality::LARGEST_CUTOFF) } else { 0.0 };
     Quality { depth: depth.clamp(1, Quality::LARGEST_DEPTH), cutoff }
 }

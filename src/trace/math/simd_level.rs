@@ -6,6 +6,12 @@ use fearless_simd::Level;
 #[derive(Clone, Copy, Debug)]
 pub struct SimdLevel(Level);
 
+impl PartialEq for SimdLevel {
+    fn eq(&self, other: &Self) -> bool {
+        std::mem::discriminant(&self.0) == std::mem::discriminant(&other.0)
+    }
+}
+
 impl SimdLevel {
     /// Returns the best level that this processor supports.
     #[must_use]

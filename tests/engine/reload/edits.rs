@@ -115,7 +115,8 @@ fn compare(
         match (engine.render_at(time), cold.render_at(time)) {
             (Ok(film), Ok(expected)) => {
                 assert_eq!(bits(&film), bits(&expected), "at {time:?}, {}", about());
-                let plans = [engine.plan(), cold.plan()].map(|plan| format!("{plan:?}"));
+                let plans = [engine.report().plan.as_ref(), cold.report().plan.as_ref()]
+                    .map(|plan| format!("{plan:?}"));
                 assert_eq!(plans[0], plans[1], "{}", about());
                 tally.kept_bvhs += usize::from(engine.report().bvh_builds == 0);
             }

@@ -11,7 +11,7 @@ mod surroundings;
 use glam::DVec3;
 
 use rayreel::trace::reference::{RayKind, TracedRay};
-use rayreel::{Engine, Film, Rgb};
+use rayreel::{Engine, Film, Rgb, Time};
 
 fn engine(body: &str) -> Engine {
     crate::engine(&format!("Scene({body})"))
@@ -30,7 +30,7 @@ fn seen(from: DVec3, towards: DVec3, body: &str) -> Rgb {
 fn tree(from: DVec3, towards: DVec3, body: &str) -> Vec<TracedRay> {
     let mut engine = engine(&format!("{}, {body}", single_ray(from, towards)));
     engine.render_frame(0).unwrap();
-    engine.probe(0, 0).unwrap().tree.rays
+    engine.probe(Time::ZERO, (0, 0), 0).unwrap().unwrap().rays
 }
 
 /// Returns a film of one pixel and a camera with this single ray.

@@ -188,7 +188,7 @@ fn ends_of_trees_are_counted_as_the_trees_say() {
         render(&mut engine, depth, cutoff);
         let (mut rays, mut ends) = (RayCounts::default(), TreeEnds::default());
         for (i, j) in (0..9).flat_map(|j| (0..16).map(move |i| (i, j))) {
-            for traced in &engine.probe(i, j).unwrap().tree.rays {
+            for traced in &engine.probe(Time::ZERO, (i, j), 0).unwrap().unwrap().rays {
                 ends.cutoff += traced.cut;
                 match (&traced.end, traced.kind) {
                     (RayEnd::BeyondDepth(_), _) => ends.depth += 1,
@@ -229,11 +229,11 @@ fn no_sample_has_more_rays_than_the_most() {
     assert!(largest <= LARGEST_TREE * 48 && report.ends.depth > 0 && report.ends.cutoff == 0);
     // Rays that hit the ball first, in the middle of the view.
     for (i, j) in [(3, 2), (4, 3)] {
-        let tree = engine.probe(i, j).unwrap().tree;
+        let tree = engine.probe(Time::ZERO, (i, j), 0).unwrap().unwrap();
         let beyond = tree.rays.iter().filter(|traced| matches!(traced.end, RayEnd::BeyondDepth(_))).count();
         assert_eq!((tree.rays.len() - beyond) as u64, LARGEST_TREE);
         assert!(beyond > 0);
-        assert_eq!(engine.probe(i, j).unwrap().color(), tree.color());
+        assert_eq!(engine.probe(Time::ZERO, (i, j), 0).unwrap().unwrap().color(), tree.color());
     }
 }
 

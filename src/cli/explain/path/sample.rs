@@ -139,7 +139,7 @@ impl CameraPath {
 
 impl CameraSample {
     fn of(engine: &Engine, time: Time) -> Option<Self> {
-        let prepared = engine.camera()?;
+        let prepared = engine.prepared()?.camera();
         let (eye, axes) = (prepared.position(), prepared.axes());
         let finite = eye.is_finite() && axes.iter().all(|axis| axis.is_finite());
         let active = active_camera(engine.world(), time);

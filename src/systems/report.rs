@@ -2,11 +2,12 @@
 
 use std::time::Duration;
 
+use super::Plan;
 use crate::time::Time;
 use crate::trace::{Escalations, EstimatedError, FrameFingerprint, RayCounts, TreeEnds};
 
-/// The cost of the last frame by phase, and the statistics of its rays.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The cost of a frame by phase, the statistics of its rays, and its plan.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameReport {
     /// The moment of the frame.
     pub time: Time,
@@ -30,23 +31,15 @@ pub struct FrameReport {
     pub ends: TreeEnds,
     /// The number of escalations to more exact arithmetic.
     pub escalations: Escalations,
+    /// The effects that the frame needs or omits, with reasons.
+    pub plan: Option<Plan>,
+    /// The least gains of the rounds, if a policy chose them. A [`Replay`](crate::trace::Replay) of them gives the same image.
+    pub rounds: Vec<u32>,
 }
 
-impl Default for FrameReport {
-    fn default() -> Self {
-        let none = Duration::ZERO;
-        Self {
-            time: Time::ZERO,
-            animate: none,
-            prepare: none,
-            bvh_builds: 0,
-            bvh_refits: 0,
-            trace: none,
-            fingerprint: None,
-            rays: RayCounts::default(),
-            error: None,
-            ends: TreeEnds::default(),
-            escalations: Escalations::default(),
-        }
+impl FrameReport {
+    /// Creates an empty report of a frame.
+    pub(crate) fn at(time: Time) -> Self {
+        Self { time, ..Self::default() }
     }
 }
