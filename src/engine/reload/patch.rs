@@ -3,8 +3,7 @@
 use hecs::{Component, Entity, World};
 use rayon::prelude::*;
 
-use super::counterparts::Counterparts;
-use super::matching::{Matching, shape_bits, transform_bits};
+use super::matching::{Counterparts, Matching, shape_bits, transform_bits};
 use crate::components::{
     self, Checker, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots, Specular,
     Transform, with_components,
