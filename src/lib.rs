@@ -39,6 +39,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Features
+//!
+//! - `script`: scripts in scenes. Without it, each script of a scene is an error at its place.
+//! - `exr`: OpenEXR files. Without it, writing and reading them is an error.
+//! - `live`: the module `live`, the preview with its file watching, server and page.
+//! - `cli`: the command `rayreel`; includes the other features.
+//!
+//! All are on by default. With `default-features = false`, a third of the packages is compiled.
+//!
 //! # Terms
 //!
 //! - *Track*: a value as a function of time.
@@ -84,9 +93,14 @@ pub mod animation;
 pub mod color;
 pub mod components;
 pub mod engine;
+#[cfg(feature = "live")]
 pub mod live;
 pub mod output;
 pub mod scene;
+#[cfg_attr(
+    not(feature = "script"),
+    allow(dead_code, reason = "without the interpreter, nothing makes the values and errors that it shares")
+)]
 mod script;
 pub mod sequence;
 pub mod systems;

@@ -3,7 +3,7 @@
 //! An attribute of every file holds the digest of all its bytes, with zeros in place of the digest itself. The format's own checks cover
 //! only part of the bytes, and decoders are not safe from corrupt files, so the digest is verified before decoding.
 
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
@@ -12,6 +12,7 @@ use exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, Vec2, Writa
 use rayon::iter::ParallelIterator;
 
 use super::channels::Channels;
+use super::exr_header::{MAGIC, after, size};
 use super::frame_pixels::LinearFrame;
 use super::picture::{FileChannels, FileColors, StoredPicture};
 use super::provenance::{PixelFingerprint, Provenance};
@@ -87,7 +88,7 @@ pub(super) fn encode(
     frame: &LinearFrame,
     kind: (Channels, Passes),
     fingerprint: Option<FrameFingerprint>,
-) -> Result<Vec<u8>, exr::error::Error> {
+) -> Result<Vec<u8>, String> {
     let (width, height) = (frame.film.width(), frame.film.height());
     let channels = samples(frame, kind);
     let provenance = fingerprint.map(|frame| {
@@ -120,7 +121,8 @@ pub(super) fn encode(
         white: Vec2(0.3127, 0.329),
     });
     let mut bytes = Vec::new();
-    image.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
+    let written = image.write().non_parallel().to_buffered(Cursor::new(&mut bytes));
+    written.map_err(|error| error.to_string())?;
     if let Some(place) = after(&bytes, &DIGEST_BEGINS) {
         let digest = digest(&bytes, place);
         bytes[place..][..digest.len()].copy_from_slice(&digest);
@@ -185,32 +187,8 @@ fn ensure_unchanged(bytes: &[u8]) -> Result<(), String> {
     is_unchanged.then_some(()).ok_or_else(|| "its bytes are not those that were written".to_owned())
 }
 
-/// Returns the width and height from the beginning of a file.
-pub(super) fn size(file: impl Read) -> Option<(u32, u32)> {
-    /// Upper bound on the size of all attributes in bytes.
-    const BEGINNING: u64 = 8192;
-    let mut bytes = Vec::new();
-    file.take(BEGINNING).read_to_end(&mut bytes).ok()?;
-    let place = after(&bytes, &WINDOW_BEGINS).filter(|_| bytes.starts_with(&MAGIC))?;
-    let (corners, _) = bytes[place..].as_chunks::<4>();
-    let [left, top, right, bottom] = *corners.first_chunk()?;
-    let [left, top, right, bottom] =
-        [left, top, right, bottom].map(|corner| i64::from(i32::from_le_bytes(corner)));
-    let side = |first: i64, last: i64| u32::try_from(last - first + 1).ok();
-    Some((side(left, right)?, side(top, bottom)?))
-}
-
-/// Magic number of OpenEXR files.
-const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Name, type and length of the digest attribute.
 const DIGEST_BEGINS: [&[u8]; 3] = [DIGEST.as_bytes(), b"\0string\0", &[32, 0, 0, 0]];
-const WINDOW_BEGINS: [&[u8]; 3] = [b"dataWindow", b"\0box2i\0", &[16, 0, 0, 0]];
-
-/// Returns the position after the first occurrence of `these` in `bytes`.
-fn after(bytes: &[u8], these: &[&[u8]]) -> Option<usize> {
-    let these = these.concat();
-    bytes.windows(these.len()).position(|window| window == these).map(|place| place + these.len())
-}
 
 /// Returns the bytes of samples, channel by channel, in little-endian order.
 fn bytes_of<'a>(channels: impl Iterator<Item = &'a FlatSamples>) -> Vec<u8> {

@@ -99,9 +99,9 @@ pub enum EncodeError {
     /// The PNG encoder reported an error, as for a picture without pixels.
     #[error(transparent)]
     Png(#[from] png::EncodingError),
-    /// The OpenEXR encoder reported an error.
-    #[error(transparent)]
-    Exr(#[from] exr::error::Error),
+    /// The OpenEXR encoder reported an error, or the library was built without the feature `exr`.
+    #[error("{0}")]
+    Exr(String),
     /// The format requires linear light, but only output bytes are available.
     #[error("its format is made of linear light, of which only rounded bytes are left")]
     NoLight,
@@ -167,7 +167,9 @@ pub(super) fn encode_frame(
             let trailer = pfm_file::trailer(told(&bytes).as_ref());
             [pfm_file::header(size).into_bytes().into(), bytes.into(), trailer.into_bytes().into()]
         }
-        FrameFormat::Exr(channels, passes) => whole(exr_file::encode(light()?, (channels, passes), frame)?),
+        FrameFormat::Exr(channels, passes) => {
+            whole(exr_file::encode(light()?, (channels, passes), frame).map_err(EncodeError::Exr)?)
+        }
     })
 }
 

@@ -6,7 +6,9 @@
 mod animation_writer;
 mod atomic_file;
 mod channels;
+#[cfg_attr(not(feature = "exr"), path = "no_exr_file.rs")]
 mod exr_file;
+mod exr_header;
 mod found_frame;
 mod frame_file;
 mod frame_pixels;

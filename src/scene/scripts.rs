@@ -212,3 +212,28 @@ fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
 fn is_no_scene(name: &str) -> bool {
     Path::new(name).extension().is_none_or(|end| end != "ron")
 }
+
+#[cfg(all(test, not(feature = "script")))]
+mod tests {
+    use crate::Scene;
+
+    #[test]
+    fn builds_without_scripts_report_each_script_at_its_place() {
+        let scene = |more: &str| {
+            let text = format!(
+                "Scene(\n timeline: (fps: 1, duration: 1),\n camera: (position: (0, 0, -5), target: (0, 0, 0), fov: 40),\n {more}\n)"
+            );
+            Scene::from_text("ball.ron", text).map(|_| ()).map_err(|error| error.to_string())
+        };
+        assert_eq!(scene(""), Ok(()));
+        for (script, place) in [
+            ("spawn: [Script(\"spawn(#{})\")],", "ball.ron:4:18"),
+            ("animate: [(target: \"camera\", channel: Fov, track: Script(\"40 + t\"))],", "ball.ron:4:60"),
+        ] {
+            let error = scene(script).unwrap_err();
+            for part in [place, "this build of rayreel has no scripts", "Cargo feature `script`"] {
+                assert!(error.contains(part), "{part}: {error}");
+            }
+        }
+    }
+}

@@ -8,27 +8,28 @@
 //! | [`run_spawning`] | runs a script that spawns entities |
 //! | [`ScriptError`] | the error of a script, with its position |
 //! | [`limits`] | the limits of a script |
+//!
+//! `interpreter` holds the language, on Rhai. Without the feature `script`, `rejection` replaces it: every script is then an error.
 
-mod arithmetic;
-mod budget;
-mod builtins;
-mod context;
+mod compiled;
 mod data;
 mod error;
-mod language;
+#[cfg(feature = "script")]
+mod interpreter;
 pub(crate) mod limits;
-mod lists;
-mod maths;
-mod messages;
-mod noise;
-mod positions;
-mod result;
-mod spawning;
-#[cfg(test)]
-mod tests;
+mod no_result;
+#[cfg(not(feature = "script"))]
+mod rejection;
+mod spawned;
 
-pub(crate) use context::{Read, ScriptContext};
+pub(crate) use compiled::CompiledScripts;
 pub(crate) use data::Data;
 pub(crate) use error::{ScriptError, UnknownName};
-pub(crate) use language::{CompiledScripts, Language, NoResult};
-pub(crate) use spawning::{SpawnBudget, run_spawning};
+#[cfg(feature = "script")]
+pub(crate) use interpreter::{Language, Script, ScriptContext, run_spawning};
+pub(crate) use no_result::{NoResult, Read};
+#[cfg(not(feature = "script"))]
+pub(crate) use rejection::{
+    NoContext as ScriptContext, NoLanguage as Language, NoScript as Script, run_spawning,
+};
+pub(crate) use spawned::{SpawnBudget, Spawned};

@@ -347,6 +347,7 @@ impl<E: Encoding> RenderJob<E> {
     }
 
     /// Returns the fraction of all samples that are added, from 0 to 1; with adaptive sampling, the mean sample count per pixel.
+    #[cfg(feature = "live")]
     pub(crate) fn share(&self) -> f64 {
         let RenderProgress { samples, share } = self.progress();
         share.unwrap_or(samples)

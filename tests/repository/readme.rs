@@ -72,6 +72,19 @@ fn every_option_is_an_option_of_some_command() {
 }
 
 #[test]
+fn every_feature_is_documented() {
+    let manifest = include_str!("../../Cargo.toml");
+    let section = manifest.split("[features]\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let names = section.lines().filter(|line| line.starts_with(char::is_alphabetic));
+    let names: Vec<&str> = names.filter_map(|line| Some(line.split_once(" = ")?.0)).collect();
+    assert!(names.len() >= 5, "{names:?}");
+    for name in names.into_iter().filter(|name| *name != "default") {
+        assert!(README.contains(&format!("`{name}`")), "{name}");
+        assert!(include_str!("../../src/lib.rs").contains(&format!("//! - `{name}`: ")), "{name}");
+    }
+}
+
+#[test]
 fn every_pass_is_documented() {
     let help = rayreel(&["render", "--help"]);
     for pass in Pass::ALL.map(Pass::name) {

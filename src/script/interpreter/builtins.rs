@@ -1,6 +1,7 @@
 //! Names available to scripts, and the signatures of functions.
 
-use super::{ScriptContext, maths};
+use super::context::ScriptContext;
+use super::maths;
 
 /// Signatures of the functions of spawning scripts.
 const SPAWNING: [&str; 12] = [
@@ -159,7 +160,7 @@ mod tests {
 
     #[test]
     fn the_description_has_every_function_every_name_and_every_limit() {
-        let description = include_str!("language.md");
+        let description = include_str!("../language.md");
         for usage in USUAL.iter().chain(&READING).chain(&SPAWNING) {
             assert!(description.contains(&format!("`{usage}`")), "{usage}");
         }

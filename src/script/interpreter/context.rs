@@ -2,12 +2,11 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::ops::Range;
 
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, Position};
 
 use super::positions::span_of;
-use super::{Data, budget};
+use super::{Data, Read, budget};
 
 /// The inputs of a script: the time, its owner, and the known values of other channels.
 #[derive(Clone, Debug, Default)]
@@ -21,17 +20,6 @@ pub(crate) struct ScriptContext {
     base: Dynamic,
     work: u64,
     values: HashMap<(ImmutableString, ImmutableString), Dynamic>,
-}
-
-/// A value that a script reads, as in `value("ball", "Radius")`.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Read {
-    /// Name of the owner of the channel.
-    pub(crate) target: String,
-    /// Name of the channel.
-    pub(crate) channel: String,
-    /// Byte range of the function name of the call in the script's text.
-    pub(crate) span: Range<usize>,
 }
 
 /// A read of an unknown value, as stored in the error that stops the script.

@@ -5,7 +5,7 @@ use std::f64::consts::{E, PI, TAU};
 use rhai::{Dynamic, Engine, FLOAT, INT, Module};
 
 use super::budget;
-use super::data::kind;
+use super::dynamic::kind;
 use super::result::{Outcome, failed, finite, number};
 
 /// Names and values of the constants.

@@ -7,10 +7,9 @@ use rhai::packages::{BasicIteratorPackage, Package};
 use rhai::{AST, ASTNode, Dynamic, Engine, Expr, LexError, OptimizationLevel, Position, Scope, Stmt, Token};
 
 use super::builtins::{KnownFunctions, Purpose};
-use super::context::{Read, ScriptContext, unanswered, within};
+use super::context::{ScriptContext, unanswered, within};
 use super::messages::LONG_HEAD;
-use super::{Data, ScriptError, arithmetic, budget, context, limits, lists, maths, noise};
-use crate::color::Transfer;
+use super::{Data, NoResult, ScriptError, arithmetic, budget, context, limits, lists, maths, noise};
 
 /// The compiler and interpreter of scripts.
 pub(crate) struct Language {
@@ -28,43 +27,6 @@ pub(crate) struct Script {
     /// Names of the functions that the script defines.
     functions: Vec<String>,
     purpose: Purpose,
-}
-
-/// The compiled scripts of a scene.
-#[derive(Debug)]
-pub(crate) struct CompiledScripts {
-    /// The language that runs the scripts.
-    pub(crate) language: Language,
-    /// All scripts.
-    pub(crate) list: Vec<Script>,
-    /// Uses of scripts: the index of the script in `list`, and the prefix of the entity names that it reads.
-    pub(crate) uses: Vec<(usize, String)>,
-    /// Transfer function for colours in scripts.
-    pub(crate) transfer: Transfer,
-}
-
-impl CompiledScripts {
-    /// Creates a collection without scripts.
-    #[must_use]
-    pub(crate) fn new(language: Language, transfer: Transfer) -> Self {
-        Self { language, list: Vec::new(), uses: Vec::new(), transfer }
-    }
-
-    /// Returns the script of the use with index `place`, and the prefix of the names that it reads.
-    #[must_use]
-    pub(crate) fn used(&self, place: usize) -> Option<(&Script, &str)> {
-        let (script, prefix) = self.uses.get(place)?;
-        Some((self.list.get(*script)?, prefix))
-    }
-}
-
-/// The reason a script has no result.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum NoResult {
-    /// The script failed.
-    Error(Box<ScriptError>),
-    /// The script reads a value that is not [known](ScriptContext::know). It has to be run again once the value is known.
-    Needs(Read),
 }
 
 impl Language {

@@ -4,7 +4,7 @@
 use rhai::{Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString};
 
 use super::budget::ValueSize;
-use super::data::kind;
+use super::dynamic::kind;
 use super::result::{Outcome, failed, finite, number};
 use super::{budget, limits, maths};
 

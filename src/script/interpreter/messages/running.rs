@@ -3,7 +3,7 @@
 use rhai::EvalAltResult;
 
 use super::message::{Message, function_name, lower_first, shortened, type_name};
-use crate::script::builtins::{Purpose, usage};
+use crate::script::interpreter::builtins::{Purpose, usage};
 use crate::script::limits;
 
 impl Message {

@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FLOAT, INT, ImmutableString, Map};
 
 use super::arithmetic::equal;
-use super::data::kind;
+use super::dynamic::kind;
 use super::maths::argument;
 use super::result::{Outcome, failed, finite};
 use super::{budget, limits};

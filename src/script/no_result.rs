@@ -1,0 +1,25 @@
+//! The reasons for which a script has no result.
+
+use std::ops::Range;
+
+use super::ScriptError;
+
+/// The reason a script has no result.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum NoResult {
+    /// The script failed.
+    Error(Box<ScriptError>),
+    /// The script reads a value that is not [known](ScriptContext::know). It has to be run again once the value is known.
+    Needs(Read),
+}
+
+/// A value that a script reads, as in `value("ball", "Radius")`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Read {
+    /// Name of the owner of the channel.
+    pub(crate) target: String,
+    /// Name of the channel.
+    pub(crate) channel: String,
+    /// Byte range of the function name of the call in the script's text.
+    pub(crate) span: Range<usize>,
+}
