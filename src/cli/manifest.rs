@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -41,8 +42,13 @@ pub(super) fn write(arguments: &RenderArguments, settings: &OutputSettings) -> a
         from_folder(folder, &arguments.scene)?.to_str().map(str::to_owned),
         picture_arguments(arguments, samples),
     ) else {
-        // Paths that are not UTF-8 cannot be stored. `verify` then reports a missing manifest.
-        return Ok(());
+        // Paths that are not UTF-8 cannot be stored. `verify` then reports a missing manifest, rather than read that of earlier frames.
+        return match fs::remove_file(&file) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                Err(error).with_context(|| format!("cannot remove `{}`", file.display()))
+            }
+            _ => Ok(()),
+        };
     };
     let manifest = Manifest { rayreel: env!("CARGO_PKG_VERSION").to_owned(), scene, arguments: pictures };
     if read(&file).ok().as_ref() != Some(&manifest) {

@@ -83,4 +83,18 @@ fn names_that_are_no_text_are_different_names() {
     }
     // Only the name that is valid UTF-8 has a sequence file. The last entry is the draft folder.
     assert_eq!(fs::read_dir(folder.join("out")).unwrap().count(), 2 * names.len() + 2);
+
+    // Frames of a scene whose path cannot be stored are not described by the sequence file of the scene before.
+    let subfolder = folder.join(OsStr::from_bytes(b"\xff"));
+    fs::create_dir(&subfolder).unwrap();
+    let scene = subfolder.join("a.ron");
+    for place in [folder.join("a.ron"), scene.clone()] {
+        fs::copy(FIRST_LIGHT, place).unwrap();
+    }
+    for (scene, has_manifest) in [(Path::new("a.ron"), true), (&scene, false)] {
+        let fixed = ["render", "--frames", "0", "--size", "8x8", "--out", "of_a"].map(OsStr::new);
+        let output = rayreel(folder, fixed.into_iter().chain([scene.as_os_str()]));
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert_eq!(folder.join("of_a/a.sequence.json").exists(), has_manifest);
+    }
 }
