@@ -1,7 +1,7 @@
 //! Heat maps of one number per pixel.
 
 use rayreel::color::{Rgb, Transfer};
-use rayreel::output::{FrameFormat, encode};
+use rayreel::output::encode_quickly;
 use rayreel::trace::Film;
 
 /// Returns a heat map of one number per pixel, row by row from the top, as PNG. Colours range from black for 0 through red and yellow to
@@ -9,7 +9,7 @@ use rayreel::trace::Film;
 pub(super) fn heat_map((width, height): (u32, u32), numbers: &[f64]) -> anyhow::Result<Vec<u8>> {
     let most = numbers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let pixels = numbers.iter().map(|number| heat(number / most));
-    Ok(encode(&Film::from_pixels(width, height, pixels), Transfer::Classic, FrameFormat::default())?)
+    Ok(encode_quickly(&Film::from_pixels(width, height, pixels), Transfer::Classic)?)
 }
 
 /// Returns the heat colour of a share from 0 to 1. Every share above 0 is brighter than black.

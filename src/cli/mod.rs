@@ -31,6 +31,7 @@ mod settings;
 mod settings_file;
 mod sheet;
 mod stream;
+mod svg;
 mod values;
 mod verify;
 mod warnings;

@@ -1,8 +1,6 @@
 //! Bar chart of the cost and the worth of every effect, side by side.
 
-use std::fmt::Write;
-
-use super::chart::escaped;
+use crate::cli::svg::{Anchor, Area, Svg};
 
 /// The cost and the worth of an effect.
 pub(super) struct Bar {
@@ -33,44 +31,27 @@ pub(super) fn svg(bars: &mut [Bar]) -> String {
     let height = TOP + ROW * bars.len() as f64 + 6.0;
     let most = |number: fn(&Bar) -> f64| bars.iter().map(number).fold(f64::MIN_POSITIVE, f64::max);
     let longest = [most(|bar| bar.share + bar.deviation), most(|bar| bar.error)];
-    let mut svg = format!(
-        "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"Price and worth of effects\">\n"
-    );
-    for (start, head) in STARTS.iter().zip(["price: share of the time", "worth: rms error without it"]) {
-        let _ = writeln!(svg, "<text x=\"{start}\" y=\"16\">{head}</text>");
-        let _ = writeln!(svg, "<path class=\"axis\" d=\"M{start} {}V{}\"/>", TOP - 4.0, height - 4.0);
+    let mut svg = Svg::new([WIDTH, height], "Price and worth of effects");
+    for (start, head) in STARTS.into_iter().zip(["price: share of the time", "worth: rms error without it"]) {
+        svg.text("", [start, 16.0], Anchor::Start, head);
+        svg.line("axis", [start, TOP - 4.0], [start, height - 4.0]);
     }
     for (index, bar) in bars.iter().enumerate() {
         let middle = TOP + ROW * (index as f64 + 0.5);
-        let _ = writeln!(
-            svg,
-            "<text x=\"{NAMES}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-            middle + 4.0,
-            escaped(&bar.name)
-        );
+        svg.text("", [NAMES, middle + 4.0], Anchor::End, &bar.name);
         let halves = [(bar.share, bar.deviation, &bar.share_in_words), (bar.error, 0.0, &bar.error_in_words)];
         for (half, (value, deviation, words)) in halves.into_iter().enumerate() {
             let (start, scale) = (STARTS[half], LONGEST / longest[half]);
             let end = start + scale * value.max(0.0);
-            let _ = writeln!(
-                svg,
-                "<rect class=\"bar s{half}\" x=\"{start}\" y=\"{:.1}\" width=\"{:.1}\" height=\"14\"/>",
-                middle - 7.0,
-                end - start
-            );
+            let filled = Area { left: start, top: middle - 7.0, width: end - start, height: 14.0 };
+            svg.filled(&format!("bar s{half}"), filled, "");
             let last = (end + scale * deviation).max(start);
             if deviation > 0.0 {
                 let first = (end - scale * deviation).max(start);
-                let _ = writeln!(svg, "<path class=\"whisker\" d=\"M{first:.1} {middle:.1}H{last:.1}\"/>");
+                svg.line("whisker", [first, middle], [last, middle]);
             }
-            let _ = writeln!(
-                svg,
-                "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                last + 6.0,
-                middle + 4.0,
-                escaped(words)
-            );
+            svg.text("", [last + 6.0, middle + 4.0], Anchor::Start, words);
         }
     }
-    svg + "</svg>\n"
+    svg.finish()
 }

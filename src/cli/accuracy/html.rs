@@ -8,13 +8,14 @@ use glam::DVec3;
 
 use rayreel::accuracy::{Parameter, PowerLaw, Report, Row, Subject};
 use rayreel::color::Transfer;
-use rayreel::output::{FrameFormat, encode};
+use rayreel::output::encode_quickly;
 use rayreel::trace::Film;
 
 use super::super::report::in_millions;
+use super::super::svg::escaped;
 use super::Measured;
 use super::bars::{self, Bar};
-use super::chart::{Chart, ChartMark, Form, Layout, Series, escaped};
+use super::chart::{Chart, ChartMark, Form, Layout, Series};
 use super::table::{
     self, cell, error, frames_in_words, notes, percent, precision_in_words, reference_in_words, seconds,
 };
@@ -86,7 +87,7 @@ fn pictures(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
 }
 
 fn figure(film: &Film, transfer: Transfer, caption: &str) -> anyhow::Result<String> {
-    let bytes = STANDARD.encode(encode(film, transfer, FrameFormat::default())?);
+    let bytes = STANDARD.encode(encode_quickly(film, transfer)?);
     let caption = escaped(caption);
     Ok(format!(
         "<figure><img src=\"data:image/png;base64,{bytes}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
@@ -141,20 +142,20 @@ fn overview(report: &Report) -> Chart<'_> {
         joined: parameter != Parameter::Precision,
     });
     let series = std::iter::once(own).chain(knobs).filter(|series| !series.marks.is_empty()).collect();
-    let mut front: Vec<(f64, f64)> = report
+    let mut front: Vec<[f64; 2]> = report
         .rows
         .iter()
         .filter(|row| row.on_front)
-        .map(|row| (row.seconds.median, row.error.rms.max(LEAST)))
+        .map(|row| [row.seconds.median, row.error.rms.max(LEAST)])
         .collect();
-    front.sort_by(|one, other| one.0.total_cmp(&other.0));
+    front.sort_by(|one, other| one[0].total_cmp(&other[0]));
     Chart {
         title: "Error against time",
         x: "seconds a frame",
         y: "rms error, steps of 8 bits",
         series,
         lines: vec![front],
-        guide: Some((report.own().seconds.median, report.own().error.rms.max(LEAST))),
+        guide: Some([report.own().seconds.median, report.own().error.rms.max(LEAST)]),
         floor: Some(report.reference.rms),
         layout: Layout::WIDE,
     }
@@ -269,13 +270,13 @@ fn knobs(report: &Report) -> String {
         }
         let law = report.orders.iter().find(|(of, _)| *of == parameter).map(|(_, law)| law);
         let line = |law: &PowerLaw| {
-            let at = |mark: Option<&ChartMark>| mark.map(|mark| (mark.x, law.at(mark.x)));
+            let at = |mark: Option<&ChartMark>| mark.map(|mark| [mark.x, law.at(mark.x)]);
             at(marks.first()).into_iter().chain(at(marks.last())).collect::<Vec<_>>()
         };
         let caption = law.map_or_else(String::new, |law| {
             format!(": the error falls as n<sup>{:.2} ± {:.2}</sup>", law.exponent, law.uncertainty)
         });
-        let guide = marks.first().filter(|_| parameter.converges()).map(|mark| (mark.x, mark.y));
+        let guide = marks.first().filter(|_| parameter.converges()).map(|mark| [mark.x, mark.y]);
         let chart = Chart {
             title: parameter.name(),
             x: parameter.name(),

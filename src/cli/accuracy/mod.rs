@@ -6,7 +6,6 @@ mod bars;
 mod chart;
 mod data;
 mod html;
-mod labels;
 mod machine;
 mod progress;
 mod table;

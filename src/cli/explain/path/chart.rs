@@ -1,32 +1,15 @@
 //! Charts of a value over time.
 
-use super::axis::Steps;
 use super::sample::Rates;
-use super::svg::{Anchor, DrawingArea, PagePoint, Svg};
+use crate::cli::svg::{Anchor, Area, Axis, PagePoint, Plot, Svg};
 
-pub(super) fn draw(svg: &mut Svg, rates: &Rates, frame: DrawingArea, title: &str) {
+pub(super) fn draw(svg: &mut Svg, rates: &Rates, area: Area, title: &str) {
     let (from, to) = rates.span;
-    let seconds = if to > from { to - from } else { 1.0 };
-    let most = rates.range().1;
-    let steps = Steps::over(most, 3.0);
-    let top = if most > 0.0 { (most / steps.size() - 1e-9).ceil().max(1.0) * steps.size() } else { 1.0 };
-    let place = |(second, rate): &(f64, f64)| -> PagePoint {
-        [frame.left + (second - from) / seconds * frame.width, frame.bottom() - rate / top * frame.height]
-    };
-
-    svg.text("note", [frame.left, frame.top - 8.0], Anchor::Start, title);
-    for (value, text) in steps.within(0.0, top) {
-        let [_, y] = place(&(from, value));
-        svg.line("grid", [frame.left, y], [frame.right(), y]);
-        svg.text("note", [frame.left - 6.0, y + 4.0], Anchor::End, &text);
-    }
-    for (second, text) in Steps::over(seconds, 12.0).within(from, from + seconds) {
-        let [x, _] = place(&(second, 0.0));
-        svg.line("frame", [x, frame.bottom()], [x, frame.bottom() + 4.0]);
-        svg.text("note", [x, frame.bottom() + 16.0], Anchor::Middle, &format!("{text} s"));
-    }
-    svg.line("frame", [frame.left, frame.top], [frame.left, frame.bottom()]);
-    svg.line("frame", [frame.left, frame.bottom()], [frame.right(), frame.bottom()]);
+    let x = Axis::linear((from, to), 12.0).in_unit(" s");
+    let plot = Plot { area, x, y: Axis::from_zero(rates.range().1, 3.0) };
+    svg.text("", [area.left, area.top - 8.0], Anchor::Start, title);
+    plot.draw(svg);
+    let place = |(second, rate): &(f64, f64)| plot.at([*second, *rate]);
     let shots: Vec<Vec<PagePoint>> = rates.shots.iter().map(|shot| thinned(shot.iter().map(place))).collect();
     svg.lines("value", &shots);
 }

@@ -1,13 +1,10 @@
 //! `rayreel explain --path`: the camera's path as a drawing.
 //!
-//! [`sample`] samples the camera frame by frame, [`view`] draws its path from above and from the side, [`chart`] draws speeds over time,
-//! and [`svg`] writes the drawing. [`axis`] chooses round numbers and [`labels`] places texts.
+//! [`sample`] samples the camera frame by frame, [`view`] draws its path from above and from the side, and [`chart`] draws speeds over
+//! time.
 
-mod axis;
 mod chart;
-mod labels;
 mod sample;
-mod svg;
 mod things;
 mod view;
 
@@ -19,8 +16,26 @@ use rayreel::time::FrameList;
 use super::super::exit::Failure;
 use super::super::print;
 use super::super::write_file::{ensure_not_the_scene, write_file};
+use crate::cli::svg::{Anchor, Area, Svg};
 use sample::CameraPath;
-use svg::{Anchor, DrawingArea, Svg};
+
+/// Style sheet with mid-tones, which are visible on light and on dark backgrounds.
+const STYLE: &str = "
+text { font: 11px sans-serif; fill: #808080 }
+.title { font-size: 15px; font-weight: bold }
+.moment { fill: #3b7dd8 }
+path, ellipse { fill: none; stroke-linejoin: round; stroke-linecap: round }
+.axis { stroke: #808080; stroke-width: 1 }
+.grid { stroke: #808080; stroke-width: 1; stroke-opacity: 0.22 }
+.thing { stroke: #808080; stroke-width: 1; stroke-opacity: 0.55 }
+.target { stroke: #d98324; stroke-width: 1.2; stroke-opacity: 0.7 }
+.target-dot { fill: #d98324; fill-opacity: 0.8 }
+.view { stroke: #2f9e6e; stroke-width: 1.2; stroke-opacity: 0.85 }
+.eye { stroke: #3b7dd8; stroke-width: 1.6 }
+.ticks { stroke: #3b7dd8; stroke-width: 1 }
+.eye-dot { fill: #3b7dd8 }
+.value { stroke: #3b7dd8; stroke-width: 1.4 }
+";
 
 /// Draws the camera's path over these frames to a file and prints its length and speed.
 pub(super) fn draw(
@@ -39,24 +54,24 @@ pub(super) fn draw(
 
 /// Draws two square views and two charts below them.
 fn drawing(path: &CameraPath, name: &str) -> String {
-    let mut svg = Svg::new((960.0, 860.0), &format!("The camera's path in {name}"));
+    let mut svg = Svg::standalone([960.0, 860.0], &format!("The camera's path in {name}"), STYLE);
     svg.text("title", [20.0, 28.0], Anchor::Start, name);
-    svg.text("note", [20.0, 48.0], Anchor::Start, &path.in_words());
+    svg.text("", [20.0, 48.0], Anchor::Start, &path.in_words());
     let frames = [
-        DrawingArea { left: 56.0, top: 76.0, width: 410.0, height: 410.0 },
-        DrawingArea { left: 526.0, top: 76.0, width: 410.0, height: 410.0 },
+        Area { left: 56.0, top: 76.0, width: 410.0, height: 410.0 },
+        Area { left: 526.0, top: 76.0, width: 410.0, height: 410.0 },
     ];
     view::draw(&mut svg, path, frames);
     chart::draw(
         &mut svg,
         &path.speeds(),
-        DrawingArea { left: 56.0, top: 586.0, width: 880.0, height: 90.0 },
+        Area { left: 56.0, top: 586.0, width: 880.0, height: 90.0 },
         "speed, units per second",
     );
     chart::draw(
         &mut svg,
         &path.turn_rates(),
-        DrawingArea { left: 56.0, top: 736.0, width: 880.0, height: 90.0 },
+        Area { left: 56.0, top: 736.0, width: 880.0, height: 90.0 },
         "turning, degrees per second",
     );
     svg.finish()

@@ -7,8 +7,8 @@ use rayreel::systems::{ActiveCamera, active_camera};
 use rayreel::time::FrameList;
 use rayreel::{Engine, EngineError, Time};
 
-use super::axis::Steps;
 use super::things::Thing;
+use crate::cli::svg::Steps;
 
 /// The camera's path over the chosen frames.
 pub(super) struct CameraPath {

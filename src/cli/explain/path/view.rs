@@ -2,19 +2,17 @@
 
 use glam::DVec3;
 
-use super::axis::Steps;
 use super::chart::thinned;
-use super::labels::Labels;
 use super::sample::{CameraPath, CameraSample};
-use super::svg::{Anchor, DrawingArea, PagePoint, Svg};
 use super::things::Thing;
+use crate::cli::svg::{Anchor, Area, Axis, Labels, PagePoint, Plot, Svg, directions};
 
 /// An orthographic view along a coordinate axis.
 struct OrthographicView {
     name: &'static str,
     /// The indices of the coordinates to the right, upwards, and along the line of sight.
     axes: [usize; 3],
-    frame: DrawingArea,
+    frame: Area,
     /// World point at the centre of the frame.
     center: DVec3,
     /// Pixels per scene unit.
@@ -22,7 +20,7 @@ struct OrthographicView {
 }
 
 /// Draws the path from above and from the side, at the same scale.
-pub(super) fn draw(svg: &mut Svg, journey: &CameraPath, [left, right]: [DrawingArea; 2]) {
+pub(super) fn draw(svg: &mut Svg, journey: &CameraPath, [left, right]: [Area; 2]) {
     /// Width of the margin at each side, as a fraction of the frame.
     const MARGIN: f64 = 0.08;
     let (least, most) = bounds(journey);
@@ -96,35 +94,23 @@ impl OrthographicView {
         for shot in journey.shots() {
             self.shot(svg, shot, stride);
         }
-        svg.unclip();
-        svg.rectangle("frame", self.frame);
+        svg.end_group();
+        svg.outline("axis", self.frame);
         self.labels(svg, journey);
     }
 
     fn grid(&self, svg: &mut Svg) {
-        let DrawingArea { left, top, width, .. } = self.frame;
-        let half = 0.5 * width / self.scale;
-        let steps = Steps::over(2.0 * half, 7.0);
-        let [right, up] = self.across(self.center);
-        for (value, text) in steps.within(right - half, right + half) {
-            let x = left + 0.5 * width + (value - right) * self.scale;
-            svg.line("grid", [x, top], [x, self.frame.bottom()]);
-            svg.text("note", [x, self.frame.bottom() + 16.0], Anchor::Middle, &text);
-        }
-        for (value, text) in steps.within(up - half, up + half) {
-            let y = top + 0.5 * width - (value - up) * self.scale;
-            svg.line("grid", [left, y], [self.frame.right(), y]);
-            svg.text("note", [left - 6.0, y + 4.0], Anchor::End, &text);
-        }
-        svg.text("note", [left, top - 8.0], Anchor::Start, self.name);
+        let half = 0.5 * self.frame.width / self.scale;
+        let [x, y] = self.across(self.center).map(|middle| Axis::linear((middle - half, middle + half), 7.0));
+        Plot { area: self.frame, x, y }.draw(svg);
+        svg.text("", [self.frame.left, self.frame.top - 8.0], Anchor::Start, self.name);
     }
 
     /// Draws an outline, unless it is outside the frame or so large that it would appear as a line.
     fn thing(&self, svg: &mut Svg, thing: &Thing) {
         if let Some((middle, radius)) = thing.extent() {
-            let ([x, y], reach) = (self.project(middle), radius * self.scale);
-            let around =
-                DrawingArea { left: x - reach, top: y - reach, width: 2.0 * reach, height: 2.0 * reach };
+            let reach = radius * self.scale;
+            let around = Area::around(self.project(middle), [reach; 2]);
             if !self.frame.overlaps(&around) || reach > 20.0 * self.frame.width {
                 return;
             }
@@ -217,7 +203,11 @@ impl OrthographicView {
 
     /// Labels the path with times and, if there are several shots, with the names of the cameras.
     fn labels(&self, svg: &mut Svg, journey: &CameraPath) {
-        let mut labels = Labels::within(self.frame);
+        /// Distances of texts from the path that are tried.
+        const DISTANCES: [f64; 2] = [7.0, 18.0];
+        /// Distance in pixels within which two points count as the same.
+        const SAME: f64 = 6.0;
+        let (mut labels, mut labelled) = (Labels::within(self.frame), Vec::<PagePoint>::new());
         for shot in journey.shots() {
             labels.keep_off(&self.way(shot));
             self.glances(shot).iter().for_each(|glance| labels.keep_off(glance));
@@ -226,12 +216,19 @@ impl OrthographicView {
         for shot in journey.shots() {
             for index in journey.told(shot) {
                 let eye = self.project(shot[index].eye);
+                if labelled.iter().any(|[x, y]| (eye[0] - x).abs().max((eye[1] - y).abs()) < SAME) {
+                    continue;
+                }
                 let text = shot[index].in_words(several && index == 0);
-                if labels.add(svg, "moment", eye, self.heading(shot, index), &text) {
-                    svg.dot("eye-dot", eye, 2.6);
-                    if let Some(target) = shot[index].target {
-                        svg.dot("target-dot", self.project(target), 2.2);
-                    }
+                let [right, down] = self.heading(shot, index).unwrap_or([0.0, 1.0]);
+                let sides: Vec<PagePoint> =
+                    [[down, -right], [-down, right]].into_iter().chain(directions()).collect();
+                let Some(place) = labels.place(eye, &text, &sides, DISTANCES) else { continue };
+                Labels::write(svg, "moment", place, &text);
+                labelled.push(eye);
+                svg.dot("eye-dot", eye, 2.6, "");
+                if let Some(target) = shot[index].target {
+                    svg.dot("target-dot", self.project(target), 2.2, "");
                 }
             }
         }
@@ -259,7 +256,7 @@ fn legend(svg: &mut Svg, [mut x, y]: PagePoint, stride: usize, journey: &CameraP
     }
     for (class, text) in entries {
         svg.line(class, [x, y - 4.0], [x + 22.0, y - 4.0]);
-        svg.text("note", [x + 28.0, y], Anchor::Start, text);
+        svg.text("", [x + 28.0, y], Anchor::Start, text);
         x += 60.0 + 6.0 * text.len() as f64;
     }
 }
