@@ -313,6 +313,8 @@ pub(super) enum Format {
     Pfm,
     /// OpenEXR: linear light, 32 bits per channel, with the channels of --passes, lossless compression
     Exr,
+    /// Radiance HDR: linear light, 8 bits per channel with an exponent per pixel, run-length encoded
+    Hdr,
     /// Standard output only: YUV4MPEG2, uncompressed video with a header of size and frame rate, BT.709, 4:4:4
     Y4m,
     /// Standard output only: red, green and blue of each pixel in turn, without headers
@@ -342,7 +344,7 @@ pub(super) struct WatchArguments {
     /// Frame to show first [default: 0]
     #[arg(long, value_name = "INDEX", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) frame: Option<u32>,
-    /// Write the current frame to this file, .png, .ppm, .pfm or .exr, after every edit
+    /// Write the current frame to this file, .png, .ppm, .pfm, .exr or .hdr, after every edit
     #[arg(long, value_name = "FILE")]
     pub(super) out: Option<PathBuf>,
     /// Poll the files ten times a second, for network folders and other places without change notifications

@@ -171,6 +171,7 @@ fn format_of_files(arguments: &RenderArguments) -> anyhow::Result<FrameFormat> {
         Some(Format::Ppm) => FrameFormat::Ppm,
         Some(Format::Pfm) => FrameFormat::Pfm,
         Some(Format::Exr) => FrameFormat::Exr(channels, passes),
+        Some(Format::Hdr) => FrameFormat::Hdr,
         Some(Format::Y4m | Format::Raw) => bail!("y4m and raw are for standard output: add --out -"),
     };
     ensure!(format.passes() == passes, "--passes are for --format exr: other files have no room for them");
@@ -202,9 +203,9 @@ fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat,
     match arguments.format {
         None | Some(Format::Y4m) => Ok((FrameFormat::default(), Some(VideoFormat::Y4m))),
         Some(Format::Raw) => Ok((FrameFormat::default(), Some(VideoFormat::Raw))),
-        Some(Format::Png | Format::Png16 | Format::Ppm | Format::Pfm | Format::Exr) => {
+        Some(Format::Png | Format::Png16 | Format::Ppm | Format::Pfm | Format::Exr | Format::Hdr) => {
             bail!(
-                "png, ppm, pfm and exr are files: standard output takes --format y4m or raw; `--out ./-` is a folder of that name"
+                "png, ppm, pfm, exr and hdr are files: standard output takes --format y4m or raw; `--out ./-` is a folder of that name"
             )
         }
     }

@@ -133,9 +133,10 @@ fn format_of(path: &std::path::Path) -> anyhow::Result<FrameFormat> {
         FrameFormat::Ppm,
         FrameFormat::Pfm,
         FrameFormat::Exr(Channels::Rgb, Passes::default()),
+        FrameFormat::Hdr,
     ];
     match formats.into_iter().find(|format| ending == Some(format.extension())) {
         Some(format) => Ok(format),
-        None => bail!("--out {}: the file must end in .png, .ppm, .pfm or .exr", path.display()),
+        None => bail!("--out {}: the file must end in .png, .ppm, .pfm, .exr or .hdr", path.display()),
     }
 }

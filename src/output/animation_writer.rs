@@ -2,7 +2,8 @@
 
 use std::io::Write;
 
-use gif::Repeat;
+use image::codecs::gif::{GifEncoder, Repeat};
+use image::{Delay, DynamicImage, Frame, ImageError};
 use png::{BitDepth, ColorType, Compression, Filter, SrgbRenderingIntent};
 
 use crate::time::FrameRate;
@@ -25,13 +26,21 @@ pub enum LoopError {
     Png(#[from] png::EncodingError),
     /// The GIF encoder reported an error.
     #[error(transparent)]
-    Gif(#[from] gif::EncodingError),
+    Gif(#[from] ImageError),
     /// A side of the picture is longer than GIF permits.
     #[error("a GIF has at most 65535 columns and rows")]
     TooLarge,
     /// A frame differs in size from the first, or exceeds the number of frames.
     #[error("it is not as large as the first frame, or one too many")]
     AnotherSize,
+    /// Fewer frames were added than the animation has.
+    #[error("it has {added} of {count} frames")]
+    Unfinished {
+        /// The number of added frames.
+        added: u32,
+        /// The number of frames of the animation.
+        count: u32,
+    },
 }
 
 /// The encoder of an animation, which writes frame by frame.
@@ -44,7 +53,7 @@ pub struct LoopWriter<W: Write> {
 
 enum Encoder<W: Write> {
     Apng(Box<png::Writer<W>>),
-    Gif { encoder: gif::Encoder<W>, delays: Vec<u16> },
+    Gif { encoder: GifEncoder<W>, delays: Vec<u16> },
 }
 
 impl<W: Write> LoopWriter<W> {
@@ -73,8 +82,12 @@ impl<W: Write> LoopWriter<W> {
                 Encoder::Apng(Box::new(encoder.write_header()?))
             }
             LoopFormat::Gif => {
-                let (width, height) = gif_size(size).ok_or(LoopError::TooLarge)?;
-                let mut encoder = gif::Encoder::new(out, width, height, &[])?;
+                /// Speed of colour quantization, from 1, the best and slowest, to 30.
+                const SPEED: i32 = 10;
+                if width.max(height) > u16::MAX.into() {
+                    return Err(LoopError::TooLarge);
+                }
+                let mut encoder = GifEncoder::new_with_speed(out, SPEED);
                 encoder.set_repeat(Repeat::Infinite)?;
                 Encoder::Gif { encoder, delays: gif_delays(rate, count) }
             }
@@ -95,34 +108,30 @@ impl<W: Write> LoopWriter<W> {
             Encoder::Apng(writer) => writer.write_image_data(film.bytes())?,
             Encoder::Gif { delays, .. } if delays[self.added as usize] == 0 => {}
             Encoder::Gif { encoder, delays } => {
-                /// Speed of colour quantization, from 1, the best and slowest, to 30.
-                const SPEED: i32 = 10;
-                let (width, height) = gif_size(self.size).ok_or(LoopError::TooLarge)?;
-                let mut frame = gif::Frame::from_rgb_speed(width, height, film.bytes(), SPEED);
-                frame.delay = delays[self.added as usize];
-                encoder.write_frame(&frame)?;
+                let delay = Delay::from_numer_denom_ms(10 * u32::from(delays[self.added as usize]), 1);
+                let picture = DynamicImage::from(film.to_image()).into_rgba8();
+                encoder.encode_frame(Frame::from_parts(picture, 0, 0, delay))?;
             }
         }
         self.added += 1;
         Ok(())
     }
 
-    /// Finishes the file.
+    /// Finishes the file. The last byte of a GIF is written without an error check, which a buffered writer makes when it is flushed.
     ///
     /// # Errors
     ///
     /// If frames are missing, or if the file cannot be written.
     pub fn finish(self) -> Result<(), LoopError> {
-        match self.encoder {
-            Encoder::Apng(writer) => writer.finish()?,
-            Encoder::Gif { encoder, .. } => drop(encoder.into_inner()?),
+        let Self { encoder, count, added, .. } = self;
+        if added < count {
+            return Err(LoopError::Unfinished { added, count });
+        }
+        if let Encoder::Apng(writer) = encoder {
+            writer.finish()?;
         }
         Ok(())
     }
-}
-
-fn gif_size((width, height): (u32, u32)) -> Option<(u16, u16)> {
-    Some((width.try_into().ok()?, height.try_into().ok()?))
 }
 
 /// Returns the duration of a frame in seconds as a ratio of 16-bit integers: exactly if they suffice, otherwise in thousandths.
@@ -172,6 +181,17 @@ mod tests {
     fn film(seed: u8) -> EncodedFilm {
         let bytes: Vec<u8> = (0..36_u8).map(|index| index.wrapping_mul(seed)).collect();
         EncodedFilm::from_bytes(4, 3, &bytes).unwrap()
+    }
+
+    #[test]
+    fn animations_without_all_frames_are_errors() {
+        for format in [LoopFormat::Apng, LoopFormat::Gif] {
+            let (mut out, rate) = (Vec::new(), FrameRate::new(24, 1).unwrap());
+            let mut writer = LoopWriter::new(&mut out, format, (4, 3), (3, rate)).unwrap();
+            writer.add(&film(1)).unwrap();
+            let error = writer.finish().unwrap_err();
+            assert_eq!(error.to_string(), "it has 1 of 3 frames", "{format:?}");
+        }
     }
 
     fn written(format: LoopFormat, rate: FrameRate) -> Vec<u8> {

@@ -12,7 +12,6 @@ use exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, Vec2, Writa
 use rayon::iter::ParallelIterator;
 
 use super::channels::Channels;
-use super::exr_header::{MAGIC, after, size};
 use super::frame_pixels::LinearFrame;
 use super::picture::{FileChannels, FileColors, StoredPicture};
 use super::provenance::{PixelFingerprint, Provenance};
@@ -146,14 +145,17 @@ pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<StoredPic
         return Err("an earlier version wrote it, with distances along rays in its channel Z".to_owned());
     }
     let provenance = attribute(Provenance::KEYWORD);
-    let size = size(Cursor::new(bytes)).ok_or("its header has no size")?;
-    Ok(StoredPicture { size, bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)), provenance })
+    Ok(StoredPicture {
+        size: size(&layer)?,
+        bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)),
+        provenance,
+    })
 }
 
 /// Reads the colours and the alpha of a file.
 pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
     let layer = layer(bytes)?;
-    let list = layer.channel_data.list;
+    let (size, list) = (size(&layer)?, layer.channel_data.list);
     let samples = |name: &str| -> Option<Vec<f32>> {
         let channel = list.iter().find(|channel| channel.name == *name)?;
         Some(channel.sample_data.values_as_f32().collect())
@@ -162,7 +164,6 @@ pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
     let light = red.zip(green).zip(blue);
     let ((red, green), blue) = light.ok_or("it does not have the channels R, G and B")?;
     let light = red.into_iter().zip(green).zip(blue).map(|((red, green), blue)| Rgb::new(red, green, blue));
-    let size = size(Cursor::new(bytes)).ok_or("its header has no size")?;
     Ok(FileChannels { size, colors: FileColors::Light(light.collect()), alpha: samples(ALPHA) })
 }
 
@@ -173,6 +174,13 @@ fn layer(bytes: &[u8]) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
     let reader = reader.all_attributes().pedantic().non_parallel();
     let image = reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
     Ok(image.layer_data)
+}
+
+/// Returns the width and height of a layer.
+fn size(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<(u32, u32), String> {
+    let sides = [layer.size.width(), layer.size.height()].map(u32::try_from);
+    let [Ok(width), Ok(height)] = sides else { return Err("it is too large".to_owned()) };
+    Ok((width, height))
 }
 
 /// Verifies that bytes have not changed since this module wrote them.
@@ -187,8 +195,16 @@ fn ensure_unchanged(bytes: &[u8]) -> Result<(), String> {
     is_unchanged.then_some(()).ok_or_else(|| "its bytes are not those that were written".to_owned())
 }
 
+/// Magic number of OpenEXR files.
+const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Name, type and length of the digest attribute.
 const DIGEST_BEGINS: [&[u8]; 3] = [DIGEST.as_bytes(), b"\0string\0", &[32, 0, 0, 0]];
+
+/// Returns the position after the first occurrence of `these` in `bytes`.
+fn after(bytes: &[u8], these: &[&[u8]]) -> Option<usize> {
+    let these = these.concat();
+    bytes.windows(these.len()).position(|window| window == these).map(|place| place + these.len())
+}
 
 /// Returns the bytes of samples, channel by channel, in little-endian order.
 fn bytes_of<'a>(channels: impl Iterator<Item = &'a FlatSamples>) -> Vec<u8> {

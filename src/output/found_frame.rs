@@ -4,11 +4,12 @@ use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
 use std::path::Path;
 
+use image::{ImageFormat, ImageReader};
 use png::BitDepth;
 
 use super::picture::StoredPicture;
 use super::provenance::{PixelFingerprint, Provenance};
-use super::{FrameFormat, exr_file, exr_header, pfm_file, png_file, ppm_file};
+use super::{FrameFormat, exr_file, hdr_file, pfm_file, png_file, ppm_file};
 use crate::trace::EncodedFilm;
 
 /// The state of a frame's file.
@@ -105,6 +106,7 @@ fn decode(bytes: &[u8], format: FrameFormat) -> Result<StoredPicture, String> {
         FrameFormat::Ppm => ppm_file::decode(bytes),
         FrameFormat::Pfm => pfm_file::decode(bytes),
         FrameFormat::Exr(channels, passes) => exr_file::decode(bytes, (channels, passes)),
+        FrameFormat::Hdr => hdr_file::decode(bytes),
     }
 }
 
@@ -118,12 +120,14 @@ pub fn frame_size(path: &Path, format: FrameFormat) -> Option<(u32, u32)> {
 }
 
 pub(super) fn size_of(mut file: impl BufRead + Seek, format: FrameFormat) -> Option<(u32, u32)> {
-    match format {
-        FrameFormat::Png(_) | FrameFormat::Png16(_) => png_file::size(&mut file),
-        FrameFormat::Ppm => ppm_file::size(&mut file),
-        FrameFormat::Pfm => pfm_file::size(&mut file),
-        FrameFormat::Exr(..) => exr_header::size(file),
-    }
+    let format = match format {
+        FrameFormat::Png(_) | FrameFormat::Png16(_) => ImageFormat::Png,
+        FrameFormat::Ppm => return ppm_file::size(&mut file),
+        FrameFormat::Pfm => return pfm_file::size(&mut file),
+        FrameFormat::Exr(..) => ImageFormat::OpenExr,
+        FrameFormat::Hdr => ImageFormat::Hdr,
+    };
+    ImageReader::with_format(file, format).into_dimensions().ok()
 }
 
 /// Reads a regular file of at most `most` bytes. Other files, such as pipes, may never end.
@@ -157,6 +161,7 @@ mod tests {
             FrameFormat::Png16(Channels::Rgba),
             FrameFormat::Ppm,
             FrameFormat::Pfm,
+            FrameFormat::Hdr,
         ];
         if cfg!(feature = "exr") {
             formats.extend([

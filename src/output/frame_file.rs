@@ -4,12 +4,14 @@ use std::borrow::Cow;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use png::{BitDepth, Filter};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use png::BitDepth;
 
 use super::channels::Channels;
 use super::frame_pixels::{FramePixels, LinearFrame};
 use super::provenance::{PixelFingerprint, Provenance};
-use super::{atomic_file, exr_file, pfm_file, png_file, ppm_file};
+use super::{atomic_file, exr_file, hdr_file, pfm_file, png_file, ppm_file};
 use crate::color::Transfer;
 use crate::trace::{Film, FrameFingerprint, Passes};
 
@@ -26,6 +28,8 @@ pub enum FrameFormat {
     Pfm,
     /// OpenEXR: lossless compression, linear light, 32 bits per channel, with the given passes.
     Exr(Channels, Passes),
+    /// Radiance HDR: run-length encoded linear light, 8 bits per channel with an exponent per pixel.
+    Hdr,
 }
 
 /// [PNG](FrameFormat::Png) without alpha.
@@ -44,6 +48,7 @@ impl FrameFormat {
             Self::Ppm => "ppm",
             Self::Pfm => "pfm",
             Self::Exr(..) => "exr",
+            Self::Hdr => "hdr",
         }
     }
 
@@ -58,7 +63,7 @@ impl FrameFormat {
     pub fn channels(self) -> Channels {
         match self {
             Self::Png(channels) | Self::Png16(channels) | Self::Exr(channels, _) => channels,
-            Self::Ppm | Self::Pfm => Channels::Rgb,
+            Self::Ppm | Self::Pfm | Self::Hdr => Channels::Rgb,
         }
     }
 
@@ -67,7 +72,7 @@ impl FrameFormat {
     pub fn passes(self) -> Passes {
         match self {
             Self::Exr(_, passes) => passes,
-            Self::Png(_) | Self::Png16(_) | Self::Ppm | Self::Pfm => Passes::default(),
+            Self::Png(_) | Self::Png16(_) | Self::Ppm | Self::Pfm | Self::Hdr => Passes::default(),
         }
     }
 }
@@ -102,6 +107,9 @@ pub enum EncodeError {
     /// The OpenEXR encoder reported an error, or the library was built without the feature `exr`.
     #[error("{0}")]
     Exr(String),
+    /// The encoder of a preview or of Radiance HDR reported an error.
+    #[error(transparent)]
+    Image(#[from] ImageError),
     /// The format requires linear light, but only output bytes are available.
     #[error("its format is made of linear light, of which only rounded bytes are left")]
     NoLight,
@@ -125,16 +133,17 @@ fn pixels_of(film: &Film, transfer: Transfer, format: FrameFormat) -> FramePixel
     }
 }
 
-/// Encodes a film as a PNG file that is faster to write and read but somewhat larger, for interactive use. Runs on the threads of the
-/// current rayon pool.
+/// Encodes a film as a PNG file that is faster to write and read but somewhat larger, for interactive use and reports. It is not marked as
+/// sRGB, which browsers assume. Pixels are encoded on the threads of the current rayon pool.
 ///
 /// # Errors
 ///
 /// If the encoder rejects the film's size.
 pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, EncodeError> {
-    let (film, size) = (film.encoded(transfer), (film.width(), film.height()));
-    let kind = (Channels::Rgb, BitDepth::Eight);
-    Ok(png_file::encode(film.bytes(), kind, size, Filter::Sub, None)?)
+    let (film, mut bytes) = (film.encoded(transfer), Vec::new());
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Sub);
+    encoder.write_image(film.bytes(), film.width(), film.height(), ExtendedColorType::Rgb8)?;
+    Ok(bytes)
 }
 
 /// Encodes pixels as a file, in parts. If `frame` is given, the file contains its provenance.
@@ -147,8 +156,7 @@ pub(super) fn encode_frame(
     let told =
         |bytes: &[u8]| frame.map(|frame| Provenance { frame, pixels: PixelFingerprint::of(bytes, size) });
     let light = || pixels.linear().ok_or(EncodeError::NoLight);
-    let png =
-        |bytes: &[u8], kind| png_file::encode(bytes, kind, size, Filter::Adaptive, told(bytes).as_ref());
+    let png = |bytes: &[u8], kind| png_file::encode(bytes, kind, size, told(bytes).as_ref());
     let whole = |bytes: Vec<u8>| [bytes.into(), Cow::default(), Cow::default()];
     Ok(match format {
         FrameFormat::Png(Channels::Rgb) => whole(png(&pixels.encoded(), (Channels::Rgb, BitDepth::Eight))?),
@@ -166,6 +174,11 @@ pub(super) fn encode_frame(
             let bytes = pfm_file::pixels(&light()?.film);
             let trailer = pfm_file::trailer(told(&bytes).as_ref());
             [pfm_file::header(size).into_bytes().into(), bytes.into(), trailer.into_bytes().into()]
+        }
+        FrameFormat::Hdr => {
+            let body = hdr_file::body(&light()?.film)?;
+            let comment = hdr_file::comment(told(&body).as_ref());
+            [hdr_file::SIGNATURE.into(), comment.into_bytes().into(), body.into()]
         }
         FrameFormat::Exr(channels, passes) => {
             whole(exr_file::encode(light()?, (channels, passes), frame).map_err(EncodeError::Exr)?)

@@ -8,10 +8,11 @@ mod atomic_file;
 mod channels;
 #[cfg_attr(not(feature = "exr"), path = "no_exr_file.rs")]
 mod exr_file;
-mod exr_header;
 mod found_frame;
 mod frame_file;
 mod frame_pixels;
+mod hdr_file;
+mod image_conversion;
 mod label;
 mod pfm_file;
 mod picture;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::found_frame::{read, size_of};
 use super::picture::{FileChannels, FileColors};
-use super::{FrameFormat, exr_file, pfm_file, png_file, ppm_file};
+use super::{FrameFormat, exr_file, hdr_file, pfm_file, png_file, ppm_file};
 use crate::color::{Rgb, Transfer};
 use crate::output::Channels;
 use crate::trace::Passes;
@@ -28,7 +28,7 @@ impl PictureFile {
     /// Maximum number of pixels: 8192 columns times 8192 rows.
     pub const LARGEST_AREA: u64 = 1 << 26;
 
-    /// Reads a picture in PNG, binary PPM, PFM, or OpenEXR as [frames](FrameFormat) are written. `transfer` converts linear light to
+    /// Reads a picture in PNG, binary PPM, PFM, Radiance HDR, or OpenEXR as [frames](FrameFormat) are written. `transfer` converts linear light to
     /// output values. Memory is bounded regardless of the file's header.
     ///
     /// # Errors
@@ -50,8 +50,14 @@ impl PictureFile {
             b"\x89PNG" => FrameFormat::default(),
             [b'P', b'6', ..] => FrameFormat::Ppm,
             [b'P', b'F', ..] => FrameFormat::Pfm,
+            b"#?RA" => FrameFormat::Hdr,
             [0x76, 0x2f, 0x31, 0x01] => FrameFormat::Exr(Channels::Rgb, Passes::default()),
-            _ => return Err("it is no PNG, binary PPM (P6), PFM (PF) or OpenEXR file".to_owned()),
+            _ => {
+                return Err(
+                    "it is no PNG, binary PPM (P6), PFM (PF), Radiance HDR (#?RADIANCE) or OpenEXR file"
+                        .to_owned(),
+                );
+            }
         };
         file.seek(SeekFrom::Start(0)).map_err(|error| error.to_string())?;
         let area = match size_of(file, format) {
@@ -80,6 +86,7 @@ impl PictureFile {
             }
             FrameFormat::Pfm => pfm_file::channels(&bytes)?,
             FrameFormat::Exr(..) => exr_file::channels(&bytes)?,
+            FrameFormat::Hdr => hdr_file::channels(&bytes)?,
         };
         Self::of(channels, transfer)
     }
@@ -144,6 +151,7 @@ mod tests {
             FrameFormat::Png16(Channels::Rgba),
             FrameFormat::Ppm,
             FrameFormat::Pfm,
+            FrameFormat::Hdr,
         ];
         if cfg!(feature = "exr") {
             formats.push(FrameFormat::Exr(Channels::Rgba, Passes::default()));
@@ -166,6 +174,8 @@ mod tests {
                 FrameFormat::Png(_) | FrameFormat::Ppm => 0.5,
                 FrameFormat::Png16(_) => 0.5 / 257.0,
                 FrameFormat::Pfm | FrameFormat::Exr(..) => 0.0,
+                // Half a unit of at least 1 / 256 of the largest channel, where the transfer is steepest.
+                FrameFormat::Hdr => 1.5,
             };
             for (found, written) in picture.values.iter().zip(film().pixels()) {
                 let written = Transfer::Srgb.encode_unrounded(*written);
@@ -174,8 +184,11 @@ mod tests {
                 assert!(is_near, "{format:?}: {found:?} {written:?}");
             }
             let light = picture.light;
-            assert_eq!(light.is_some(), step == 0.0);
-            assert!(light.is_none_or(|light| light == film().pixels()));
+            assert_eq!(
+                light.is_some(),
+                matches!(format, FrameFormat::Pfm | FrameFormat::Exr(..) | FrameFormat::Hdr)
+            );
+            assert!(light.is_none_or(|light| step > 0.0 || light == film().pixels()));
         }
     }
 

@@ -21,7 +21,6 @@ pub(super) fn encode(
     bytes_of_channels: &[u8],
     (channels, depth): (Channels, BitDepth),
     (width, height): (u32, u32),
-    filter: Filter,
     provenance: Option<&Provenance>,
 ) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
@@ -29,7 +28,7 @@ pub(super) fn encode(
     encoder.set_color(color_type(channels));
     encoder.set_depth(depth);
     encoder.set_compression(Compression::Fast);
-    encoder.set_filter(filter);
+    encoder.set_filter(Filter::Adaptive);
     encoder.set_source_gamma(ScaledFloat::from_scaled(GAMMA));
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     if let Some(provenance) = provenance {
@@ -46,11 +45,6 @@ fn color_type(channels: Channels) -> ColorType {
         Channels::Rgb => ColorType::Rgb,
         Channels::Rgba => ColorType::Rgba,
     }
-}
-
-/// Returns the width and height from the beginning of a file.
-pub(super) fn size(file: &mut (impl BufRead + Seek)) -> Option<(u32, u32)> {
-    Decoder::new(file).read_header_info().ok().map(png::Info::size)
 }
 
 /// Decodes a file completely and verifies all bytes. Returns the reason if the file is not valid.

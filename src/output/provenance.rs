@@ -8,8 +8,8 @@ use crate::trace::FrameFingerprint;
 /// The provenance stored in a frame file.
 ///
 /// The text form is `1 FRAME PIXELS`, where the first number is the version of the text, and the others are 32 hexadecimal digits each.
-/// It is stored under [`KEYWORD`](Provenance::KEYWORD): in PNG as a `tEXt` chunk, in PPM as a comment, in OpenEXR as an attribute, and in
-/// PFM after the pixels.
+/// It is stored under [`KEYWORD`](Provenance::KEYWORD): in PNG as a `tEXt` chunk, in PPM and Radiance HDR as a comment, in OpenEXR as
+/// an attribute, and in PFM after the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Provenance {
     /// Fingerprint of all that was rendered.

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use image::{RgbImage, imageops};
+
 use super::frame_file::write_pixels;
 use super::label;
 use super::{FrameFormat, WriteError};
@@ -15,8 +17,8 @@ const LABEL_GAP: u32 = 5;
 /// Columns of a tile per pixel of the width and height of a label's dot.
 const COLUMNS_PER_DOT: u32 = 400;
 
-const BACKGROUND: [u8; 3] = [28; 3];
-const INK: [u8; 3] = [200; 3];
+const BACKGROUND: image::Rgb<u8> = image::Rgb([28; 3]);
+const INK: image::Rgb<u8> = image::Rgb([200; 3]);
 
 /// Frames in a grid, row by row, with frame number and time below each frame if there is room.
 ///
@@ -25,9 +27,7 @@ const INK: [u8; 3] = [200; 3];
 pub struct Sheet {
     columns: u32,
     tile: (u32, u32),
-    width: u32,
-    /// Pixels, row by row from the top.
-    pixels: Vec<[u8; 3]>,
+    picture: RgbImage,
     /// Number of tiles so far.
     count: u32,
 }
@@ -73,8 +73,8 @@ impl Sheet {
         let side = |side: u64| u32::try_from(side).ok().filter(|side| *side <= Self::LARGEST_SIDE);
         match (side(width), side(height)) {
             (Some(width), Some(height)) if u64::from(width) * u64::from(height) <= Self::LARGEST_AREA => {
-                let pixels = vec![BACKGROUND; width as usize * height as usize];
-                Ok(Self { columns: columns.max(1), tile, width, pixels, count: 0 })
+                let picture = RgbImage::from_pixel(width, height, BACKGROUND);
+                Ok(Self { columns: columns.max(1), tile, picture, count: 0 })
             }
             _ => Err(too_large),
         }
@@ -99,13 +99,9 @@ impl Sheet {
     /// Adds a frame as the next tile. Pixels outside the tile or the sheet are cropped.
     pub fn add(&mut self, film: &EncodedFilm, frame: u32, time: Time) {
         let (left, top) = self.next_corner();
-        let columns = film.width().min(self.tile.0) as usize;
-        let rows = film.pixels().chunks_exact(film.width().max(1) as usize).take(self.tile.1 as usize);
-        for (y, row) in (top..).zip(rows) {
-            let tile = self.row_from(left, y);
-            let columns = columns.min(tile.len());
-            tile[..columns].copy_from_slice(&row[..columns]);
-        }
+        let picture = film.to_image();
+        let tile = imageops::crop_imm(&picture, 0, 0, self.tile.0, self.tile.1);
+        imageops::replace(&mut self.picture, &*tile, left.into(), top.into());
         let label = format!("#{frame}  {:.3} s", time.seconds());
         self.label(&label, left, top.saturating_add(self.tile.1 + LABEL_GAP));
     }
@@ -113,14 +109,13 @@ impl Sheet {
     /// Returns the width in pixels.
     #[must_use]
     pub fn width(&self) -> u32 {
-        self.width
+        self.picture.width()
     }
 
     /// Returns the height in pixels.
     #[must_use]
     pub fn height(&self) -> u32 {
-        // At most [`Sheet::LARGEST_SIDE`].
-        u32::try_from(self.pixels.len() / self.width as usize).unwrap_or(u32::MAX)
+        self.picture.height()
     }
 
     /// Writes the sheet completely or not at all.
@@ -129,8 +124,8 @@ impl Sheet {
     ///
     /// If the file system or the encoder reports an error. No partial file remains.
     pub fn write(&self, path: &Path, format: FrameFormat) -> Result<(), WriteError> {
-        let bytes = self.pixels.as_flattened();
-        let film = EncodedFilm::from_bytes(self.width, self.height(), bytes).expect("its rows are whole");
+        let film = EncodedFilm::from_bytes(self.width(), self.height(), self.picture.as_raw());
+        let film = film.expect("a picture has three bytes per pixel");
         write_pixels(path, &film.into(), format)
     }
 
@@ -142,22 +137,16 @@ impl Sheet {
         (GAP + column * across, row.saturating_mul(down).saturating_add(GAP))
     }
 
-    /// Returns the pixels of row `y` from column `x` on, or none outside the sheet.
-    fn row_from(&mut self, x: u32, y: u32) -> &mut [[u8; 3]] {
-        let width = self.width as usize;
-        let row = self.pixels.chunks_exact_mut(width).nth(y as usize);
-        row.and_then(|row| row.get_mut(x as usize..)).unwrap_or_default()
-    }
-
     /// Draws a label below a tile. If the tile is too narrow, draws only the first word, or nothing.
     fn label(&mut self, label: &str, left: u32, top: u32) {
         let (dot, room) = (dot(self.tile), self.tile.0);
         let first_word = label.split(' ').next().unwrap_or_default();
         let fitting = [label, first_word].into_iter().find(|text| dot * label::width(text) <= room);
         for (column, row) in label::dots(fitting.unwrap_or_default()) {
-            for y in 0..dot {
-                let pixels = self.row_from(left + column * dot, top.saturating_add(row * dot + y));
-                pixels.iter_mut().take(dot as usize).for_each(|pixel| *pixel = INK);
+            for (x, y) in (0..dot * dot).map(|index| (column * dot + index % dot, row * dot + index / dot)) {
+                if let Some(pixel) = self.picture.get_pixel_mut_checked(left + x, top.saturating_add(y)) {
+                    *pixel = INK;
+                }
             }
         }
     }
@@ -240,22 +229,22 @@ mod tests {
             // The second frame is larger than the tile.
             sheet.add(&film((90 + index % 2, 3 + index % 2), color), index, Time::ZERO);
         }
-        let count = |sheet: &Sheet, bytes| sheet.pixels.iter().filter(|pixel| **pixel == bytes).count();
+        let count = |sheet: &Sheet, bytes| sheet.picture.pixels().filter(|pixel| pixel.0 == bytes).count();
         for bytes in [[255, 0, 0], [0, 255, 0], [0, 0, 255]] {
             assert_eq!(count(&sheet, bytes), 270);
         }
-        let pixel = |x: u32, y: u32| sheet.pixels[(y * sheet.width() + x) as usize];
+        let pixel = |x, y| sheet.picture.get_pixel(x, y).0;
         let (right, below) = (GAP + 90 + GAP, GAP + 3 + LABEL_GAP + label::HEIGHT + GAP);
         assert_eq!(
             [pixel(GAP, GAP), pixel(right, GAP), pixel(GAP, below)],
             [[255, 0, 0], [0, 255, 0], [0, 0, 255]]
         );
-        assert_eq!(pixel(right, below), BACKGROUND);
+        assert_eq!(pixel(right, below), BACKGROUND.0);
 
         sheet.add(&film(tile, Rgb::ONE), 3, Time::ZERO);
         let full = sheet.clone();
         sheet.add(&film(tile, Rgb::X), 4, Time::ZERO);
-        assert!(full.pixels == sheet.pixels);
+        assert!(full.picture == sheet.picture);
     }
 
     #[test]
@@ -272,10 +261,8 @@ mod tests {
     fn inked(columns: u32) -> usize {
         let mut sheet = Sheet::new(1, 1, (columns, 1)).unwrap();
         sheet.add(&film((columns, 1), Rgb::ONE), 17, Time::ZERO);
-        let width = sheet.width as usize;
-        let (above, below) = sheet.pixels.split_at(width * (GAP + 1 + LABEL_GAP) as usize);
-        assert!(above.iter().all(|pixel| *pixel != INK));
-        let inked = below.iter().enumerate().filter(|(_, pixel)| **pixel == INK);
-        inked.inspect(|(at, _)| assert!((GAP as usize..width - GAP as usize).contains(&(at % width)))).count()
+        let inked = sheet.picture.enumerate_pixels().filter(|(.., pixel)| **pixel == INK);
+        let is_below = |x, y| (GAP..sheet.width() - GAP).contains(&x) && y >= GAP + 1 + LABEL_GAP;
+        inked.inspect(|(x, y, _)| assert!(is_below(*x, *y))).count()
     }
 }

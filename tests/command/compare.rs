@@ -80,6 +80,7 @@ fn equal_pictures_in_any_format_exit_with_0() {
         ("ppm", &[]),
         ("pfm", &[]),
         ("exr", &["--passes", "depth"]),
+        ("hdr", &[]),
     ] {
         let arguments =
             ["render", FIRST_LIGHT, "--frames", "9", "--size", "32x18", "--format", format, "--out", format];
@@ -117,6 +118,11 @@ fn equal_pictures_in_any_format_exit_with_0() {
     }
     assert_eq!(compared(folder, [&files[0], &files[2]], &[]).0, 0);
     assert_eq!(compared(folder, [&files[3], &files[4]], &[]).0, 0);
+    // Radiance HDR rounds to at most 1 / 256 of the largest channel.
+    let hdr = file("hdr", "hdr");
+    assert_eq!(compared(folder, [&hdr, &hdr], &[]).0, 0);
+    let (code, report) = compared(folder, [&hdr, &files[4]], &["--tolerance", "1"]);
+    assert!(code == 0 && report["relative_mse"].as_f64().unwrap() < 1e-5, "{report}");
 }
 
 #[test]
@@ -188,7 +194,10 @@ fn what_cannot_be_compared_exits_with_2() {
     for (file, message) in [
         ("wide.ppm", "pictures of different sizes cannot be compared: 2x2 and 4x1 pixels"),
         ("nan.pfm", "cannot read `nan.pfm`: its pixel 1,0 has a number that is not finite"),
-        ("text.png", "cannot read `text.png`: it is no PNG, binary PPM (P6), PFM (PF) or OpenEXR file"),
+        (
+            "text.png",
+            "cannot read `text.png`: it is no PNG, binary PPM (P6), PFM (PF), Radiance HDR (#?RADIANCE) or OpenEXR file",
+        ),
         ("large.ppm", "it has 4000000000x4000000000 pixels, and pictures have from 1 to 67108864 pixels"),
         ("short.ppm", "it has 3 bytes of pixels instead of 12"),
         ("folder.png", "cannot read `folder.png`: it is not a regular file"),

@@ -42,6 +42,7 @@ fn every_format_has_the_same_bytes_in_every_process() {
         (&["--out=out", "--format=ppm"], 6),
         (&["--out=out", "--format=pfm"], 6),
         (&["--out=out", "--format=exr"], 6),
+        (&["--out=out", "--format=hdr"], 6),
         (&["--out=out", "--format=exr", "--alpha", "--passes=depth,normal,id,albedo,position"], 6),
         (&["--out=out", "--max-error=8"], 7),
         (&["--out=out", "--sheet=2x2"], 2),

@@ -292,7 +292,7 @@ fn standard_output_takes_video() {
         (&["--out", "-", "--json"][..], "frames cannot go to standard output: --json"),
         (
             &["--out", "-", "--format", "png"],
-            "png, ppm, pfm and exr are files: standard output takes --format y4m or raw",
+            "png, ppm, pfm, exr and hdr are files: standard output takes --format y4m or raw",
         ),
         (&["--format", "y4m"], "add --out -"),
         (&["--movie", "a.txt"], "a movie ends in .mp4"),
@@ -347,7 +347,7 @@ fn every_format_has_the_same_light() {
     let mut engine = rayreel::Engine::load(folder.join("film.ron")).unwrap();
     let film = engine.render_frame(1).unwrap();
     let transfer = engine.film_settings().transfer;
-    for format in ["png16", "pfm", "exr"] {
+    for format in ["png16", "pfm", "exr", "hdr"] {
         render(folder, &["--format", format]);
         assert_eq!(verify(folder, &[])["whole"], true, "{format}");
         assert_eq!(render(folder, &["--format", format]), (vec![], all(0..4)), "{format}");
@@ -363,6 +363,13 @@ fn every_format_has_the_same_light() {
     let pixels = pfm.strip_prefix(b"PF\n32 18\n-1.0\n").unwrap();
     let rows: Vec<u8> = pixels[..light.len()].chunks(32 * 12).rev().flatten().copied().collect();
     assert_eq!(rows, light);
+
+    let hdr = image::open(folder.join("out/film.0001.hdr")).unwrap().into_rgb32f();
+    for (found, light) in hdr.pixels().zip(film.pixels()) {
+        // A unit is at most 1 / 128 of the largest channel.
+        let unit = light.max_element() / 128.0;
+        assert!((rayreel::Rgb::from(found.0) - *light).abs().max_element() <= unit, "{found:?} {light}");
+    }
 
     let Some(exr) = planes_by_ffmpeg(&folder.join("out/film.0001.exr"), "gbrpf32le") else { return };
     assert!(exr == planes(&film));
@@ -462,6 +469,8 @@ fn what_a_format_has_no_room_for_is_refused() {
         (&["--format", "png16", "--sheet", "2x2"], "--sheet is made of colours in 8 bits"),
         (&["--out", "-", "--passes", "id"], "--passes are for files"),
         (&["--alpha", "--format", "ppm"], "--alpha is for --format png, png16 or exr"),
+        (&["--alpha", "--format", "hdr"], "--alpha is for --format png, png16 or exr"),
+        (&["--format", "hdr", "--sheet", "2x2"], "--sheet is made of colours in 8 bits"),
         (&["--alpha", "--movie", "a.gif"], "--movie is made of colours in 8 bits"),
         (&["--alpha", "--sheet", "2x2"], "without --alpha"),
         (&["--alpha", "--out", "-"], "--alpha is for files"),

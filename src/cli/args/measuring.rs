@@ -72,7 +72,7 @@ pub(in crate::cli) struct AccuracyArguments {
   rayreel compare a.exr b.exr --tolerance 0.5 --out difference.png
   rayreel compare out/first_light/first_light.0000.png other.png --json
 
-Reads PNG, binary PPM, PFM, and OpenEXR files written by rayreel; the two formats may differ.
+Reads PNG, binary PPM, PFM, Radiance HDR, and OpenEXR files written by rayreel; formats may differ.
 Pictures are compared as displayed, by unrounded output values from 0 to 255: the linear light of PFM
 and OpenEXR is encoded first, and light above 1 is clamped. Transparent areas are composited over
 black, and the alpha channel is compared, too.

@@ -168,6 +168,7 @@ fn with_huge_header(bytes: &[u8]) -> Vec<u8> {
             huge
         }
         [b'P', b'6', ..] => format!("P6\n{SIDE} {SIDE} 255\n").into_bytes(),
+        [b'#', ..] => format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {SIDE} +X {SIDE}\n").into_bytes(),
         [b'P', b'F', ..] => format!("PF\n{SIDE} {SIDE}\n-1.0\n").into_bytes(),
         _ => {
             let name = b"dataWindow\0box2i\0\x10\0\0\0";
@@ -186,7 +187,7 @@ fn bounded(folder: &Path, arguments: &[&str]) -> std::process::Output {
 
 #[test]
 fn frames_and_manifests_may_be_anything() {
-    for format in ["png", "png16", "ppm", "pfm", "exr"] {
+    for format in ["png", "png16", "ppm", "pfm", "exr", "hdr"] {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
         let scene = format!("(timeline: (fps: 2, duration: 1), film: (width: 16, height: 9), {CAMERA})");
