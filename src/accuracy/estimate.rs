@@ -3,8 +3,8 @@
 use std::f64::consts::SQRT_2;
 use std::sync::atomic::AtomicBool;
 
-use super::FilmError;
-use super::stop::{StopReason, render, unless_cancelled};
+use super::stop::{StopReason, unless_cancelled};
+use super::{FilmError, MeasuredFrame};
 use crate::engine::{Engine, EngineError};
 use crate::systems::{RenderSettings, sampling_settings};
 use crate::time::Time;
@@ -96,7 +96,7 @@ fn timed(
     settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<(Film, f64), StopReason> {
-    let film = render(engine, moment, settings, cancelled)?;
-    let report = engine.report();
-    Ok((film, (report.animate + report.prepare + report.trace).as_secs_f64()))
+    let frame = MeasuredFrame::render(engine, moment, settings, cancelled, &mut || None)?;
+    let MeasuredFrame { film, seconds, .. } = frame.ok_or(StopReason::Cancelled)?;
+    Ok((film, seconds))
 }

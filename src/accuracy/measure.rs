@@ -7,8 +7,8 @@ use super::median_range::MedianRange;
 use super::parameter::{OwnSettings, Parameter, Subject, SweepRange, sweep, turned};
 use super::report::{ReferenceInfo, Report, Row};
 use super::resample::resampled;
-use super::stop::{StopReason, render, unless_cancelled};
-use super::{FilmError, OutputValues, ReferenceImage, Resolution, structural_similarity};
+use super::stop::{StopReason, unless_cancelled};
+use super::{FilmError, MeasuredFrame, OutputValues, ReferenceImage, Resolution, structural_similarity};
 use crate::color::Transfer;
 use crate::components::{FilmSettings, Sampling};
 use crate::engine::{Engine, EngineError};
@@ -263,19 +263,19 @@ impl Measurer<'_> {
         for time in &self.times {
             let share = (self.work.done / self.work.all.max(1.0)).min(1.0);
             self.observer.at(subject, share);
-            let before = self.observer.instructions();
-            let film = render(self.engine, *time, *settings, self.cancelled)?;
-            if let Some((before, after)) = before.zip(self.observer.instructions()) {
-                *rendered.instructions.get_or_insert(0.0) += after.saturating_sub(before) as f64;
+            let instructions = &mut || self.observer.instructions();
+            let frame = MeasuredFrame::render(self.engine, *time, *settings, self.cancelled, instructions)?;
+            let frame = frame.ok_or(StopReason::Cancelled)?;
+            rendered.films.push(self.sized(frame.film));
+            rendered.seconds += frame.seconds;
+            rendered.rays += frame.rays;
+            if let Some(count) = frame.instructions {
+                *rendered.instructions.get_or_insert(0.0) += count as f64;
             }
-            let report = self.engine.report();
-            rendered.films.push(self.sized(film));
-            rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
-            rendered.rays += report.rays;
             let largest = |one: EstimatedError, other: EstimatedError| {
                 if one.value < other.value { other } else { one }
             };
-            rendered.estimated = rendered.estimated.into_iter().chain(report.error).reduce(largest);
+            rendered.estimated = rendered.estimated.into_iter().chain(frame.estimated).reduce(largest);
             self.work.done += samples(settings, self.work.own) / self.times.len() as f64;
         }
         rendered.seconds /= self.times.len().max(1) as f64;

@@ -1,11 +1,6 @@
 //! The early end of a measurement.
 
-use std::sync::atomic::AtomicBool;
-
-use crate::engine::{Engine, EngineError};
-use crate::systems::{RenderRequest, RenderSettings};
-use crate::time::Time;
-use crate::trace::{Film, Signals};
+use crate::engine::EngineError;
 
 /// The reason for the early end of a measurement.
 #[derive(Debug)]
@@ -20,22 +15,6 @@ impl From<EngineError> for StopReason {
     fn from(error: EngineError) -> Self {
         Self::Failed(error)
     }
-}
-
-/// Renders one picture of a measurement. `settings` override the engine's.
-pub(super) fn render(
-    engine: &mut Engine,
-    time: Time,
-    settings: RenderSettings,
-    cancelled: &AtomicBool,
-) -> Result<Film, StopReason> {
-    let request = RenderRequest {
-        settings: Some(settings.or(engine.settings())),
-        fingerprint: false,
-        signals: Signals::unless(cancelled),
-        ..RenderRequest::at(time)
-    };
-    Ok(engine.render(request)?.ok_or(StopReason::Cancelled)?.film)
 }
 
 /// Returns the measurement; `None` if it was cancelled.

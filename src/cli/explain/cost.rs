@@ -2,8 +2,9 @@
 
 use serde_json::{Value, json};
 
-use rayreel::accuracy::{FilmError, MedianRange};
-use rayreel::{Effect, Engine, EngineError, Film, RenderRequest, RenderSettings};
+use rayreel::accuracy::{FilmError, MeasuredFrame, MedianRange};
+use rayreel::trace::Signals;
+use rayreel::{Effect, Engine, EngineError, Film, RenderSettings};
 
 use super::super::instructions::Instructions;
 use super::super::report::in_millions;
@@ -140,20 +141,19 @@ fn render(
     without: Option<Effect>,
     counter: &mut Instructions,
 ) -> Result<MeasuredEffects, EngineError> {
-    let base = engine.settings();
-    let settings =
-        RenderSettings { without: without.into_iter().collect(), ..RenderSettings::default() }.or(base);
+    let settings = RenderSettings { without: without.into_iter().collect(), ..RenderSettings::default() };
     let mut rendered = MeasuredEffects { films: Vec::new(), rays: 0.0, instructions: None, seconds: 0.0 };
-    let before = counter.so_far();
+    let cancelled = Signals::none().cancelled;
     for frame in frames {
         let time = engine.timeline().time_of(*frame);
-        let request = RenderRequest { settings: Some(settings), ..RenderRequest::at(time) };
-        rendered.films.extend(engine.render(request)?.map(|image| image.film));
-        let report = engine.report();
-        rendered.rays += report.rays.total() as f64;
-        rendered.seconds += (report.animate + report.prepare + report.trace).as_secs_f64();
+        let measured = MeasuredFrame::render(engine, time, settings, cancelled, &mut || counter.so_far())?;
+        let Some(MeasuredFrame { film, seconds, rays, instructions, .. }) = measured else { continue };
+        rendered.films.push(film);
+        rendered.seconds += seconds;
+        rendered.rays += rays.total() as f64;
+        if let Some(count) = instructions {
+            *rendered.instructions.get_or_insert(0.0) += count as f64;
+        }
     }
-    let counted = before.zip(counter.so_far());
-    rendered.instructions = counted.map(|(before, after)| after.saturating_sub(before) as f64);
     Ok(rendered)
 }
