@@ -32,7 +32,6 @@ mod paths;
 mod playback;
 mod quote;
 mod reader;
-mod reparse;
 mod script_sources;
 mod scripts;
 mod sources;

@@ -12,9 +12,8 @@ use super::{Files, SceneFile, Scope};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::overrides::{Override, Unplaced};
-use crate::scene::parse::parse;
+use crate::scene::parse::{ParsedEntities, parse};
 use crate::scene::quote::{linked, short};
-use crate::scene::reparse::Parsed;
 use crate::scene::scripts::{self, Compiled};
 use crate::scene::validate::{At, Problems, validate};
 use crate::script::SpawnBudget;
@@ -81,8 +80,8 @@ impl Files {
     }
 }
 
-/// The texts that could be parsed, by the canonical paths of their files.
-pub(in crate::scene) type Texts = HashMap<PathBuf, Parsed>;
+/// The entities of the texts that could be parsed, by the canonical paths of their files.
+pub(in crate::scene) type Texts = HashMap<PathBuf, ParsedEntities>;
 
 fn content(path: &Path) -> FileContent {
     read(path).unwrap_or_else(|Refusal { message, help, .. }| {
@@ -170,13 +169,10 @@ impl Loader {
 
     /// Parses a text. If it differs little from the previous text of the file, only the difference is parsed.
     fn parse(&mut self, key: &Path, text: &Arc<String>) -> Result<SceneDocument, Diagnostic> {
-        let Some(texts) = &mut self.texts else { return parse(text) };
-        if let Some(document) = texts.get_mut(key).and_then(|before| before.parse_again(text)) {
-            return Ok(document);
+        match &mut self.texts {
+            Some(texts) => parse(text, texts.entry(key.to_owned()).or_default()),
+            None => parse(text, &mut ParsedEntities::default()),
         }
-        let document = parse(text)?;
-        texts.insert(key.to_owned(), Parsed::new(text, &document));
-        Ok(document)
     }
 
     fn include(&mut self, path: &Path, written: &Path, from: (usize, usize)) -> Result<usize, Refusal> {

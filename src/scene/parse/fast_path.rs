@@ -18,13 +18,11 @@ use serde::de::{
     Visitor,
 };
 
-/// Reads a value. Rejects a text that is not plain, or that holds another type of value.
-pub(super) fn read_plain<'de, T: Deserialize<'de>>(text: &'de str) -> Result<T, NotPlain> {
-    let mut plain = Plain { text, at: 0 };
-    plain.skip_space();
-    let value = T::deserialize(&mut plain)?;
-    plain.skip_space();
-    if plain.at == text.len() { Ok(value) } else { Err(NotPlain) }
+/// Reads the value that starts at a byte, and returns it with its end. Rejects a text that is not plain, or that holds another type of
+/// value.
+pub(super) fn read_plain<'de, T: Deserialize<'de>>(text: &'de str, start: usize) -> Result<(T, usize)> {
+    let mut plain = Plain { text, at: start };
+    T::deserialize(&mut plain).map(|value| (value, plain.at))
 }
 
 /// The error for a text that the general parser must read.
@@ -422,8 +420,9 @@ mod tests {
     }
 
     fn of_plain(text: &str) -> Option<String> {
-        let entities: Option<Vec<EntityDocument>> = read_plain(text).ok();
-        entities.map(|entities| format!("{entities:?}"))
+        let start = text.len() - text.trim_start().len();
+        let (entities, end): (Vec<EntityDocument>, usize) = read_plain(text, start).ok()?;
+        text[end..].trim().is_empty().then(|| format!("{entities:?}"))
     }
 
     #[test]

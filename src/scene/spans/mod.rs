@@ -124,6 +124,36 @@ pub(super) fn list_items(text: &str, start: usize) -> (Vec<Range<usize>>, usize)
     }
 }
 
+/// Returns the end of the value that starts at a byte. The text may be malformed.
+pub(super) fn value_end(text: &str, start: usize) -> usize {
+    let mut scanner = Scanner { text, at: start, found: &mut [] };
+    scanner.value(&[]);
+    scanner.at
+}
+
+/// Returns the start of the first value of a list whose content starts at a byte, or of the closing bracket.
+pub(super) fn first_item(text: &str, content: usize) -> usize {
+    let mut scanner = Scanner { text, at: content, found: &mut [] };
+    scanner.skip_space();
+    scanner.at
+}
+
+/// Returns the start of the value after the value of a list that ends at a byte, or of the closing bracket. `None` if neither a comma nor the
+/// closing bracket follows the value.
+pub(super) fn next_item(text: &str, end: usize) -> Option<usize> {
+    let mut scanner = Scanner { text, at: end, found: &mut [] };
+    scanner.skip_space();
+    match scanner.peek()? {
+        b']' => {}
+        b',' => {
+            scanner.at += 1;
+            scanner.skip_space();
+        }
+        _ => return None,
+    }
+    Some(scanner.at)
+}
+
 /// The remaining steps of a path.
 #[derive(Clone, Copy)]
 struct Remaining<'a> {

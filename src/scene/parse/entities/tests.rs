@@ -1,4 +1,4 @@
-//! Comparison of incremental parses with parses of whole texts.
+//! Comparison with parses of whole texts.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -8,9 +8,9 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{Config, TestRunner};
 
-use super::Parsed;
-use super::change::same_ends;
-use crate::scene::document::EntityDocument;
+use super::super::read::parse_whole;
+use super::{PART, ParsedEntities, same_ends};
+use crate::scene::document::{EntityDocument, SceneDocument};
 use crate::scene::parse::parse;
 
 const SCENE: &str = r##"// a scene [with (brackets
@@ -30,7 +30,7 @@ Scene(
 "##;
 
 /// Pieces of text to insert anywhere, most of them harmless.
-const PIECES: [&str; 36] = [
+const PIECES: [&str; 52] = [
     "",
     " ",
     "\n",
@@ -67,6 +67,22 @@ const PIECES: [&str; 36] = [
     "Some(",
     "0",
     "\u{200e}",
+    "),\n        (",
+    "(name: \"new\"),\n        ",
+    "],",
+    "), (",
+    "entities: [\n        (",
+    "#![enable(unwrap_newtypes)]",
+    "], animate: [",
+    "], ambient: (1, 1, 1), animate: [",
+    "]) // ",
+    "\r",
+    "//\r",
+    "b'\"'",
+    "r#entities: [",
+    "name: \"]\", ",
+    "br#\"",
+    "\"\\\"",
 ];
 
 fn edited(text: &str, at: &Index, length: usize, piece: &str) -> String {
@@ -75,65 +91,91 @@ fn edited(text: &str, at: &Index, length: usize, piece: &str) -> String {
     format!("{}{piece}{}", &text[..start], &text[end..])
 }
 
+fn known(text: &str) -> ParsedEntities {
+    let mut known = ParsedEntities::default();
+    assert!(known.parse_next(&Arc::new(text.to_owned()), PART).is_some(), "{text}");
+    known
+}
+
+/// Returns a document for comparison. The debug format includes the signs of zeros.
+fn shown(document: Option<&SceneDocument>) -> String {
+    format!("{document:?}")
+}
+
+/// Compares sequences of edited texts: parsed after the text before, parsed without any knowledge, and parsed as a whole.
 #[test]
-fn what_is_parsed_again_is_what_a_parse_of_the_whole_gives() {
+fn entities_by_themselves_are_the_same_as_in_the_whole_text() {
     let length = select(&[0, 0, 0, 0, 1, 2, 20][..]);
     let edit = (any::<Index>(), length, select(&PIECES[..]));
-    let edits = vec(vec(edit, 1..3), 1..8);
-    let mut runner = TestRunner::new(Config { cases: 6000, ..Config::default() });
-    let (good, again) = (Cell::new(0), Cell::new(0));
+    let edits = (vec(vec(edit, 1..3), 1..8), select(&[1, 40, 150, PART][..]));
+    let mut runner = TestRunner::new(Config { cases: 8000, ..Config::default() });
+    let (valid, entity_wise) = (Cell::new(0), Cell::new(0));
     runner
-        .run(&edits, |edits| {
+        .run(&edits, |(edits, part)| {
             let mut text = Arc::new(SCENE.to_owned());
-            let mut parsed = Parsed::new(&text, &parse(&text).unwrap());
+            let mut entities = known(SCENE);
             for edit in edits {
                 let mut next = String::clone(&text);
                 for (at, length, piece) in &edit {
                     next = edited(&next, at, *length, piece);
                 }
                 let next = Arc::new(next);
-                let expected = parse(&next).ok();
-                let found = parsed.parse_again(&next);
-                if found.is_some() {
-                    // The debug format includes the signs of zeros.
-                    prop_assert_eq!(format!("{found:?}"), format!("{expected:?}"), "{}", next);
-                    prop_assert_eq!(&parsed.text, &next);
-                    again.set(again.get() + 1);
-                } else if let Some(document) = &expected {
-                    parsed = Parsed::new(&next, document);
+                let expected = parse_whole(&next);
+                let anew = ParsedEntities::default().parse_next(&next, part);
+                let found = entities.parse_next(&next, part);
+                prop_assert_eq!(found.is_some(), anew.is_some(), "{}", next);
+                for document in [found, anew].into_iter().flatten() {
+                    prop_assert_eq!(shown(Some(&document)), shown(expected.as_ref().ok()), "{}", next);
+                    prop_assert_eq!(&entities.text, &next);
+                    entity_wise.set(entity_wise.get() + 1);
                 }
-                if expected.is_some() {
-                    good.set(good.get() + 1);
-                    text = next;
+                match expected {
+                    Ok(_) => {
+                        valid.set(valid.get() + 2);
+                        text = next;
+                    }
+                    Err(error) => prop_assert_eq!(parse(&next, &mut entities), Err(error), "{}", next),
                 }
             }
             Ok(())
         })
         .unwrap();
-    let (good, again) = (good.get(), again.get());
-    assert!(good > 1000 && again * 10 > good * 7, "{again} of {good}");
+    let (valid, entity_wise) = (valid.get(), entity_wise.get());
+    assert!(valid > 2000 && entity_wise * 100 > valid * 95, "{entity_wise} of {valid}");
 }
 
 #[test]
-fn only_what_an_edit_touches_is_other_than_before() {
-    let text = Arc::new(SCENE.to_owned());
-    let before = parse(&text).unwrap();
+fn wrong_guesses_of_parts_do_no_harm() {
+    let inner = "/*),\n(*/ (name: \"),(\", /* ), ( */ transform: (rotation: Quat(0, 0, 0, 1))), // ),\n(";
+    let text = Arc::new(format!("(entities: [{})], animate: [])", [inner; 20].join("),\n")));
+    for part in [1, 7, 50, PART] {
+        let document = ParsedEntities::default().parse_next(&text, part).unwrap();
+        assert_eq!(document.entities.len(), 40);
+        assert_eq!(Ok(document), parse_whole(&text));
+    }
+    for without_list in ["()", "(ambient: (1, 1, 1))", "(entities: []", "entities: []", ""] {
+        assert_eq!(ParsedEntities::default().parse_next(&Arc::new(without_list.to_owned()), 1), None);
+    }
+}
+
+#[test]
+fn only_edited_entities_are_parsed_again() {
     let kept = |from: &str, to: &str| {
+        let mut entities = known(SCENE);
+        let before = entities.list.documents.clone();
         let edited = Arc::new(SCENE.replacen(from, to, 1));
-        let document = Parsed::new(&text, &before).parse_again(&edited).unwrap();
-        assert_eq!(document, parse(&edited).unwrap());
-        let is_kept =
-            |entity: &Arc<EntityDocument>| before.entities.iter().any(|before| Arc::ptr_eq(before, entity));
+        let document = entities.parse_next(&edited, PART).unwrap();
+        assert_eq!(Ok(&document), parse_whole(&edited).as_ref());
+        let is_kept = |entity: &Arc<EntityDocument>| before.iter().any(|before| Arc::ptr_eq(before, entity));
         (document.entities.iter().filter(|entity| is_kept(entity)).count(), document.entities.len())
     };
     assert_eq!(kept("", ""), (7, 7));
     assert_eq!(kept("ambient: (1", "ambient: (2"), (7, 7));
-    // The entity after the edit is parsed again.
-    assert_eq!(kept("255", "25"), (6, 7));
-    assert_eq!(kept("radius: 1", "radius: 2"), (5, 7));
-    assert_eq!(kept("// one, (two", "(name: \"new\"),"), (6, 8));
+    assert_eq!(kept("255", "25"), (7, 7));
+    assert_eq!(kept("radius: 1", "radius: 2"), (6, 7));
+    assert_eq!(kept("// one, (two", "(name: \"new\"),"), (7, 8));
     assert_eq!(kept("        (name: \"ß\"),\n", ""), (6, 6));
-    assert_eq!(kept("entities: [", "entities: [(name: \"new\"),"), (6, 8));
+    assert_eq!(kept("entities: [", "entities: [(name: \"new\"),"), (7, 8));
 }
 
 /// Pairs of successive texts.
@@ -180,6 +222,18 @@ const DECEPTIONS: &[(&str, &str)] = &[
         "#![enable(unwrap_newtypes)]\n(entities: [(name: \"b\")])",
     ),
     ("(entities: [\r\n(name: \"a\"),\r\n()])", "(entities: [\r\n(name: \"b\"),\r\n()])"),
+    // A bracket within a name, a guessed end of the list that is wrong.
+    (
+        "(entities: [(), (name: \"a]\"), ()], ambient: (1, 1, 1))",
+        "(entities: [(), (name: \"b]\"), (), ()], ambient: (1, 1, 1))",
+    ),
+    // A comma too few or too many.
+    ("(entities: [(), (), ()])", "(entities: [() (), ()])"),
+    ("(entities: [(), (), ()])", "(entities: [(),, (), ()])"),
+    ("(entities: [(), (), ()])", "(entities: [,(), (), ()])"),
+    // A second list, by its raw name.
+    ("(entities: [(), ()], ambient: (1, 1, 1))", "(entities: [(), ()], r#entities: [(), (), ()])"),
+    ("(entities: [(), ()], ambient: (1, 1, 1))", "(r#entities: [(), ()], ambient: (1, 1, 1))"),
     ("(entities: [], ambient: (1, 1, 1))", "(entities: [(), ()], ambient: (1, 1, 1))"),
     ("(entities: [(), ()])", "(entities: [])"),
 ];
@@ -188,12 +242,13 @@ const DECEPTIONS: &[(&str, &str)] = &[
 fn what_looks_like_another_thing_is_not_taken_for_it() {
     for (old, new) in DECEPTIONS {
         let (old, new) = (Arc::new((*old).to_owned()), Arc::new((*new).to_owned()));
-        let mut parsed =
-            Parsed::new(&old, &parse(&old).unwrap_or_else(|error| panic!("{old}: {}", error.message)));
-        for text in [&new, &old] {
-            if let Some(found) = parsed.parse_again(text) {
-                assert_eq!(format!("{found:?}"), format!("{:?}", parse(text).unwrap()), "{text}");
+        let mut entities = ParsedEntities::default();
+        for text in [&old, &new, &old] {
+            let expected = parse_whole(text);
+            if let Some(found) = entities.parse_next(text, 1) {
+                assert_eq!(shown(Some(&found)), shown(expected.as_ref().ok()), "{text}");
             }
+            assert_eq!(parse(text, &mut entities), expected, "{text}");
         }
     }
 }
