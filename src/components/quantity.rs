@@ -1,64 +1,53 @@
 //! The quantities of properties, with their notations and ranges.
 
-use std::f64::consts::PI;
-use std::ops::RangeInclusive;
-
+use super::range::RangeError;
+use super::range::ValidRange::{self, Any, Between, NotNegative, Positive};
 use super::table::table;
 use super::{Refractive, Specular};
 use crate::animation::Notation;
-use crate::animation::limits::SMALLEST;
-
-/// An inclusive range: the smallest and the largest value.
-type Range = (f64, f64);
-
-const ANY: Range = (f64::NEG_INFINITY, f64::INFINITY);
-const NOT_NEGATIVE: Range = (0.0, f64::INFINITY);
-/// Greater than 0; the lower end is the smallest size that the file format allows.
-const SIZE: Range = (SMALLEST, f64::INFINITY);
-const SHARE: Range = (0.0, 1.0);
 
 table! {
-    /// The physical quantity of a number or vector: its notation, and the range to which each component is clamped.
+    /// The physical quantity of a number or vector: its notation, and the valid range of each component.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub(crate) enum Quantity: (Notation, Range) {
+    pub(crate) enum Quantity: (Notation, ValidRange) {
         /// Coordinates in scene units.
-        Point => (Notation::Vector, ANY),
+        Point => (Notation::Vector, Any),
         /// A vector of any nonzero length.
-        Direction => (Notation::Vector, ANY),
+        Direction => (Notation::Vector, Any),
         /// A rotation in space.
-        Rotation => (Notation::Rotation, ANY),
+        Rotation => (Notation::Rotation, Any),
         /// An angle of rotation in radians, over any number of turns.
-        Turn => (Notation::Degrees, ANY),
+        Turn => (Notation::Degrees, Any),
         /// Nonzero factors along the axes.
-        Factors => (Notation::Scale, ANY),
+        Factors => (Notation::Scale, Any),
         /// A length in scene units, greater than 0.
-        Length => (Notation::Number, SIZE),
+        Length => (Notation::Number, Positive),
         /// The edge lengths of a box.
-        Edges => (Notation::Vector, SIZE),
+        Edges => (Notation::Vector, Positive),
         /// A reflection or transmission coefficient.
-        Coefficient => (Notation::Number, SHARE),
+        Coefficient => (Notation::Number, Between(0.0, 1.0)),
         /// The exponent of highlights.
-        Shininess => (Notation::Number, (0.0, Specular::LARGEST_SHININESS as f64)),
+        Shininess => (Notation::Number, Between(0.0, Specular::LARGEST_SHININESS as f64)),
         /// The speed of light outside divided by the speed of light inside.
-        RefractiveIndex => (Notation::Number, (Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR)),
+        RefractiveIndex => (Notation::Number, Between(Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR)),
         /// Absorption per scene unit of length and colour channel.
-        Absorption => (Notation::Light, NOT_NEGATIVE),
+        Absorption => (Notation::Light, NotNegative),
         /// Light per colour channel; 1 is full intensity.
-        Light => (Notation::Light, NOT_NEGATIVE),
+        Light => (Notation::Light, NotNegative),
         /// The colour of a surface or a background.
-        Color => (Notation::Color, NOT_NEGATIVE),
+        Color => (Notation::Color, NotNegative),
         /// The full angle of a spot light's cone in radians.
-        SpotAngle => (Notation::Degrees, (SMALLEST, PI)),
+        SpotAngle => (Notation::Degrees, ValidRange::SpotAngle),
         /// The fading fraction of a spot light's cone.
-        Softness => (Notation::Number, SHARE),
+        Softness => (Notation::Number, Between(0.0, 1.0)),
         /// The falloff coefficients c0, c1, c2; c0 is greater than 0.
-        Falloff => (Notation::Vector, NOT_NEGATIVE),
+        Falloff => (Notation::Vector, NotNegative),
         /// The field of view in radians, less than pi.
-        FieldOfView => (Notation::Degrees, (SMALLEST, PI.next_down())),
+        FieldOfView => (Notation::Degrees, ValidRange::FieldOfView),
         /// The diameter of a lens in scene units.
-        Aperture => (Notation::Number, NOT_NEGATIVE),
+        Aperture => (Notation::Number, NotNegative),
         /// The density of fog, per scene unit of length.
-        Density => (Notation::Number, NOT_NEGATIVE),
+        Density => (Notation::Number, NotNegative),
     }
 }
 
@@ -68,9 +57,15 @@ impl Quantity {
         self.row().1.0
     }
 
-    /// Returns the range to which each component is clamped. Angles are in radians.
-    pub(crate) const fn range(self) -> RangeInclusive<f64> {
-        let (smallest, largest) = self.row().1.1;
-        smallest..=largest
+    /// Returns the range of each component.
+    pub(crate) const fn range(self) -> ValidRange {
+        self.row().1.1
+    }
+
+    /// Checks a component in the units of the world: angles are in radians.
+    pub(crate) fn check(self, value: f64) -> Result<(), RangeError> {
+        let is_angle = matches!(self.notation(), Notation::Degrees);
+        let checked = self.range().check(if is_angle { value.to_degrees() } else { value });
+        checked.map_err(|error| error.range.violated_by(value))
     }
 }

@@ -274,7 +274,7 @@ impl Engine {
     /// let faults = engine.faults();
     /// assert_eq!(faults[0].entity, ball);
     /// assert_eq!(faults[0].to_string(), "is not drawn: its radius is -1");
-    /// assert_eq!(faults[0].remedy(), "make it greater than 0");
+    /// assert_eq!(faults[0].remedy(), "keep it greater than 0");
     /// # Ok::<(), rayreel::EngineError>(())
     /// ```
     #[must_use]

@@ -167,7 +167,7 @@ mod tests {
 
     /// Returns the manual's description of the keys of a channel.
     fn keys(quantity: Quantity) -> String {
-        let range = quantity.range();
+        let range = quantity.range().limits();
         match quantity {
             Quantity::Point => "points".to_owned(),
             Quantity::Direction => "directions".to_owned(),

@@ -7,7 +7,7 @@ use std::fmt;
 
 use hecs::Entity;
 
-use crate::components::ShortTurn;
+use crate::components::{RangeError, ShortTurn};
 
 /// A reason why an entity does not appear as specified.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,8 +67,6 @@ pub enum FaultCause {
     Flat,
     /// A coordinate in the world is 1e150 or more in magnitude, or a size in the world is not between 1e-150 and 1e150.
     BeyondMeasure,
-    /// The named number, which must be greater than 0, has this value.
-    NotPositive(&'static str, f64),
     /// The named vector, which must have a direction, has none.
     NoDirection(&'static str),
     /// An edge of a box is so short, and the box so far from the origin, that both ends round to the same number.
@@ -82,10 +80,8 @@ pub enum FaultCause {
     OutOfRange {
         /// The name of the number.
         what: &'static str,
-        /// The value of the number.
-        value: f64,
-        /// The valid range.
-        range: &'static str,
+        /// The number, and its valid range.
+        error: RangeError,
     },
     /// The entity at the end of the named link ("follows", for example) does not exist or has no position.
     Missing(&'static str),
@@ -117,13 +113,12 @@ impl Fault {
                 "look for a scale of 0, or for scales of very different sizes, among its parents".to_owned()
             }
             FaultCause::BeyondMeasure => "keep coordinates and sizes between 1e-150 and 1e150".to_owned(),
-            FaultCause::NotPositive(..) => "make it greater than 0".to_owned(),
             FaultCause::NoDirection(_) => "give it any length but zero, as (0, 1, 0)".to_owned(),
             FaultCause::Lost { coordinate, .. } => format!(
                 "make it longer than {}, or bring it nearer to the origin",
                 brief(coordinate.abs().next_up() - coordinate.abs())
             ),
-            FaultCause::OutOfRange { range, .. } => format!("keep it {range}"),
+            FaultCause::OutOfRange { error, .. } => format!("keep it {}", error.requirement()),
             FaultCause::Missing(_) => "refer to an entity that exists".to_owned(),
             FaultCause::TargetEnds { .. } => {
                 "end both paths at the same time: the view turns fast where a camera passes a resting target"
@@ -179,9 +174,7 @@ impl fmt::Display for FaultCause {
             Self::NoScale => write!(formatter, "its scale has a factor of 0"),
             Self::Flat => write!(formatter, "its transform flattens it in some direction"),
             Self::BeyondMeasure => write!(formatter, "it is too large, too small or too far away"),
-            Self::NotPositive(what, value) | Self::OutOfRange { what, value, .. } => {
-                write!(formatter, "its {what} is {}", brief(*value))
-            }
+            Self::OutOfRange { what, error } => write!(formatter, "its {what} is {}", brief(error.value)),
             Self::NoDirection(what) => write!(formatter, "its {what} has no direction"),
             Self::Lost { edge, coordinate } => write!(
                 formatter,

@@ -278,7 +278,7 @@ fn vector(view: &mut View) -> &mut DVec3 {
 
 /// Clamps a value to the range of its quantity: interpolation between values in range can overshoot it.
 fn held(value: Value, quantity: Quantity) -> Value {
-    let range = quantity.range();
+    let range = quantity.range().limits();
     let within = |number: f64| number.clamp(*range.start(), *range.end());
     match value {
         Value::Number(number) => Value::Number(within(number)),

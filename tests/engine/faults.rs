@@ -473,7 +473,7 @@ fn faults_say_what_is_wrong_in_plain_words() {
             Transform::IDENTITY,
         ))
     });
-    assert_eq!(dark.0, "gives no light: its angle is -1");
+    assert_eq!(dark.0, "gives no light: its angle is -57.295779513");
     let (bright, remedy) = said(|world| {
         world.spawn((Light::new(LightKind::Point, Rgb::new(1.0, f32::NAN, 0.0)), Transform::IDENTITY))
     });

@@ -274,7 +274,7 @@ fn sizes_and_scales_of_zero_are_refused() {
         let value: f64 = zero.parse().unwrap();
         let refused = |what: &str| match value {
             0.0 => format!("{what} must be greater than 0, not {value}"),
-            _ => format!("{value:e} is too small for {what}"),
+            _ => format!("{what} must be at least 1e-60, not {value:e}"),
         };
         let radius = shape(&format!("Sphere(radius: {zero})"));
         assert_eq!(radius, refused("the radius"));
@@ -282,8 +282,10 @@ fn sizes_and_scales_of_zero_are_refused() {
         assert_eq!(edge, refused("every edge of a box"));
         assert_eq!(shape(&format!("Plane(normal: (0, {zero}, 0))")), "the normal has no direction");
         for scale in [zero.to_owned(), format!("(1, 1, {zero})")] {
-            let expected =
-                if value == 0.0 { "a scale of 0 leaves nothing".to_owned() } else { refused("a scale") };
+            let expected = match value {
+                0.0 => "a scale of 0 leaves nothing".to_owned(),
+                _ => format!("{value:e} is too small for a scale"),
+            };
             assert_eq!(entity(&format!("transform: (scale: {scale})")), expected);
         }
         let axis = entity(&format!("transform: (rotation: AxisAngle(({zero}, 0, 0), 90))"));

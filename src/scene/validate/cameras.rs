@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::entities::SLASH;
 use super::{At, Named, Problems, check};
+use crate::components::{Quantity, ValidRange};
 use crate::scene::document::{CameraDocument, SceneDocument, ShotDocument, Triple};
 use crate::scene::files::Scope;
 use crate::scene::quote::{Figure, short};
@@ -187,11 +188,8 @@ fn across(up: Triple, (view, name): (DVec3, &str), at: &At<'_>, problems: &mut P
 }
 
 fn shutter(share: f64, at: &At<'_>, problems: &mut Problems) {
-    if !(share > 0.0 && share <= 1.0) {
-        let message = format!("shutter must be above 0, at most 1, not {}", Figure(share));
-        let help = "write the share of the time from frame to frame during which it is open, as 0.5";
-        problems.add(at, message, "out of range", help);
-    }
+    let help = "write the share of the time from frame to frame during which it is open, as 0.5";
+    check::range(share, ValidRange::AboveZero(1.0), "shutter", help, at, problems);
 }
 
 fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
@@ -202,18 +200,13 @@ fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
 }
 
 pub(super) fn aperture(aperture: f64, at: &At<'_>, problems: &mut Problems) {
-    if check::number(aperture, at, problems) && aperture < 0.0 {
-        let message = format!("the lens's aperture must not be negative, but is {}", Figure(aperture));
-        let help = "write the lens's diameter in scene units, as 0.1; 0 is no lens";
-        problems.add(at, message, "below 0", help);
-    }
+    let help = "write the lens's diameter in scene units, as 0.1; 0 is no lens";
+    check::range(aperture, Quantity::Aperture.range(), "the lens's aperture", help, at, problems);
 }
 
 pub(super) fn field_of_view(fov: f64, at: &At<'_>, problems: &mut Problems) {
-    if !(fov > 0.0 && fov < 180.0) {
-        let message = format!("the field of view must be between 0 and 180 degrees, not {}", Figure(fov));
-        problems.add(at, message, "out of range", "write the vertical angle, as 45");
-    }
+    let help = "write the vertical angle, as 45";
+    check::range(fov, Quantity::FieldOfView.range(), "the field of view", help, at, problems);
 }
 
 fn projection(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {

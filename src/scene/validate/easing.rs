@@ -2,8 +2,8 @@
 
 use super::{At, Problems, check};
 use crate::animation::Notation;
+use crate::components::ValidRange;
 use crate::scene::document::{EasingDocument, OffsetDocument};
-use crate::scene::quote::Figure;
 
 pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, problems: &mut Problems) {
     /// Maximum magnitude of a handle's progress, which keeps values far from overflow.
@@ -15,22 +15,15 @@ pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, pr
         }
         EasingDocument::Bezier(x1, y1, x2, y2) => {
             for (index, x) in [(0, x1), (2, x2)] {
-                if !(0.0..=1.0).contains(&x) {
-                    let message = format!("a handle's time must be from 0 to 1, not {}", Figure(x));
-                    let help =
-                        "write Bezier(x1, y1, x2, y2), x being shares of the time, as in cubic-bezier of CSS";
-                    problems.add(&at.index(index), message, "out of range", help);
-                }
+                let range = ValidRange::Between(0.0, 1.0);
+                let help =
+                    "write Bezier(x1, y1, x2, y2), x being shares of the time, as in cubic-bezier of CSS";
+                check::range(x, range, "a handle's time", help, &at.index(index), problems);
             }
             for (index, y) in [(1, y1), (3, y2)] {
-                if !(-FARTHEST..=FARTHEST).contains(&y) {
-                    let message = format!(
-                        "a handle's progress must be from -{FARTHEST} to {FARTHEST}, not {}",
-                        Figure(y)
-                    );
-                    let help = "0 is at this key, 1 at the next; a little below or above swings beyond them";
-                    problems.add(&at.index(index), message, "out of range", help);
-                }
+                let range = ValidRange::Between(-FARTHEST, FARTHEST);
+                let help = "0 is at this key, 1 at the next; a little below or above swings beyond them";
+                check::range(y, range, "a handle's progress", help, &at.index(index), problems);
             }
         }
         EasingDocument::Handles(out, back) => {

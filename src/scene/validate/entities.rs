@@ -11,7 +11,7 @@ use crate::scene::document::{
     TransformDocument, Triple,
 };
 use crate::scene::files::{Lookup, Scope};
-use crate::scene::quote::{linked, short};
+use crate::scene::quote::{Figure, linked, short};
 
 /// The purpose of a `/` in names, as a label for messages.
 pub(super) const SLASH: &str = "it is for names in parts, as \"car/wheel\"";
@@ -213,7 +213,8 @@ pub(super) fn scale(scale: &ScaleDocument, at: &At<'_>, problems: &mut Problems)
             let help = "write a factor other than 0; 1 changes nothing";
             problems.add(at, "a scale of 0 leaves nothing", "zero", help);
         } else if value.abs() < SMALLEST {
-            check::too_small(value, "a scale", at, problems);
+            let message = format!("{} is too small for a scale", Figure(value));
+            problems.add(at, message, "out of range", format!("write at least {SMALLEST:e}"));
         }
     };
     match *scale {

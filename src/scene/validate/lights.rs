@@ -1,9 +1,8 @@
 //! Validation of lights.
 
 use super::{At, Problems, check};
-use crate::components::{AreaShape, Quantity};
+use crate::components::{AreaShape, Quantity, ValidRange};
 use crate::scene::document::{AreaShapeDocument, LightDocument, Triple};
-use crate::scene::quote::Figure;
 
 pub(super) fn validate(light: &LightDocument, at: &At<'_>, problems: &mut Problems) {
     match *light {
@@ -47,19 +46,14 @@ pub(super) fn validate(light: &LightDocument, at: &At<'_>, problems: &mut Proble
 }
 
 pub(super) fn angle(angle: f64, at: &At<'_>, problems: &mut Problems) {
-    if !(angle > 0.0 && angle <= 180.0) {
-        let angle = Figure(angle);
-        let message = format!("the angle of a spot light must be above 0, at most 180 degrees, not {angle}");
-        problems.add(at, message, "out of range", "write the angle from rim to rim, as 40");
-    }
+    let (what, help) = ("the angle of a spot light", "write the angle from rim to rim, as 40");
+    check::range(angle, Quantity::SpotAngle.range(), what, help, at, problems);
 }
 
 pub(super) fn softness(softness: f64, at: &At<'_>, problems: &mut Problems) {
-    if !Quantity::Softness.range().contains(&softness) {
-        let message = format!("the softness of a spot light must be from 0 to 1, not {}", Figure(softness));
-        let help = "0 is a hard rim, 1 fades all the way from the middle";
-        problems.add(at, message, "out of range", help);
-    }
+    let help = "0 is a hard rim, 1 fades all the way from the middle";
+    let what = "the softness of a spot light";
+    check::range(softness, Quantity::Softness.range(), what, help, at, problems);
 }
 
 fn area_shape(shape: AreaShapeDocument, at: &At<'_>, problems: &mut Problems) {
@@ -78,11 +72,7 @@ pub(super) fn falloff(coefficients: Triple, at: &At<'_>, problems: &mut Problems
     for (index, value) in coefficients.into_iter().enumerate() {
         let at = at.index(index);
         let help = "1 / (c0 + c1 d + c2 d^2) of the light is left at distance d; (1, 0, 0) never weakens";
-        if index == 0 {
-            check::positive(value, "c0 of a falloff", help, &at, problems);
-        } else if check::number(value, &at, problems) && value < 0.0 {
-            let message = format!("c{index} of a falloff must be 0 or more, not {}", Figure(value));
-            problems.add(&at, message, "out of range", help);
-        }
+        let range = if index == 0 { ValidRange::Positive } else { ValidRange::NotNegative };
+        check::range(value, range, &format!("c{index} of a falloff"), help, &at, problems);
     }
 }

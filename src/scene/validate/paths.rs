@@ -3,9 +3,8 @@
 use super::easing::easing;
 use super::{At, Problems, check};
 use crate::animation::Notation;
-use crate::components::{Property, Quantity};
+use crate::components::{Property, Quantity, ValidRange};
 use crate::scene::document::{EasingDocument, TrackDocument};
-use crate::scene::quote::Figure;
 
 /// Checks a path or orbit track.
 pub(super) fn validate<T>(
@@ -71,20 +70,19 @@ fn pace(duration: Option<f64>, speed: Option<f64>, at: &At<'_>, problems: &mut P
         (Some(seconds), None) => self::duration(seconds, &at.field("duration"), problems),
         (None, Some(speed)) => {
             let help = "write scene units per second; to go backwards, write the points the other way round";
-            check::positive(speed, "the speed along a path", help, &at.field("speed"), problems);
+            let range = ValidRange::Positive;
+            check::range(speed, range, "the speed along a path", help, &at.field("speed"), problems);
         }
     }
 }
 
 fn duration(seconds: f64, at: &At<'_>, problems: &mut Problems) {
-    check::positive(seconds, "the duration", "write seconds, as 10", at, problems);
+    check::range(seconds, ValidRange::Positive, "the duration", "write seconds, as 10", at, problems);
 }
 
 fn radius(radius: f64, at: &At<'_>, problems: &mut Problems) {
-    if check::number(radius, at, problems) && radius < 0.0 {
-        let message = format!("the radius of an orbit must not be negative, but is {}", Figure(radius));
-        problems.add(at, message, "below 0", "write 0 or more; negative `turns` go round the other way");
-    }
+    let help = "write 0 or more; negative `turns` go round the other way";
+    check::range(radius, ValidRange::NotNegative, "the radius of an orbit", help, at, problems);
 }
 
 /// Checks the easing of progress along a path or an orbit.

@@ -288,7 +288,7 @@ pub(in crate::scene) fn help_for(error: &ScriptError) -> Option<String> {
 pub(super) mod check {
     use super::{At, Problems};
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
-    use crate::components::Quantity;
+    use crate::components::{Quantity, ValidRange};
     use crate::scene::document::Triple;
     use crate::scene::quote::Figure;
 
@@ -333,29 +333,32 @@ pub(super) mod check {
         true
     }
 
-    /// Checks a length, which must be greater than zero.
-    pub(crate) fn size(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) -> bool {
-        positive(value, what, "write a length in scene units, as 1", at, problems)
-    }
-
-    /// Checks a positive number, which must be at least `SMALLEST`.
-    pub(crate) fn positive(value: f64, what: &str, help: &str, at: &At<'_>, problems: &mut Problems) -> bool {
-        if !number(value, at, problems) {
+    /// Checks a number against its range.
+    pub(crate) fn range(
+        value: f64,
+        range: ValidRange,
+        what: &str,
+        help: &str,
+        at: &At<'_>,
+        problems: &mut Problems,
+    ) -> bool {
+        use ValidRange::{Any, NotNegative, Positive};
+        if matches!(range, Any | NotNegative | Positive) && !number(value, at, problems) {
             return false;
         }
-        if value <= 0.0 {
-            let message = format!("{what} must be greater than 0, not {}", Figure(value));
-            problems.add(at, message, "too small", help);
-        } else if value < SMALLEST {
-            too_small(value, what, at, problems);
-        }
-        value >= SMALLEST
+        let Err(error) = range.check(value) else { return true };
+        let label = match range {
+            NotNegative => "below 0",
+            Positive => "too small",
+            _ => "out of range",
+        };
+        problems.add(at, format!("{what} {error}"), label, help);
+        false
     }
 
-    /// Reports a nonzero number with a magnitude below `SMALLEST`.
-    pub(crate) fn too_small(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
-        let message = format!("{} is too small for {what}", Figure(value));
-        problems.add(at, message, "out of range", format!("write at least {SMALLEST:e}"));
+    /// Checks a length, which must be greater than zero.
+    pub(crate) fn size(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) -> bool {
+        range(value, ValidRange::Positive, what, "write a length in scene units, as 1", at, problems)
     }
 
     /// Checks an integer in 1..=`most`.
@@ -366,69 +369,46 @@ pub(super) mod check {
         }
     }
 
-    /// Checks a coefficient in 0..=1.
+    /// Checks a coefficient.
     pub(crate) fn coefficient(value: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
-        if !Quantity::Coefficient.range().contains(&value) {
-            let message = format!("{what} must be from 0 to 1, not {}", Figure(value));
-            problems.add(at, message, "out of range", "write the share of the light, as 0.7");
-        }
+        range(
+            value,
+            Quantity::Coefficient.range(),
+            what,
+            "write the share of the light, as 0.7",
+            at,
+            problems,
+        );
     }
 
     /// Checks the exponent of specular highlights.
     pub(crate) fn shininess(value: f64, at: &At<'_>, problems: &mut Problems) {
-        let range = Quantity::Shininess.range();
-        if !range.contains(&value) {
-            let largest = Figure(*range.end());
-            let message = format!("shininess must be from 0 to {largest}, not {}", Figure(value));
-            problems.add(at, message, "out of range", "write 10 for a dull surface, 100 for a polished one");
-        }
+        let help = "write 10 for a dull surface, 100 for a polished one";
+        range(value, Quantity::Shininess.range(), "shininess", help, at, problems);
     }
 
     /// Checks a refractive index.
     pub(crate) fn ior(value: f64, at: &At<'_>, problems: &mut Problems) {
-        let range = Quantity::RefractiveIndex.range();
-        if !range.contains(&value) {
-            let (smallest, largest) = (range.start(), range.end());
-            let message = format!("ior must be from {smallest} to {largest}, not {}", Figure(value));
-            problems.add(
-                at,
-                message,
-                "out of range",
-                "write the refractive index, as 1.33 for water, 1.5 for glass",
-            );
-        }
+        let help = "write the refractive index, as 1.33 for water, 1.5 for glass";
+        range(value, Quantity::RefractiveIndex.range(), "ior", help, at, problems);
     }
 
     /// Checks absorption per channel, from 0 to `MOST_LIGHT`.
     pub(crate) fn absorption(value: Triple, at: &At<'_>, problems: &mut Problems) {
-        for (index, value) in value.into_iter().enumerate() {
-            let at = at.index(index);
-            if !number(value, &at, problems) {
-                continue;
-            }
-            if value < 0.0 {
-                let message = format!("absorption must not be negative, but is {}", Figure(value));
-                let help = "exp(-absorption l) is left after a length l inside; 0 is perfectly clear";
-                problems.add(&at, message, "below 0", help);
-            } else if value > MOST_LIGHT {
-                let message = format!("absorption of {} is too much", Figure(value));
-                problems.add(&at, message, "out of range", format!("write at most {MOST_LIGHT:e}"));
-            }
-        }
+        let help = "exp(-absorption l) is left after a length l inside; 0 is perfectly clear";
+        channels(value, "absorption", help, "too much", at, problems);
     }
 
     /// Checks light per channel, from 0 to `MOST_LIGHT`.
     pub(crate) fn intensity(value: Triple, what: &str, at: &At<'_>, problems: &mut Problems) {
+        channels(value, what, "write 0 or more; 1 is full light", "too much light", at, problems);
+    }
+
+    fn channels(value: Triple, what: &str, help: &str, excess: &str, at: &At<'_>, problems: &mut Problems) {
         for (index, value) in value.into_iter().enumerate() {
             let at = at.index(index);
-            if !number(value, &at, problems) {
-                continue;
-            }
-            if value < 0.0 {
-                let message = format!("{what} must not be negative, but is {}", Figure(value));
-                problems.add(&at, message, "below 0", "write 0 or more; 1 is full light");
-            } else if value > MOST_LIGHT {
-                let message = format!("{what} of {} is too much light", Figure(value));
+            if range(value, ValidRange::NotNegative, what, help, &at, problems) && value > MOST_LIGHT {
+                let message = format!("{what} of {} is {excess}", Figure(value));
                 problems.add(&at, message, "out of range", format!("write at most {MOST_LIGHT:e}"));
             }
         }

@@ -1,12 +1,11 @@
 //! Validation of the settings of a whole scene: timeline, film, light, quality and sampling.
 
 use super::{At, Problems, check};
-use crate::components::{FilmSettings, Quality, Sampling};
+use crate::components::{FilmSettings, Quality, Quantity, Sampling, ValidRange};
 use crate::scene::document::{
     BackgroundDocument, FilmDocument, FogDocument, QualityDocument, SamplingDocument, SceneDocument,
     TimelineDocument,
 };
-use crate::scene::quote::Figure;
 use crate::time::{FrameRate, Timeline};
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
@@ -37,22 +36,16 @@ fn fog(document: &FogDocument, at: &At<'_>, problems: &mut Problems) {
 }
 
 pub(super) fn density(density: f64, at: &At<'_>, problems: &mut Problems) {
-    if check::number(density, at, problems) && density < 0.0 {
-        let message = format!("the fog's density must not be negative, but is {}", Figure(density));
-        let help = "write how fast it thickens per scene unit of length, as 0.05; 0 is no fog";
-        problems.add(at, message, "below 0", help);
-    }
+    let help = "write how fast it thickens per scene unit of length, as 0.05; 0 is no fog";
+    check::range(density, Quantity::Density.range(), "the fog's density", help, at, problems);
 }
 
 fn quality(document: &QualityDocument, at: &At<'_>, problems: &mut Problems) {
     let help = "1 traces camera rays alone, 5 adds four reflections";
     check::count(document.depth, Quality::LARGEST_DEPTH, "depth", help, &at.field("depth"), problems);
-    let largest = f64::from(Quality::LARGEST_CUTOFF);
-    if !(0.0..=largest).contains(&document.cutoff) {
-        let message = format!("cutoff must be from 0 to {largest}, not {}", Figure(document.cutoff));
-        let help = "write how many steps of 8-bit output may be left out, as 0.25; 0 leaves nothing out";
-        problems.add(&at.field("cutoff"), message, "out of range", help);
-    }
+    let help = "write how many steps of 8-bit output may be left out, as 0.25; 0 leaves nothing out";
+    let range = ValidRange::Between(0.0, Quality::LARGEST_CUTOFF.into());
+    check::range(document.cutoff, range, "cutoff", help, &at.field("cutoff"), problems);
 }
 
 fn sampling(document: &SamplingDocument, at: &At<'_>, problems: &mut Problems) {
@@ -61,12 +54,9 @@ fn sampling(document: &SamplingDocument, at: &At<'_>, problems: &mut Problems) {
     check::count(document.samples, most, "samples", help, &at.field("samples"), problems);
     let help = "write how many samples each pixel takes at least where there is a max_error, as 16";
     check::count(document.min_samples, most, "min_samples", help, &at.field("min_samples"), problems);
-    let largest = f64::from(Sampling::LARGEST_ERROR);
-    if !(0.0..=largest).contains(&document.max_error) {
-        let message = format!("max_error must be from 0 to {largest}, not {}", Figure(document.max_error));
-        let help = "write by how many steps of 8-bit output the picture may be off, in its norm, as in 0.5; 0 gives every pixel as many samples";
-        problems.add(&at.field("max_error"), message, "out of range", help);
-    }
+    let help = "write by how many steps of 8-bit output the picture may be off, in its norm, as in 0.5; 0 gives every pixel as many samples";
+    let range = ValidRange::Between(0.0, Sampling::LARGEST_ERROR.into());
+    check::range(document.max_error, range, "max_error", help, &at.field("max_error"), problems);
     let help = "write at how many moments, at most, things are drawn while the shutter is open, as 16";
     let most = Sampling::LARGEST_INSTANTS;
     check::count(document.instants, most, "instants", help, &at.field("instants"), problems);
@@ -88,12 +78,9 @@ fn timeline(document: &TimelineDocument, at: &At<'_>, problems: &mut Problems) {
     }
     let duration = document.duration;
     let duration_at = at.field("duration");
-    if !(check::number(duration, &duration_at, problems)) {
+    let help = "write seconds, as 4; 0 is a single frame";
+    if !check::range(duration, ValidRange::NotNegative, "the duration", help, &duration_at, problems) {
         return;
-    }
-    if duration < 0.0 {
-        let message = format!("the duration must not be negative, but is {}", Figure(duration));
-        problems.add(&duration_at, message, "below 0", "write seconds, as 4; 0 is a single frame");
     }
     let rate = rate.and_then(|(numerator, denominator)| FrameRate::new(numerator, denominator));
     if let Some(rate) = rate

@@ -1,6 +1,7 @@
 //! Finds the faults of a prepared world.
 
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 use glam::DVec3;
 use hecs::{Component, Entity, World};
@@ -14,16 +15,11 @@ use super::shape::prepared_shape;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
-    Material, Motion, Order, Projection, Property, Quality, Refractive, Sampling, Shape, Shots, Specular,
-    Transform, View, WorldTransform,
+    Material, Motion, Order, Projection, Property, Quality, Quantity, Refractive, Sampling, Shape, Shots,
+    Specular, Transform, ValidRange, View, WorldTransform,
 };
 use crate::systems::{Consequence, Fallback, Fault, FaultCause};
 use crate::trace::LightSource;
-
-/// The valid range of coefficients.
-const SHARE: &str = "from 0 to 1";
-/// The valid range of light and colours.
-const POSITIVE: &str = "0 or more, and finite";
 
 impl Preparation {
     /// Returns the faults of the world, which must be at the prepared moment, in document order. They cover every shape that is not drawn,
@@ -107,27 +103,40 @@ impl Checked {
     }
 
     /// Checks a number, which is clamped if it is out of range.
-    fn number(&mut self, what: &'static str, value: f64, (least, most): (f64, f64), range: &'static str) {
-        if !(least..=most).contains(&value) && self.fault.is_none() {
-            let held = if value > most { most } else { least };
-            let cause = FaultCause::OutOfRange { what, value, range };
-            self.fault = Some(instead(self.entity, cause, Fallback::Number(held)));
+    fn number(&mut self, what: &'static str, value: f64, range: ValidRange) {
+        self.clamped(what, value, range, range.limits());
+    }
+
+    /// Checks a number, which is clamped to `limits`.
+    fn clamped(&mut self, what: &'static str, value: f64, range: ValidRange, limits: RangeInclusive<f64>) {
+        if !limits.contains(&value) {
+            let held = if value > *limits.end() { *limits.end() } else { *limits.start() };
+            self.fault(what, value, range, Fallback::Number(range.written(held)));
         }
+    }
+
+    /// Checks a count.
+    fn count(&mut self, what: &'static str, value: u32, most: u32) {
+        self.number(what, value.into(), ValidRange::Between(1.0, most.into()));
     }
 
     /// Checks a colour.
     fn color(&mut self, what: &'static str, color: Rgb) {
         for channel in color.to_array() {
-            self.number(what, channel.into(), (0.0, f32::MAX.into()), POSITIVE);
+            self.clamped(what, channel.into(), ValidRange::NotNegative, 0.0..=f32::MAX.into());
         }
     }
 
     /// Checks an optional part of an entity, which is ignored if it is invalid.
-    fn part(&mut self, what: &'static str, value: f64, is_good: bool, range: &'static str) {
-        if !is_good && self.fault.is_none() {
-            let cause = FaultCause::OutOfRange { what, value, range };
-            self.fault = Some(instead(self.entity, cause, Fallback::Nothing));
+    fn part(&mut self, what: &'static str, value: f64, is_good: bool, range: ValidRange) {
+        if !is_good {
+            self.fault(what, value, range, Fallback::Nothing);
         }
+    }
+
+    fn fault(&mut self, what: &'static str, value: f64, range: ValidRange, fallback: Fallback) {
+        let cause = FaultCause::OutOfRange { what, error: range.violated_by(value) };
+        self.fault.get_or_insert(instead(self.entity, cause, fallback));
     }
 }
 
@@ -136,7 +145,7 @@ pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fa
     let (_, _, material, specular, reflective, refractive, checker) = surfaced;
     let mut checked = Checked::new(entity);
     let share = |checked: &mut Checked, what, value: f32| {
-        checked.number(what, value.into(), (0.0, 1.0), SHARE);
+        checked.number(what, value.into(), Quantity::Coefficient.range());
     };
     share(&mut checked, "k_a", material.k_a);
     share(&mut checked, "k_d", material.k_d);
@@ -144,21 +153,19 @@ pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fa
     checked.color("ambient_color", material.ambient_color.unwrap_or_default());
     if let Some(Specular { k_s, shininess }) = specular {
         share(&mut checked, "k_s", *k_s);
-        let most = Specular::LARGEST_SHININESS.into();
-        checked.number("shininess", f64::from(*shininess), (0.0, most), "from 0 to 1e6");
+        checked.number("shininess", f64::from(*shininess), Quantity::Shininess.range());
     }
     if let Some(reflective) = reflective {
         share(&mut checked, "k_r", reflective.k_r);
     }
     if let Some(Refractive { k_t, ior, absorption, .. }) = refractive {
         share(&mut checked, "k_t", *k_t);
-        checked.part("ior", *ior, *ior > 0.0, "from 0.001 to 1000");
-        let limits = (Refractive::SMALLEST_IOR, Refractive::LARGEST_IOR);
-        checked.number("ior", *ior, limits, "from 0.001 to 1000");
+        checked.part("ior", *ior, *ior > 0.0, Quantity::RefractiveIndex.range());
+        checked.number("ior", *ior, Quantity::RefractiveIndex.range());
         checked.color("absorption", *absorption);
     }
     if let Some(checker) = checker {
-        checked.part("square size", checker.size, checker.size > 0.0, "greater than 0");
+        checked.part("square size", checker.size, checker.size > 0.0, ValidRange::Positive);
         checked.color("checker colour", checker.color);
     }
     checked.fault
@@ -183,11 +190,10 @@ fn light_faults(world: &World, faults: &mut Vec<Fault>) {
         checked.color("intensity", light.intensity);
         match light.kind {
             LightKind::Spot { angle, .. } => {
-                checked.number("angle", angle, (0.0, PI), "greater than 0, and at most pi");
+                checked.clamped("angle", angle, ValidRange::SpotAngle, 0.0..=PI);
             }
             LightKind::Area { samples, .. } => {
-                let most = AreaShape::LARGEST_SAMPLES.into();
-                checked.number("number of samples", samples.into(), (1.0, most), "from 1 to 4096");
+                checked.count("number of samples", samples, AreaShape::LARGEST_SAMPLES);
             }
             LightKind::Point | LightKind::Directional { .. } => {}
         }
@@ -236,16 +242,16 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
         faults.push(instead(entity, FaultCause::NotFinite("view"), Fallback::AlongZ));
     }
     let mut checked = Checked::new(entity);
-    checked.part("roll", camera.roll, camera.roll.is_finite(), "finite");
+    checked.part("roll", camera.roll, camera.roll.is_finite(), ValidRange::Any);
     if let Some(lens) = camera.lens {
         let sane = (0.0..=f64::MAX).contains(&lens.aperture);
-        checked.part("aperture", lens.aperture, sane, POSITIVE);
+        checked.part("aperture", lens.aperture, sane, ValidRange::NotNegative);
         let sane = lens.focus > 0.0 && lens.focus.is_finite();
-        checked.part("focus", lens.focus, sane, "greater than 0, and finite");
+        checked.part("focus", lens.focus, sane, ValidRange::Positive);
     }
     if let Some(shutter) = camera.shutter {
-        checked.part("shutter", shutter, shutter > 0.0, "greater than 0, and at most 1");
-        checked.number("shutter", shutter, (0.0, 1.0), "greater than 0, and at most 1");
+        checked.part("shutter", shutter, shutter > 0.0, ValidRange::AboveZero(1.0));
+        checked.clamped("shutter", shutter, ValidRange::AboveZero(1.0), 0.0..=1.0);
     }
     faults.extend(checked.fault);
 }
@@ -267,16 +273,17 @@ fn target_ends(world: &World, camera: Entity) -> Option<FaultCause> {
 
 /// Returns the cause of an empty or inverted screen, with the value responsible.
 fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
-    let wrong = |what, value: f64| (!(value > 0.0 && value.is_finite())).then_some((what, value));
+    let cause = |what, value, range: ValidRange, is_good: bool| {
+        (!is_good).then(|| (FaultCause::OutOfRange { what, error: range.violated_by(value) }, value))
+    };
+    let length =
+        |what, value: f64| cause(what, value, ValidRange::Positive, value > 0.0 && value.is_finite());
     match projection {
-        Projection::Screen { distance, width, height } => wrong("screen's distance", distance)
-            .or_else(|| wrong("screen's height", height))
-            .or_else(|| wrong("screen's width", width?))
-            .map(|(what, value)| (FaultCause::NotPositive(what, value), value)),
+        Projection::Screen { distance, width, height } => length("screen's distance", distance)
+            .or_else(|| length("screen's height", height))
+            .or_else(|| length("screen's width", width?)),
         Projection::FieldOfView { vertical } => {
-            let range = "greater than 0 and less than pi (180 degrees)";
-            let cause = FaultCause::OutOfRange { what: "field of view", value: vertical, range };
-            (!(vertical > 0.0 && vertical < PI)).then_some((cause, vertical))
+            cause("field of view", vertical, ValidRange::FieldOfView, vertical > 0.0 && vertical < PI)
         }
     }
 }
@@ -303,42 +310,27 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     }));
     check(setting(world, |checked, Fog { color, density }| {
         checked.color("fog's colour", *color);
-        checked.number("fog's density", *density, (0.0, f64::MAX), POSITIVE);
+        checked.clamped("fog's density", *density, ValidRange::NotNegative, 0.0..=f64::MAX);
     }));
     check(setting(world, |checked, film: &FilmSettings| {
-        let most = FilmSettings::LARGEST_SIDE.into();
-        checked.number("film's width", film.width.into(), (1.0, most), "from 1 to 32768");
-        checked.number("film's height", film.height.into(), (1.0, most), "from 1 to 32768");
+        checked.count("film's width", film.width, FilmSettings::LARGEST_SIDE);
+        checked.count("film's height", film.height, FilmSettings::LARGEST_SIDE);
         let shown = super::film_settings(world);
         if film.width == shown.width && film.height > shown.height {
-            let limits = (1.0, f64::from(shown.height));
-            checked.number(
-                "film's height",
-                film.height.into(),
-                limits,
-                "so small that the film has at most 2^28 pixels",
-            );
+            checked.count("film's height", film.height, shown.height);
         }
     }));
     check(setting(world, |checked, sampling: &Sampling| {
-        let most = Sampling::LARGEST_COUNT.into();
-        checked.number("number of samples", sampling.samples.into(), (1.0, most), "from 1 to 65536");
-        checked.number(
-            "least number of samples",
-            sampling.min_samples.into(),
-            (1.0, most),
-            "from 1 to 65536",
-        );
-        let most = Sampling::LARGEST_ERROR.into();
-        checked.number("largest error", sampling.max_error.into(), (0.0, most), "from 0 to 255");
-        let most = Sampling::LARGEST_INSTANTS.into();
-        checked.number("number of instants", sampling.instants.into(), (1.0, most), "from 1 to 256");
+        checked.count("number of samples", sampling.samples, Sampling::LARGEST_COUNT);
+        checked.count("least number of samples", sampling.min_samples, Sampling::LARGEST_COUNT);
+        let errors = ValidRange::Between(0.0, Sampling::LARGEST_ERROR.into());
+        checked.number("largest error", sampling.max_error.into(), errors);
+        checked.count("number of instants", sampling.instants, Sampling::LARGEST_INSTANTS);
     }));
     check(setting(world, |checked, Quality { depth, cutoff }| {
-        let most = Quality::LARGEST_DEPTH.into();
-        checked.number("depth", f64::from(*depth), (1.0, most), "from 1 to 1000");
-        let most = Quality::LARGEST_CUTOFF.into();
-        checked.number("cutoff", f64::from(*cutoff), (0.0, most), "from 0 to 255");
+        checked.count("depth", *depth, Quality::LARGEST_DEPTH);
+        let cutoffs = ValidRange::Between(0.0, Quality::LARGEST_CUTOFF.into());
+        checked.number("cutoff", f64::from(*cutoff), cutoffs);
     }));
 }
 

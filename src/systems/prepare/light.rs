@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::settings::sane;
 use super::shape::towards_one;
-use crate::components::{AreaShape, Falloff, Light, LightKind, WorldTransform};
+use crate::components::{AreaShape, Falloff, Light, LightKind, Quantity, ValidRange, WorldTransform};
 use crate::systems::FaultCause;
 use crate::trace::{self, Cone, LightSource, ShapeId};
 
@@ -72,7 +72,7 @@ fn prepared_area(shape: AreaShape, transform: &WorldTransform) -> Result<LightSo
 }
 
 fn out_of_size(what: &'static str, value: f64) -> FaultCause {
-    FaultCause::OutOfRange { what, value, range: "0 or more, and finite" }
+    FaultCause::OutOfRange { what, error: ValidRange::NotNegative.violated_by(value) }
 }
 
 /// Returns the cone of a spot light, about the own +z axis as rotated by the transform.
@@ -81,11 +81,12 @@ fn prepared_cone(angle: f64, softness: f64, transform: &WorldTransform) -> Resul
     let axis = (forward * towards_one(forward.abs().max_element())).try_normalize();
     let axis = axis.ok_or(FaultCause::NoDirection("own z axis"))?;
     if angle.is_nan() || angle <= 0.0 {
-        return Err(FaultCause::NotPositive("angle", angle));
+        return Err(FaultCause::OutOfRange {
+            what: "angle",
+            error: ValidRange::SpotAngle.violated_by(angle),
+        });
     }
-    if !(0.0..=1.0).contains(&softness) {
-        return Err(FaultCause::OutOfRange { what: "softness", value: softness, range: "from 0 to 1" });
-    }
+    Quantity::Softness.check(softness).map_err(|error| FaultCause::OutOfRange { what: "softness", error })?;
     let half = 0.5 * angle.min(PI);
     Ok(Cone { axis, inner: libm::cos((1.0 - softness) * half), outer: libm::cos(half) })
 }
@@ -99,7 +100,8 @@ fn prepared_falloff(falloff: Falloff) -> Result<trace::PreparedFalloff, FaultCau
         }
     }
     if constant == 0.0 {
-        return Err(FaultCause::NotPositive("constant of its falloff", constant));
+        let error = ValidRange::Positive.violated_by(constant);
+        return Err(FaultCause::OutOfRange { what: "constant of its falloff", error });
     }
     Ok(trace::PreparedFalloff { constant, linear, quadratic })
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering::Less;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::components::{Shape, WorldTransform};
+use crate::components::{Shape, ValidRange, WorldTransform};
 use crate::systems::FaultCause;
 use crate::systems::world_transform::ExactAffine;
 use crate::trace::PreparedShape;
@@ -74,7 +74,9 @@ impl<'a> ShapeTransform<'a> {
     /// Checks a size of a shape. `what` is the name of the size.
     fn check_size(&self, what: &'static str, size: f64) -> Result<(), FaultCause> {
         match size {
-            _ if size.is_nan() || size <= 0.0 => Err(FaultCause::NotPositive(what, size)),
+            _ if size.is_nan() || size <= 0.0 => {
+                Err(FaultCause::OutOfRange { what, error: ValidRange::Positive.violated_by(size) })
+            }
             _ if !measurable(size * self.largest) => Err(FaultCause::BeyondMeasure),
             _ => Ok(()),
         }
