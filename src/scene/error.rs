@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::files::{Files, SceneFile};
+use super::input::InputFiles;
 use super::quote::short;
 use super::spans::{PathStep, locate};
 use super::{Diagnostic, SourcePosition};
@@ -17,7 +18,7 @@ pub struct LoadError {
     unlisted: usize,
     /// The number of errors counted in the labels of equal errors.
     repeated: usize,
-    files: Vec<PathBuf>,
+    inputs: InputFiles,
 }
 
 /// A file with errors.
@@ -77,7 +78,7 @@ impl LoadError {
                 faulty.push(FaultyFile { name, text, overridden, included_from, diagnostics });
             }
         }
-        Self { file: file.unwrap_or_default(), faulty, unlisted, repeated, files: files.paths }
+        Self { file: file.unwrap_or_default(), faulty, unlisted, repeated, inputs: files.inputs }
     }
 
     /// Returns the scene file, as it was named.
@@ -89,7 +90,13 @@ impl LoadError {
     /// Returns all files that were looked for: the scene file, its includes and its script files, including missing ones.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {
-        &self.files
+        &self.inputs.paths
+    }
+
+    /// Returns whether a file exists but could not be read, so that a later attempt may succeed without a change.
+    #[must_use]
+    pub fn is_transient(&self) -> bool {
+        self.inputs.is_transient
     }
 
     /// Returns the errors, grouped by file and sorted by position. If there are very many errors, or several equal ones, only the first are

@@ -3,7 +3,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Read, Take};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Maximum size of a scene file: 1 GiB.
 pub(crate) const LARGEST_FILE: u64 = 1 << 30;
@@ -29,6 +29,24 @@ pub enum InputError {
     /// An error of the operating system, for example for a directory.
     #[error(transparent)]
     System(#[from] io::Error),
+}
+
+/// The files that were looked for while a scene was read.
+#[derive(Clone, Debug, Default)]
+pub(super) struct InputFiles {
+    /// The paths, including those of missing files.
+    pub(super) paths: Vec<PathBuf>,
+    /// True if a file exists but could not be read. It may become readable without being changed.
+    pub(super) is_transient: bool,
+}
+
+impl InputFiles {
+    /// Reads a file like [`read`], and records whether a failure is transient.
+    pub(super) fn read(&mut self, path: &Path, offered: InputKind, most: u64) -> Result<Vec<u8>, InputError> {
+        let content = read(path, offered, most);
+        self.is_transient |= matches!(content, Err(InputError::System(_))) && path.is_file();
+        content
+    }
 }
 
 /// Opens a file of at most `most` bytes; at most one byte more can be read. Type and length are checked before the file is opened, because

@@ -88,7 +88,7 @@ impl Scene {
         if !files.are_good() {
             return Err(LoadError::new(files));
         }
-        let paths = std::mem::take(&mut files.paths);
+        let paths = std::mem::take(&mut files.inputs.paths);
         let (merged, sources) = files.merge();
         let scripts = compiled.link(&merged.uses, &sources);
         let kept = keep(sources);

@@ -2,14 +2,14 @@
 
 use std::collections::HashMap;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Sources;
 use super::data;
 use super::diagnostic::Source;
 use super::document::{EntityDocument, SceneDocument, ScriptDocument};
-use super::input::{self, InputError, InputKind};
+use super::input::{InputError, InputFiles, InputKind};
 use super::script_sources::{SceneScripts, ScriptSource};
 use super::spawn::transfer;
 use super::suggest_file::nearby;
@@ -22,7 +22,7 @@ pub(super) fn spawn(
     folder: &Path,
     seed: u64,
     budget: &mut SpawnBudget,
-    paths: &mut Vec<PathBuf>,
+    inputs: &mut InputFiles,
     problems: &mut Problems,
 ) {
     let scene = At::scene();
@@ -30,7 +30,7 @@ pub(super) fn spawn(
     problems.spawned_from(document.entities.len());
     for (index, script) in document.spawn.iter().enumerate() {
         let at = list.index(index);
-        let Some(code) = Code::read(script, folder, paths, &at, problems) else { continue };
+        let Some(code) = Code::read(script, folder, inputs, &at, problems) else { continue };
         let (result, spawned) = run(&code.text, seed, budget);
         for (entity, place) in spawned {
             document.entities.push(Arc::new(entity));
@@ -77,7 +77,7 @@ impl Compiler {
         file: usize,
         document: &mut SceneDocument,
         folder: &Path,
-        paths: &mut Vec<PathBuf>,
+        inputs: &mut InputFiles,
         problems: &mut Problems,
     ) {
         let Compiled { scripts, origins } = &mut self.compiled;
@@ -87,7 +87,7 @@ impl Compiler {
             let Some(script) = animation.track.script() else { continue };
             let animation_at = list.index(index);
             let at = animation_at.field("track");
-            let Some(code) = Code::read(&script, folder, paths, &at, problems) else { continue };
+            let Some(code) = Code::read(&script, folder, inputs, &at, problems) else { continue };
             match scripts.language.compile(&code.text) {
                 Ok(script) => {
                     animation.script = Some(scripts.list.len());
@@ -154,16 +154,20 @@ impl Code {
     pub(super) fn read(
         script: &ScriptDocument,
         folder: &Path,
-        paths: &mut Vec<PathBuf>,
+        inputs: &mut InputFiles,
         at: &At<'_>,
         problems: &mut Problems,
     ) -> Option<Self> {
         match script {
             ScriptDocument::Script(text) => Some(Self { text: text.clone(), source: None }),
             ScriptDocument::File(name) => {
-                match read(&remembered(folder.join(name), paths), Path::new(name)) {
+                let path = folder.join(name);
+                if !inputs.paths.contains(&path) {
+                    inputs.paths.push(path.clone());
+                }
+                match read(&path, Path::new(name), inputs) {
                     Ok(text) => {
-                        let file = folder.join(name).display().to_string();
+                        let file = path.display().to_string();
                         Some(Self { source: Some(Arc::new(Source { file, text: text.clone() })), text })
                     }
                     Err((message, help)) => {
@@ -176,20 +180,12 @@ impl Code {
     }
 }
 
-/// Adds a path to the files of the scene, and returns it.
-fn remembered(path: PathBuf, paths: &mut Vec<PathBuf>) -> PathBuf {
-    if !paths.contains(&path) {
-        paths.push(path.clone());
-    }
-    path
-}
-
 /// Reads a script file; `written` is its path in the scene. An error consists of a message and a remedy.
-fn read(path: &Path, written: &Path) -> Result<String, (String, String)> {
+fn read(path: &Path, written: &Path, inputs: &mut InputFiles) -> Result<String, (String, String)> {
     let file = path.display();
     let remedy = || "write the path of a text file, as seen from the scene file's folder".to_owned();
     let bytes =
-        input::read(path, InputKind::Refused, limits::SCRIPT as u64).map_err(|error| match error {
+        inputs.read(path, InputKind::Refused, limits::SCRIPT as u64).map_err(|error| match error {
             InputError::System(error) if error.kind() == ErrorKind::NotFound => (
                 format!("there is no file `{file}`"),
                 nearby(path, written, is_no_scene).unwrap_or_else(remedy),

@@ -21,7 +21,7 @@ use super::spans::{PathStep, locate};
 /// assert_eq!((sources.material(0).as_deref(), sources.material(1)), (Some("clay"), None));
 /// # Ok::<(), rayreel::scene::LoadError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Sources {
     /// The names and texts; the first is the scene file.
     files: Vec<(String, Arc<String>)>,

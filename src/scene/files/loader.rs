@@ -24,14 +24,14 @@ const DEEPEST: usize = 32;
 impl Files {
     /// Reads a scene file and its includes, and applies overrides.
     pub(in crate::scene) fn read(path: &Path, overrides: &[Override]) -> Self {
-        Loader { overrides: Unplaced::new(overrides), ..Loader::default() }.load(path, content(path))
+        Loader { overrides: Unplaced::new(overrides), ..Loader::default() }.read(path)
     }
 
     /// Reads a scene file like [`read`](Self::read), and reuses documents from earlier loads.
     pub(in crate::scene) fn read_again(path: &Path, overrides: &[Override], before: &mut Texts) -> Self {
         let texts = Some(mem::take(before));
         let mut loader = Loader { texts, overrides: Unplaced::new(overrides), ..Loader::default() };
-        let loaded = loader.load(path, content(path));
+        let loaded = loader.read(path);
         *before = loader.texts.unwrap_or_default();
         let is_whole =
             |file: &SceneFile| file.document.is_some() && file.includes.iter().all(Option::is_some);
@@ -69,7 +69,7 @@ impl Files {
         for (index, file) in self.files.iter_mut().enumerate() {
             if let Some(document) = &mut file.document {
                 let folder = Path::new(&file.name).parent().unwrap_or(Path::new(""));
-                compiler.compile(index, document, folder, &mut self.paths, &mut file.problems);
+                compiler.compile(index, document, folder, &mut self.inputs, &mut file.problems);
             }
         }
         compiler.finish()
@@ -82,12 +82,6 @@ impl Files {
 
 /// The entities of the texts that could be parsed, by the canonical paths of their files.
 pub(in crate::scene) type Texts = HashMap<PathBuf, ParsedEntities>;
-
-fn content(path: &Path) -> FileContent {
-    read(path).unwrap_or_else(|Refusal { message, help, .. }| {
-        FileContent::Garbled(String::new(), Diagnostic::new(message, "", help, None))
-    })
-}
 
 #[derive(Debug, Default)]
 struct Loader {
@@ -105,6 +99,14 @@ struct Loader {
 }
 
 impl Loader {
+    fn read(&mut self, path: &Path) -> Files {
+        let content =
+            read(path, &mut self.loaded.inputs).unwrap_or_else(|Refusal { message, help, .. }| {
+                FileContent::Garbled(String::new(), Diagnostic::new(message, "", help, None))
+            });
+        self.load(path, content)
+    }
+
     fn load(&mut self, path: &Path, content: FileContent) -> Files {
         let key = self.try_path(path);
         self.add(path, key, content, None);
@@ -118,7 +120,7 @@ impl Loader {
     fn try_path(&mut self, path: &Path) -> PathBuf {
         let key = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.tried.insert(key.clone()) {
-            self.loaded.paths.push(path.to_owned());
+            self.loaded.inputs.paths.push(path.to_owned());
         }
         key
     }
@@ -148,8 +150,8 @@ impl Loader {
         let own = self.loaded.files.first().unwrap_or(&file);
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
         if let Some(document) = &mut file.document {
-            let Self { loaded: Files { paths, .. }, budget, .. } = self;
-            scripts::spawn(document, folder, seed, budget, paths, &mut file.problems);
+            let Self { loaded: Files { inputs, .. }, budget, .. } = self;
+            scripts::spawn(document, folder, seed, budget, inputs, &mut file.problems);
         }
         let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
         self.loaded.files.push(file);
@@ -190,7 +192,7 @@ impl Loader {
                 help: Some("include the file from one that is less deep".to_owned()),
             });
         }
-        let content = read_included(path, written)?;
+        let content = read_included(path, written, &mut self.loaded.inputs)?;
         Ok(self.add(path, key, content, Some(from)))
     }
 

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::scene::Diagnostic;
-use crate::scene::input::{self, InputError, InputKind, LARGEST_FILE};
+use crate::scene::input::{InputError, InputFiles, InputKind, LARGEST_FILE};
 use crate::scene::suggest_file::nearby;
 
 /// The content of a file.
@@ -24,18 +24,27 @@ pub(super) struct Refusal {
 }
 
 /// Reads a scene file, or standard input.
-pub(super) fn read(path: &Path) -> Result<FileContent, Refusal> {
-    content(path, path, InputKind::Accepted)
+pub(super) fn read(path: &Path, files: &mut InputFiles) -> Result<FileContent, Refusal> {
+    content(path, path, InputKind::Accepted, files)
 }
 
 /// Reads a file that is included as `written`. Streams are rejected, because they cannot be read again.
-pub(super) fn read_included(path: &Path, written: &Path) -> Result<FileContent, Refusal> {
-    content(path, written, InputKind::Refused)
+pub(super) fn read_included(
+    path: &Path,
+    written: &Path,
+    files: &mut InputFiles,
+) -> Result<FileContent, Refusal> {
+    content(path, written, InputKind::Refused, files)
 }
 
-fn content(path: &Path, written: &Path, offered: InputKind) -> Result<FileContent, Refusal> {
+fn content(
+    path: &Path,
+    written: &Path,
+    offered: InputKind,
+    files: &mut InputFiles,
+) -> Result<FileContent, Refusal> {
     let bytes =
-        input::read(path, offered, LARGEST_FILE).map_err(|error| Refusal::of(&error, path, written))?;
+        files.read(path, offered, LARGEST_FILE).map_err(|error| Refusal::of(&error, path, written))?;
     Ok(String::from_utf8(bytes).map_or_else(|error| garbled(&error), FileContent::Text))
 }
 

@@ -1,10 +1,10 @@
 //! The loaded files of a scene.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
+use crate::scene::input::InputFiles;
 use crate::scene::validate::Problems;
 
 /// A loaded file of a scene, with its errors.
@@ -33,6 +33,6 @@ pub(in crate::scene) struct Files {
     pub(in crate::scene) files: Vec<SceneFile>,
     /// File indices in an order in which every file follows its includes.
     pub(super) parts_first: Vec<usize>,
-    /// The paths of all files, including missing ones.
-    pub(in crate::scene) paths: Vec<PathBuf>,
+    /// All files that were looked for, including missing ones.
+    pub(in crate::scene) inputs: InputFiles,
 }
