@@ -2,9 +2,8 @@
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
@@ -76,14 +75,6 @@ pub(super) struct CommandQueue {
     urgent: AtomicBool,
 }
 
-/// The time to wait for commands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum WaitMode {
-    None,
-    Until(Instant),
-    Endless,
-}
-
 impl CommandQueue {
     pub(super) fn send(&self, command: SessionCommand) {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
@@ -95,33 +86,23 @@ impl CommandQueue {
         self.posted.notify_one();
     }
 
-    /// Waits for commands within `wait_mode`. Returns all commands since the last call, in order.
-    pub(super) fn take(&self, wait_mode: WaitMode) -> Vec<SessionCommand> {
+    /// Waits for commands until the given time, or endlessly without one. Returns all commands since the last call, in order.
+    pub(super) fn take(&self, until: Option<Instant>) -> Vec<SessionCommand> {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         while commands.is_empty() {
-            commands = match wait_mode {
-                WaitMode::None => break,
-                WaitMode::Endless => self.posted.wait(commands).unwrap_or_else(PoisonError::into_inner),
-                WaitMode::Until(end) => {
-                    let rest = end.saturating_duration_since(Instant::now());
-                    if rest.is_zero() {
-                        break;
-                    }
-                    self.posted.wait_timeout(commands, rest).unwrap_or_else(PoisonError::into_inner).0
-                }
+            let Some(until) = until else {
+                commands = self.posted.wait(commands).unwrap_or_else(PoisonError::into_inner);
+                continue;
             };
+            let rest = until.saturating_duration_since(Instant::now());
+            if rest.is_zero() {
+                break;
+            }
+            commands = self.posted.wait_timeout(commands, rest).unwrap_or_else(PoisonError::into_inner).0;
         }
         self.interrupt.store(false, Ordering::Relaxed);
         self.urgent.store(false, Ordering::Relaxed);
         std::mem::take(&mut commands)
-    }
-
-    /// Removes pending commands to read the files, for a caller that is about to read them. Returns whether there were any.
-    pub(super) fn take_reload(&self) -> bool {
-        let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
-        let count = commands.len();
-        commands.retain(|command| !matches!(command, SessionCommand::Reload));
-        commands.len() < count
     }
 
     /// Returns the flag that becomes true when a command arrives.
@@ -132,43 +113,5 @@ impl CommandQueue {
     /// Returns the flag that becomes true when a command other than the next frame of playback arrives.
     pub(super) fn urgent(&self) -> &AtomicBool {
         &self.urgent
-    }
-
-    /// Runs `work`, which can be interrupted by commands and by `deadline`. The deadline counts from the first call of the function
-    /// passed to `work`; when it passes, [`interrupt`](Self::waiting) becomes true without a command. Returns the result, and whether the
-    /// deadline passed.
-    pub(super) fn with_deadline<T>(
-        &self,
-        deadline: Option<Duration>,
-        work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
-    ) -> (T, bool) {
-        let Some(deadline) = deadline else { return (work(&|| ()), false) };
-        let (begun, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
-        let result = thread::scope(|scope| {
-            let clock = scope.spawn(|| {
-                while !done.load(Ordering::Acquire) {
-                    let Some(begun) = begun.get() else {
-                        thread::park();
-                        continue;
-                    };
-                    let rest = deadline.saturating_sub(Instant::elapsed(begun));
-                    if rest.is_zero() {
-                        late.store(true, Ordering::Relaxed);
-                        self.interrupt.store(true, Ordering::Relaxed);
-                        return;
-                    }
-                    thread::park_timeout(rest);
-                }
-            });
-            let result = work(&|| {
-                if begun.set(Instant::now()).is_ok() {
-                    clock.thread().unpark();
-                }
-            });
-            done.store(true, Ordering::Release);
-            clock.thread().unpark();
-            result
-        });
-        (result, late.into_inner())
     }
 }

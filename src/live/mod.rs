@@ -1,31 +1,32 @@
 //! Live preview of scenes during editing.
 //!
 //! ```text
-//! files -> watcher -> commands -> session (reads, renders) -> published -> server -> page
-//!                        ^                                               |
-//!                        +---------- seek, probe, quality ---------------+
+//! files -> watcher -> commands -> worker (reads, picks jobs) -> renderer (runs them) -> publish -> server -> page
+//!                        ^                                                                           |
+//!                        +---------------------- seek, probe, quality -------------------------------+
 //! ```
 //!
-//! The [`Watcher`] detects changes of file contents. The [`Session`] owns the engine and runs on a separate thread. It processes
-//! commands, and publishes its state and pictures, which can be read at any time, so that a page opened late or again shows the
-//! same as all others. Coarse pictures precede a picture that takes long, which is also shown while it is unfinished. A new command
-//! interrupts the work at once and discards only results that are no longer needed. The [`Server`] makes all this available to browsers
-//! on the same machine only.
+//! | file | holds |
+//! |---|---|
+//! | `session` | the thread's start and end, and the handle of other threads |
+//! | `watcher` | detection of changed file contents |
+//! | `commands` | the queue of commands, which interrupt the work |
+//! | `worker` | reading of the files, and the choice of the next job |
+//! | `renderer` | the engine; coarse pictures, the requested one, and the full one |
+//! | `progressive` | levels and times of the pictures before and during a picture that takes long |
+//! | `measure`, `pixel_info` | costs of effects, the error curve, and single pixels |
+//! | `publish`, `state` | pictures, the state and events, readable at any time |
+//! | `server`, `page` | the HTTP server for browsers on the same machine, and its page |
+//!
+//! A page opened late or again shows the same as all others, since it shows what is published. Coarse pictures precede a picture that takes
+//! long, which is also shown while it is unfinished. A new command interrupts the work at once and discards only results that are no longer
+//! needed.
 
 mod commands;
-mod event;
-mod files;
-mod guard;
-mod handle;
-mod in_progress;
-mod page;
+mod measure;
 mod pixel_info;
-mod presenter;
-mod preview_level;
-mod preview_scene;
-mod progress_observer;
-mod published;
-mod refresh_timer;
+mod progressive;
+mod publish;
 mod renderer;
 mod server;
 mod session;
@@ -33,11 +34,9 @@ mod state;
 mod watcher;
 mod worker;
 
-pub use event::{Event, Shown};
-pub use guard::{HostName, NoHostName};
-pub use handle::{Handle, SessionSettings};
-pub use server::Server;
-pub use session::Session;
+pub use publish::{Event, Shown};
+pub use server::{HostName, NoHostName, Server};
+pub use session::{Handle, Session, SessionSettings};
 pub use state::{Mistakes, PictureInfo, Times};
 pub use watcher::{QUIET, Watcher, Watching};
 
@@ -46,6 +45,6 @@ pub use watcher::{QUIET, Watcher, Watching};
 pub use {
     commands::{Detail, ProbeReply, SessionCommand, ViewChange},
     pixel_info::{PixelInfo, SurfaceInfo},
-    published::Picture,
+    publish::Picture,
     state::{Planned, State},
 };

@@ -1,341 +1,516 @@
 //! Rendering of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
 
-use std::ops::ControlFlow::Break;
+use std::ops::ControlFlow::{self, Break, Continue};
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use super::commands::Detail;
-use super::event::Event;
-use super::in_progress::{BackgroundRender, RenderInProgress};
-use super::presenter::{FinishedRender, PictureKind};
-use super::preview_level::{self, Effort, PreviewLevel, RequestedPicture};
-use super::progress_observer::{ProgressObserver, rays, share_of_unfinished};
-use super::state::{State, Times};
-use super::worker::{LevelRole, NextTask, Worker};
-use crate::engine::{EngineError, FrameReport};
-use crate::systems::Effect;
-use crate::trace::{Film, RenderJob, Signals};
+use hecs::World;
 
-/// Minimum time for a picture before a coarse one replaces it while nothing of its frame is shown. Twice its expected time applies if
-/// that is longer.
-const SOON: Duration = Duration::from_millis(50);
-/// Minimum time slice of the full picture due after an edit, even when another picture is requested.
+use super::commands::{CommandQueue, Detail};
+use super::measure;
+use super::pixel_info::{PixelInfo, named};
+use super::progressive::{
+    Effort, FIRST, FIRST_DIVISOR, PreviewLevel, RefreshTimer, RequestedPicture, Timings, share_of_unfinished,
+    sized, with_deadline,
+};
+use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
+use super::state::{Planned, State, Times};
+use crate::engine::{Engine, EngineError, FrameReport, RenderRequest};
+use crate::scene::{Scene, Sources};
+use crate::systems::{Effect, EffectSet, RenderSettings};
+use crate::trace::{Film, RenderJob, RenderedImage, Signals};
+
+/// Minimum time for a picture before a coarse one replaces it while nothing of its frame is shown, so that most pictures of simple scenes
+/// are the only ones of their frames. Twice its expected time applies if that is longer.
+const LATE: Duration = Duration::from_millis(50);
+/// Minimum time slice of the full picture due after an edit, even when another picture is requested: half a frame interval at 25 frames
+/// per second, so that the picture progresses during playback, which stays smooth.
 const SLICE: Duration = Duration::from_millis(20);
+/// Maximum number of faults that are listed. A fault may occur in every entity.
+const MOST_FAULTS: usize = 10;
+/// Maximum time of a curve point other than the scene's own, in milliseconds, so that the curve of a slow frame ends.
+const LONGEST_POINT: f64 = 2000.0;
 
-/// The requested picture after some tracing.
-struct Traced {
-    /// The film, or `None` if it is unfinished.
-    film: Result<Option<Film>, EngineError>,
-    /// True if tracing takes longer than a first picture should.
-    is_late: bool,
-    target: RequestedPicture,
+/// A piece of work. All pictures are of the current frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum PreviewJob {
+    /// A coarse picture.
+    Preview(PreviewLevel, LevelRole),
+    /// The requested picture, or the full one.
+    Picture {
+        detail: Detail,
+        /// True if a full picture follows.
+        precedes_full: bool,
+    },
+    /// A measurement of the cost of the effect with this index or, after all effects, of a point of the error curve.
+    Measurement(usize),
 }
 
-impl Worker {
-    pub(super) fn make_next(&mut self) {
-        match self.next {
-            NextTask::Nothing => {}
-            NextTask::Step(step, role) => self.render_preview(step, role),
-            NextTask::Picture(detail) => self.render_requested(detail),
-            NextTask::Rest(until) => self.wait_idle(until),
-            NextTask::Cost(index) => self.measure(index),
-            NextTask::Curve(index) => self.measure_samples(index),
+/// The role of a coarse picture among the pictures of its frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LevelRole {
+    /// The first picture, which cannot wait.
+    First,
+    /// A picture between the first and the requested one.
+    Between,
+    /// The only picture of its frame during playback.
+    InARow,
+}
+
+/// The result of a job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum JobOutcome {
+    /// The result is published.
+    Done,
+    /// The result is published or lost, and nothing can follow it.
+    Ended,
+    /// A command interrupted the job, which can be continued.
+    Interrupted,
+    /// A coarse picture should come first.
+    Needs(PreviewLevel, LevelRole),
+}
+
+/// A picture while it is being rendered.
+struct RenderInProgress {
+    frame: u32,
+    detail: Detail,
+    job: Option<RenderJob>,
+    traced: Duration,
+    /// True if any part of the picture has been shown.
+    is_shown: bool,
+    timer: RefreshTimer,
+}
+
+/// The engine of the displayed scene, and the pictures of its current frame.
+pub(super) struct Renderer {
+    engine: Engine,
+    sources: Sources,
+    without: EffectSet,
+    commands: Arc<CommandQueue>,
+    publisher: Publisher,
+    timings: Timings,
+    /// The last coarse picture of the displayed frame, and its time in milliseconds.
+    last_level: Option<(PreviewLevel, f64)>,
+    /// The requested picture, with the samples traced so far.
+    in_progress: Option<RenderInProgress>,
+    /// The full picture that is due after an edit and is rendered while other pictures are shown.
+    background: Option<RenderInProgress>,
+}
+
+impl RenderInProgress {
+    fn new(frame: u32, detail: Detail) -> Self {
+        Self { frame, detail, job: None, traced: Duration::ZERO, is_shown: false, timer: RefreshTimer::new() }
+    }
+}
+
+impl Renderer {
+    pub(super) fn new(without: EffectSet, commands: Arc<CommandQueue>, publisher: Publisher) -> Self {
+        Self {
+            engine: Engine::new(World::new()),
+            sources: Sources::default(),
+            without,
+            commands,
+            publisher,
+            timings: Timings::default(),
+            last_level: None,
+            in_progress: None,
+            background: None,
+        }
+    }
+
+    /// Replaces the displayed scene. Parts that both scenes share are kept. Publishes the new state, with `wanted_frame` or, if the
+    /// timeline is shorter, its last frame. `read` is the time of reading in milliseconds.
+    pub(super) fn load(&mut self, scene: Scene, sources: Sources, read: f64, wanted_frame: u32) {
+        let start = Instant::now();
+        if self.publisher.published().state().reloads == 0 {
+            self.engine = Engine::from_scene(scene);
+            self.engine.set_settings(RenderSettings { without: self.without, ..RenderSettings::default() });
+        } else {
+            self.engine.reload(scene);
+        }
+        self.sources = sources;
+        let times = Times { read, build: Times::milliseconds(start.elapsed()), ..Times::default() };
+        self.leave_frame();
+        self.background = None;
+        let (timeline, film) = (self.engine.timeline(), self.engine.film_settings());
+        let published = self.publisher.published();
+        let before = published.keep_for_comparison();
+        // Pages are notified together with the first picture, so that they do not keep the machine busy before it.
+        published.update_without_notify(|state| {
+            *state = State {
+                reloads: state.reloads + 1,
+                frame: wanted_frame.min(timeline.frame_count() - 1),
+                frames: timeline.frame_count(),
+                rate: timeline.rate.per_second(),
+                film: (film.width, film.height),
+                before,
+                rendering: true,
+                progress: 0.0,
+                mistakes: None,
+                frame_mistakes: None,
+                times,
+                ..std::mem::take(state)
+            };
+        });
+        self.publisher.emit(Event::Reloaded(times));
+    }
+
+    /// Discards the unfinished pictures of a frame that is no longer displayed.
+    pub(super) fn leave_frame(&mut self) {
+        (self.in_progress, self.last_level) = (None, None);
+    }
+
+    /// Returns the level of the first coarse picture of a frame.
+    pub(super) fn first_level(&self) -> PreviewLevel {
+        self.timings.first(self.publisher.published().state().film, FIRST, FIRST_DIVISOR)
+    }
+
+    /// Returns the best level that takes at most `milliseconds`.
+    pub(super) fn level_within(&self, milliseconds: f64) -> PreviewLevel {
+        self.timings.first(self.publisher.published().state().film, milliseconds, 1)
+    }
+
+    /// Returns a finer level than the last one, or `None` if the requested picture should follow.
+    pub(super) fn finer_level(&self, detail: Detail) -> Option<PreviewLevel> {
+        self.last_level.and_then(|(level, took)| self.timings.finer(level, took, self.target(detail)))
+    }
+
+    /// Returns whether a picture is expected to take at most `milliseconds`.
+    pub(super) fn is_expected_within(&self, milliseconds: f64, detail: Detail) -> bool {
+        self.timings.expected(self.target(detail)).is_some_and(|expected| expected <= milliseconds)
+    }
+
+    /// Returns whether no better picture of the current frame than a coarse one is shown.
+    pub(super) fn shows_coarsely(&self) -> bool {
+        self.publisher.latest().is_none_or(|(info, _)| info.coarse)
+    }
+
+    pub(super) fn emit(&mut self, event: Event) {
+        self.publisher.emit(event);
+    }
+
+    /// Reports that the frame cannot be rendered.
+    pub(super) fn fail(&mut self, error: EngineError) {
+        self.publisher.fail(error);
+    }
+
+    /// Describes a pixel of the current frame. Returns `None` outside the film, and before a scene is read.
+    pub(super) fn probe(&mut self, pixel: (u32, u32)) -> Result<Option<PixelInfo>, EngineError> {
+        let state = self.publisher.published().state();
+        if state.reloads == 0 {
+            return Ok(None);
+        }
+        let time = self.engine.timeline().time_of(state.frame);
+        let full = self.publisher.latest().filter(|(info, _)| info.full).map(|(_, film)| &**film);
+        PixelInfo::of(&mut self.engine, &self.sources, time, pixel, full)
+    }
+
+    /// Runs a job until it is finished or a command interrupts it.
+    pub(super) fn run(&mut self, job: PreviewJob) -> Result<JobOutcome, EngineError> {
+        match job {
+            PreviewJob::Preview(level, role) => self.render_preview(level, role),
+            PreviewJob::Picture { detail, precedes_full } => self.render_requested(detail, precedes_full),
+            PreviewJob::Measurement(index) => self.measure(index),
         }
     }
 
     /// Renders and publishes a coarse picture. A first picture that takes too long is replaced by a cheaper one. A picture between the
-    /// first and the requested one is skipped permanently if a command interrupts it: no part of it can be kept, so frequent commands
-    /// would otherwise delay the requested picture forever.
-    fn render_preview(&mut self, step: PreviewLevel, role: LevelRole) {
-        let state = self.handle.published.state();
-        let Some(scene) = &mut self.scene else {
-            self.next = NextTask::Nothing;
-            return;
-        };
-        let commands = &self.handle.commands;
-        let deadline = if role == LevelRole::Between { None } else { step.deadline() };
-        let (film, is_late) = commands
-            .with_deadline(deadline, |begin| scene.draft(state.frame, step, commands.interrupt(), begin));
-        let report = scene.report().clone();
-        let took = Times::milliseconds(report.trace);
-        let film = match film {
-            Ok(Some(film)) => film,
-            Ok(None) => {
-                if is_late {
-                    self.timings.note_failure(step, took, state.film);
-                    self.next = NextTask::Step(step.lesser(state.film), role);
-                } else if role == LevelRole::Between {
-                    self.last_step = None;
-                    self.next = NextTask::Picture(self.detail);
-                }
-                return;
+    /// first and the requested one has no successors if a command interrupts it: no part of it can be kept, so frequent commands would
+    /// otherwise delay the requested picture forever.
+    fn render_preview(&mut self, level: PreviewLevel, role: LevelRole) -> Result<JobOutcome, EngineError> {
+        let state = self.publisher.published().state();
+        let time = self.engine.timeline().time_of(state.frame);
+        let (engine, interrupt) = (&mut self.engine, self.commands.interrupt());
+        let deadline = if role == LevelRole::Between { None } else { level.deadline() };
+        let (image, is_late) = with_deadline(interrupt, deadline, |begin| {
+            let pause = || {
+                begin();
+                false
+            };
+            let signals = Signals { cancelled: interrupt, pause: &pause };
+            let settings = level.settings(engine.film_settings(), engine.quality()).or(engine.settings());
+            engine.render(RenderRequest {
+                settings: Some(settings),
+                fingerprint: false,
+                signals,
+                ..RenderRequest::at(time)
+            })
+        });
+        let (image, traced) = (image?, self.engine.report().trace);
+        let took = Times::milliseconds(traced);
+        let Some(RenderedImage { film, .. }) = image else {
+            if is_late {
+                self.timings.note_failure(level, took, state.film);
+                return Ok(JobOutcome::Needs(level.lesser(state.film), role));
             }
-            Err(error) => return self.fail(error),
-        };
-        let is_pilot = self.timings.is_unknown();
-        self.timings.moment = Times::milliseconds(report.animate + report.prepare);
-        self.timings.note(step.effort(), took, report.rays.camera);
-        if role == LevelRole::First && is_pilot {
-            let better = self.timings.first(state.film, preview_level::FIRST, 2);
-            if step.is_surpassed_by(better, took) {
-                self.next = NextTask::Step(better, role);
-                return;
+            if role == LevelRole::Between {
+                self.last_level = None;
             }
+            return Ok(JobOutcome::Interrupted);
+        };
+        let is_pilot = role == LevelRole::First && self.timings.is_unknown();
+        self.note(level.effort(), traced);
+        let better = self.first_level();
+        if is_pilot && level.is_surpassed_by(better, took) {
+            return Ok(JobOutcome::Needs(better, role));
         }
-        self.last_step = Some((step, took));
-        self.next = match role {
-            LevelRole::InARow => NextTask::Rest(self.end_of_row()),
-            LevelRole::First | LevelRole::Between => self.after_step(),
-        };
-        self.present(&state, PictureKind::Coarse(self.progress()), film, report.trace);
-    }
-
-    /// Returns a finer step, or the requested picture if there is none.
-    fn after_step(&self) -> NextTask {
-        let finer = self
-            .scene
-            .as_ref()
-            .zip(self.last_step)
-            .and_then(|(scene, (step, took))| self.timings.finer(step, took, scene.target(self.detail)));
-        finer.map_or(NextTask::Picture(self.detail), |step| NextTask::Step(step, LevelRole::Between))
-    }
-
-    /// Returns the finished fraction of the requested picture, 0 to 1.
-    fn progress(&self) -> f64 {
-        let job = self.in_progress.as_ref().and_then(|in_progress| in_progress.job.as_ref());
-        job.map_or(0.0, share_of_unfinished)
+        self.last_level = Some((level, took));
+        let unfinished = self.in_progress.as_ref().and_then(|unfinished| unfinished.job.as_ref());
+        let progress = unfinished.map_or(0.0, share_of_unfinished);
+        Ok(self.publish(&state, PictureKind::Coarse(progress), film, traced))
     }
 
     /// Renders the requested picture and shows it while unfinished. An interrupting command discards nothing of it unless it requests
     /// another picture. If nothing of the frame is shown yet and rendering takes too long, a coarse picture comes first.
-    fn render_requested(&mut self, detail: Detail) {
-        let state = self.handle.published.state();
-        let kept = self
-            .in_progress
-            .take()
-            .filter(|in_progress| (in_progress.frame, in_progress.detail) == (state.frame, detail));
+    fn render_requested(&mut self, detail: Detail, precedes_full: bool) -> Result<JobOutcome, EngineError> {
+        let state = self.publisher.published().state();
+        let kept = self.in_progress.take();
+        let kept = kept.filter(|kept| (kept.frame, kept.detail) == (state.frame, detail));
         let mut in_progress = kept.unwrap_or_else(|| RenderInProgress::new(state.frame, detail));
-        let is_first = self.presenter.latest().is_none();
-        let Some(Traced { film, is_late, target }) = self.trace(&state, &mut in_progress, is_first) else {
-            self.next = NextTask::Nothing;
-            return;
+        let (film, outcome) = self.trace(&state, &mut in_progress)?;
+        let Some(film) = film else {
+            let progress = in_progress.job.as_ref().map_or(0.0, share_of_unfinished);
+            self.publisher.published().update(|state| state.progress = progress);
+            self.in_progress = Some(in_progress);
+            return Ok(outcome);
         };
-        match film {
-            Ok(Some(film)) => self.finished(&state, &in_progress, film),
-            Ok(None) => self.unfinished(in_progress, (is_late && is_first).then_some(target)),
-            Err(error) => self.fail(error),
-        }
+        self.note(Effort::Whole, in_progress.traced);
+        let is_full = detail == Detail::Full;
+        let kind = if is_full { PictureKind::Full } else { PictureKind::Draft { precedes_full } };
+        Ok(self.publish(&state, kind, film, in_progress.traced))
     }
 
-    /// Traces the requested picture until it is finished or interrupted. Returns `None` if there is no scene.
-    fn trace(&mut self, state: &State, in_progress: &mut RenderInProgress, is_first: bool) -> Option<Traced> {
-        let Self { scene: Some(scene), timings, presenter, handle, last_step, next, .. } = self else {
-            return None;
+    /// Traces the requested picture until it is finished or interrupted, and visits it in the meantime. Returns the film, or the outcome
+    /// without one.
+    fn trace(
+        &mut self,
+        state: &State,
+        in_progress: &mut RenderInProgress,
+    ) -> Result<(Option<Film>, JobOutcome), EngineError> {
+        let target = self.target(in_progress.detail);
+        let deadline = self.publisher.latest().is_none().then(|| self.late_after(target));
+        let Self { engine, publisher, timings, last_level, commands, .. } = self;
+        let RenderInProgress { frame, detail, job, traced, is_shown, timer } = in_progress;
+        let (interrupt, transfer) = (commands.interrupt(), engine.film_settings().transfer);
+        let traced_before = Times::milliseconds(*traced) - timer.traced();
+        let mut outcome = JobOutcome::Interrupted;
+        let mut visit = |job: &RenderJob| {
+            timer.reschedule();
+            let (traced, progress) = (traced_before + timer.traced(), share_of_unfinished(job));
+            timings.note(Effort::Whole, traced, target.rays_so_far(job));
+            // The speed now known may leave time for another coarse picture, which would be worse than an unfinished one that is already
+            // shown.
+            let level = last_level.filter(|_| !*is_shown);
+            if let Some(finer) = level.and_then(|(level, took)| timings.finer(level, took, target)) {
+                outcome = JobOutcome::Needs(finer, LevelRole::Between);
+                return Break(());
+            }
+            publisher.published().update(|state| state.progress = progress);
+            let Some(beneath) = publisher.latest().map(|(_, film)| Arc::clone(film)) else {
+                return Continue(());
+            };
+            let show = || {
+                let film = job.resolve_over(&beneath);
+                publisher.publish(state, RenderedPicture::unfinished(film, transfer, progress, traced, state))
+            };
+            match timer.show_if_due(show) {
+                Some(false) => {
+                    outcome = JobOutcome::Ended;
+                    return Break(());
+                }
+                Some(true) => *is_shown = true,
+                None => {}
+            }
+            Continue(())
         };
-        let (target, commands) = (scene.target(in_progress.detail), &handle.commands);
-        let expected = Duration::try_from_secs_f64(2e-3 * timings.expected(target).unwrap_or(0.0));
-        let deadline = expected.unwrap_or(Duration::MAX).max(SOON);
-        let visits = &in_progress.visits;
-        let mut observer = ProgressObserver {
-            state,
-            target,
-            transfer: scene.film_settings().transfer,
-            traced_before: Times::milliseconds(in_progress.traced) - visits.traced(),
-            visits,
-            is_shown: &mut in_progress.is_shown,
-            timings,
-            presenter,
-            published: &handle.published,
-            last_step: *last_step,
-            next,
-        };
-        let (frame, job) = ((in_progress.frame, in_progress.detail), &mut in_progress.job);
-        let (film, is_late) = commands.with_deadline(is_first.then_some(deadline), |begin| {
+        let (film, is_late) = with_deadline(interrupt, deadline, |begin| {
             let pause = || {
                 begin();
-                visits.are_due()
+                timer.is_due()
             };
-            let signals = Signals { cancelled: commands.interrupt(), pause: &pause };
-            scene.render_on(frame, job, signals, &mut |job| observer.on_progress(job))
+            let signals = Signals { cancelled: interrupt, pause: &pause };
+            render(engine, *frame, *detail, job, signals, &mut visit)
         });
-        in_progress.traced += scene.report().trace;
-        Some(Traced { film, is_late, target })
-    }
-
-    /// Publishes the requested picture.
-    fn finished(&mut self, state: &State, in_progress: &RenderInProgress, film: Film) {
-        let is_full = in_progress.detail == Detail::Full;
-        if let Some(scene) = &self.scene {
-            let report = scene.report();
-            self.timings.moment = Times::milliseconds(report.animate + report.prepare);
-            self.timings.note(Effort::Whole, Times::milliseconds(in_progress.traced), report.rays.camera);
-        }
-        if is_full {
-            self.full_of = state.reloads;
-        }
-        self.next = self.after_picture();
-        let kind = if is_full { PictureKind::Full } else { PictureKind::Draft };
-        self.present(state, kind, film, in_progress.traced);
-    }
-
-    /// Keeps the unfinished requested picture. If it is a late first picture, a coarse one comes first.
-    fn unfinished(&mut self, in_progress: RenderInProgress, late: Option<RequestedPicture>) {
-        if let Some(target) = late {
-            let share = in_progress.job.as_ref().map_or(0.0, RenderJob::share);
-            self.timings.note(Effort::Whole, Times::milliseconds(in_progress.traced), rays(share, target));
-            self.next = self.first_step();
-        }
-        self.in_progress = Some(in_progress);
-        let progress = self.progress();
-        self.handle.published.update(|state| state.progress = progress);
-    }
-
-    /// Returns the task after the requested picture: the full picture if it is due.
-    fn after_picture(&self) -> NextTask {
-        match (self.full_render_pending(), self.is_playing) {
-            (false, _) => NextTask::Nothing,
-            (true, false) => NextTask::Picture(Detail::Full),
-            (true, true) => NextTask::Rest(self.end_of_row()),
-        }
-    }
-
-    /// Returns whether the full picture due after the last edit is still missing.
-    pub(super) fn full_render_pending(&self) -> bool {
-        let is_wanted = self.settings.finish || self.detail == Detail::Full;
-        is_wanted && self.full_of < self.handle.published.state().reloads
-    }
-
-    /// Waits for the next frame of playback, and renders the full picture that is due in the meantime. If no further frame is requested,
-    /// the last picture is improved.
-    fn wait_idle(&mut self, until: Instant) {
-        if Instant::now() < until {
-            if self.full_render_pending() {
-                self.render_in_background(until);
+        *traced += engine.report().trace;
+        let film = film?;
+        if film.is_none() && is_late {
+            if let Some(job) = job {
+                timings.note(Effort::Whole, Times::milliseconds(*traced), target.rays_so_far(job));
             }
-            return;
+            outcome = JobOutcome::Needs(timings.first(state.film, FIRST, FIRST_DIVISOR), LevelRole::First);
         }
-        self.is_playing = false;
-        let is_coarse = self.presenter.latest().is_none_or(|(info, _)| info.coarse);
-        self.next = if is_coarse { self.after_step() } else { self.after_picture() };
-        let is_over = self.next == NextTask::Nothing;
-        self.handle.published.update(|state| state.rendering = !is_over);
+        Ok((film, outcome))
     }
 
-    /// Continues the full picture due after the last edit. Its frame is the one displayed when there was first time for it.
-    fn render_in_background(&mut self, until: Instant) {
-        let state = self.handle.published.state();
-        let Some(scene) = &mut self.scene else { return };
-        let mut background = self.background.take().unwrap_or(BackgroundRender {
-            frame: state.frame,
-            job: None,
-            traced: Duration::ZERO,
-        });
-        let (commands, start) = (&self.handle.commands, Instant::now());
+    /// Returns the time after which a coarse picture should precede a picture.
+    fn late_after(&self, target: RequestedPicture) -> Duration {
+        let expected = Duration::try_from_secs_f64(2e-3 * self.timings.expected(target).unwrap_or(0.0));
+        expected.unwrap_or(Duration::MAX).max(LATE)
+    }
+
+    /// Continues the full picture due after the last edit until it is finished, another picture is requested, or `until`. Its frame is the
+    /// one displayed when there was first time for it. Returns whether it is over.
+    pub(super) fn render_in_background(&mut self, until: Instant) -> bool {
+        let state = self.publisher.published().state();
+        let background = self.background.take();
+        let mut background = background.unwrap_or_else(|| RenderInProgress::new(state.frame, Detail::Full));
+        let start = Instant::now();
         let pause = || {
-            let is_asked = commands.interrupt().load(Ordering::Relaxed) && start.elapsed() >= SLICE;
-            is_asked || Instant::now() >= until
+            let is_interrupted = self.commands.interrupt().load(Ordering::Relaxed);
+            is_interrupted && start.elapsed() >= SLICE || Instant::now() >= until
         };
-        let signals = Signals { cancelled: commands.urgent(), pause: &pause };
-        let frame = (background.frame, Detail::Full);
-        let film = scene.render_on(frame, &mut background.job, signals, &mut |_| Break(()));
-        background.traced += scene.report().trace;
+        let signals = Signals { cancelled: self.commands.urgent(), pause: &pause };
+        let RenderInProgress { frame, detail, job, .. } = &mut background;
+        let film = render(&mut self.engine, *frame, *detail, job, signals, &mut |_| Break(()));
+        background.traced += self.engine.report().trace;
         match film {
-            Ok(None) => self.background = Some(background),
+            Ok(None) => {
+                self.background = Some(background);
+                return false;
+            }
             Ok(Some(film)) => {
-                self.full_of = state.reloads;
                 let state = State { frame: background.frame, ..state };
-                if let Some(made) = self.made(&state, PictureKind::Full, film, background.traced) {
-                    self.presenter.report_only(&state, made);
+                let picture = self.rendered(&state, PictureKind::Full, film, background.traced);
+                self.publisher.report(&state, picture);
+            }
+            // This frame cannot be rendered.
+            Err(error) => self.publisher.emit(Event::Failed(error)),
+        }
+        true
+    }
+
+    /// Measures the cost of an effect or a point of the error curve. Any command ends the measurements.
+    fn measure(&mut self, index: usize) -> Result<JobOutcome, EngineError> {
+        let state = self.publisher.published().state();
+        let Some(effect) = Effect::ALL.get(index) else {
+            return self.measure_curve(state.frame, index - Effect::ALL.len());
+        };
+        let plan = if index == 0 { self.planned(state.frame, false)? } else { state.plan };
+        if index == 0 {
+            self.publisher.published().update(|state| state.curve.clear());
+        }
+        let time = self.engine.timeline().time_of(state.frame);
+        let cost = measure::cost(&mut self.engine, time, *effect, self.commands.interrupt())?;
+        self.publisher.published().update(|state| {
+            state.rendering = cost.is_some();
+            if let Some(cost) = cost {
+                state.plan = plan;
+                if let Some(planned) = state.plan.get_mut(index) {
+                    planned.cost = cost;
                 }
             }
-            Err(error) => {
-                // This frame cannot be rendered.
-                self.full_of = state.reloads;
-                self.presenter.emit(Event::Failed(error));
-            }
-        }
+        });
+        Ok(if cost.is_some() { JobOutcome::Done } else { JobOutcome::Ended })
     }
 
-    fn present(&mut self, state: &State, kind: PictureKind, film: Film, traced: Duration) {
-        if let Some(made) = self.made(state, kind, film, traced)
-            && !self.presenter.present(state, made)
-        {
-            self.next = NextTask::Nothing;
-        }
+    /// Measures the error of the frame with the scene's own samples, and then with increasing numbers of samples.
+    fn measure_curve(&mut self, frame: u32, index: usize) -> Result<JobOutcome, EngineError> {
+        let time = self.engine.timeline().time_of(frame);
+        let point = measure::curve_point(&mut self.engine, time, index, self.commands.interrupt())?;
+        // The next point renders two pictures with twice as many samples.
+        let is_last = point.is_none_or(|point| index > 0 && 4.0 * point.milliseconds > LONGEST_POINT);
+        self.publisher.published().update(|state| {
+            state.curve.extend(point);
+            state.rendering = !is_last;
+        });
+        Ok(if is_last { JobOutcome::Ended } else { JobOutcome::Done })
     }
 
-    fn made(
+    /// Returns the size and sample count of a picture of this quality.
+    fn target(&self, detail: Detail) -> RequestedPicture {
+        let film = self.engine.film_settings();
+        let (divisor, samples) = match detail {
+            // Adaptive sampling takes one sample at least.
+            Detail::Full if self.engine.sampling().max_error > 0.0 => (1, 1),
+            Detail::Full => (1, self.engine.sampling().samples),
+            Detail::Draft => (1, 1),
+            Detail::Half => (2, 1),
+        };
+        RequestedPicture { film: (film.width, film.height), divisor, samples }
+    }
+
+    /// Records the speed of the last picture.
+    fn note(&mut self, effort: Effort, traced: Duration) {
+        let report = self.engine.report();
+        self.timings.note_moment(Times::milliseconds(report.animate + report.prepare));
+        self.timings.note(effort, Times::milliseconds(traced), report.rays.camera);
+    }
+
+    fn publish(&mut self, state: &State, kind: PictureKind, film: Film, traced: Duration) -> JobOutcome {
+        let picture = self.rendered(state, kind, film, traced);
+        if self.publisher.publish(state, picture) { JobOutcome::Done } else { JobOutcome::Ended }
+    }
+
+    /// Returns the last picture with its description.
+    fn rendered(
         &mut self,
         state: &State,
         kind: PictureKind,
         film: Film,
         traced: Duration,
-    ) -> Option<FinishedRender> {
-        let rendering = self.next != NextTask::Nothing;
-        let scene = self.scene.as_mut()?;
-        let (report, transfer) = (scene.report().clone(), scene.film_settings().transfer);
+    ) -> RenderedPicture {
+        let (report, transfer) = (self.engine.report().clone(), self.engine.film_settings().transfer);
         let mut times = state.times;
         let rays = report.rays.total();
         times.set_frame(&FrameReport { trace: traced, ..report });
+        let is_full = kind == PictureKind::Full;
         let plan = match kind {
             PictureKind::Coarse(_) => None,
-            PictureKind::Draft | PictureKind::Full => {
-                scene.planned(state.frame, kind == PictureKind::Full).ok()
-            }
+            PictureKind::Draft { .. } | PictureKind::Full => self.planned(state.frame, is_full).ok(),
         };
-        let warnings = if kind == PictureKind::Full { scene.warnings() } else { Vec::new() };
-        Some(FinishedRender { film, transfer, kind, times, rays, plan, warnings, rendering })
+        let warnings = if is_full { self.warnings() } else { Vec::new() };
+        RenderedPicture { film, transfer, kind, times, rays, plan, warnings }
     }
 
-    /// Measures the cost of an effect, and schedules the next effect. Any command stops the measurement.
-    fn measure(&mut self, index: usize) {
-        let state = self.handle.published.state();
-        let Some(scene) = &mut self.scene else { return };
-        self.next = NextTask::Nothing;
-        let plan = if index == 0 { scene.planned(state.frame, false) } else { Ok(state.plan) };
-        if index == 0 {
-            self.handle.published.update(|state| state.curve.clear());
-        }
-        let cost = scene.cost(state.frame, index, self.handle.commands.interrupt());
-        match plan.and_then(|plan| Ok((plan, cost?))) {
-            Ok((mut plan, Some(cost))) => {
-                self.next = NextTask::Cost(index + 1);
-                if let Some(planned) = plan.get_mut(index) {
-                    planned.cost = cost;
-                }
-                self.handle.published.update(|state| state.plan = plan);
-            }
-            Ok((_, None)) if index >= Effect::ALL.len() => self.next = NextTask::Curve(0),
-            Ok((_, None)) => self.handle.published.update(|state| state.rendering = false),
-            Err(error) => self.fail(error),
-        }
+    /// Returns the effects of a frame. `is_last` is true if the frame is the last full picture.
+    fn planned(&mut self, frame: u32, is_last: bool) -> Result<Vec<Planned>, EngineError> {
+        let time = self.engine.timeline().time_of(frame);
+        let plan = if is_last { self.engine.report().plan.clone() } else { self.engine.plan_at(time)? };
+        Ok(plan.as_ref().map(Planned::all).unwrap_or_default())
     }
 
-    /// Measures the error of the frame with the scene's own samples, and then with increasing numbers of samples. Any command stops the
-    /// measurement.
-    fn measure_samples(&mut self, index: usize) {
-        /// Maximum time of a curve point other than the scene's own, in milliseconds.
-        const LONGEST: f64 = 2000.0;
-        let state = self.handle.published.state();
-        let Some(scene) = &mut self.scene else { return };
-        self.next = NextTask::Nothing;
-        let place = scene.curve_point(state.frame, index, self.handle.commands.interrupt());
-        let is_last = match &place {
-            // The next point renders two pictures with twice as many samples.
-            Ok(Some(place)) => index > 0 && 4.0 * place.milliseconds > LONGEST,
-            Ok(None) | Err(_) => true,
-        };
-        match place {
-            Ok(place) => {
-                if !is_last {
-                    self.next = NextTask::Curve(index + 1);
-                }
-                self.handle.published.update(|state| {
-                    state.curve.extend(place);
-                    state.rendering = !is_last;
-                });
-            }
-            Err(error) => self.fail(error),
+    /// Returns the faults at the moment of the last picture, one line each, with remedies.
+    fn warnings(&self) -> Vec<String> {
+        let faults = self.engine.faults();
+        let mut warnings: Vec<String> = faults
+            .iter()
+            .take(MOST_FAULTS)
+            .map(|fault| {
+                let (name, place) = named(self.engine.world(), &self.sources, fault.entity);
+                let place = place.map_or_else(String::new, |place| format!(" ({place})"));
+                format!("{name:?}{place} {fault}; {}", fault.remedy())
+            })
+            .collect();
+        if faults.len() > MOST_FAULTS {
+            warnings.push(format!("and {} more", faults.len() - MOST_FAULTS));
         }
+        warnings
     }
+}
+
+/// Renders a frame until it is finished or stopped; see [`Engine::render`].
+fn render(
+    engine: &mut Engine,
+    frame: u32,
+    detail: Detail,
+    begun: &mut Option<RenderJob>,
+    signals: Signals<'_>,
+    visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
+) -> Result<Option<Film>, EngineError> {
+    let time = engine.timeline().time_of(frame);
+    let settings = match detail {
+        Detail::Full => None,
+        Detail::Draft => Some(sized(1, engine.film_settings())),
+        Detail::Half => Some(sized(2, engine.film_settings())),
+    };
+    let request = RenderRequest {
+        settings: settings.map(|settings| settings.or(engine.settings())),
+        fingerprint: false,
+        signals,
+        on_pause: Some(visit),
+        resume: Some(begun),
+        ..RenderRequest::at(time)
+    };
+    Ok(engine.render(request)?.map(|image| image.film))
 }

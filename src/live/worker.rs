@@ -1,218 +1,136 @@
-//! The session's thread, which reads the files and decides what to render next.
+//! The session's thread, which reads the files and picks the jobs of the renderer.
 
 use std::path::PathBuf;
+use std::slice;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
-use super::commands::{Detail, ProbeReply, SessionCommand, ViewChange, WaitMode};
-use super::event::Event;
-use super::handle::{Handle, SessionSettings};
-use super::in_progress::{BackgroundRender, RenderInProgress};
-use super::presenter::Presenter;
-use super::preview_level::{self, PreviewLevel, Timings};
-use super::preview_scene::{LoadedScene, PreviewScene};
-use super::state::{Mistakes, State, Times};
-use super::watcher::Watcher;
+use super::commands::{CommandQueue, Detail, ProbeReply, SessionCommand, ViewChange};
+use super::publish::{Event, Published};
+use super::renderer::{JobOutcome, LevelRole, PreviewJob, Renderer};
+use super::state::{Mistakes, Times};
+use super::watcher::{Stamp, Watcher};
 use crate::engine::EngineError;
-use crate::scene::{LoadError, Reader};
+use crate::scene::{LoadError, Reader, Scene, Sources};
 
-/// Time for which files must be unchanged before mistakes in them are reported. Slow writers leave files incomplete for a while.
+/// Time for which files must be unchanged before mistakes in them are reported. Slow writers leave files incomplete for a while: with 30 ms,
+/// 275 saves in place in 5 s gave "the file is empty" twice.
 const SETTLE_TIME: Duration = Duration::from_millis(100);
-/// Time after which mistakes are reported even if the files keep changing.
+/// Time after which mistakes are reported even if the files keep changing. A longer delay would seem as if the edit had been missed.
 const SETTLE_TIMEOUT: Duration = Duration::from_secs(1);
-/// Fraction of the frame interval that a coarse picture should take during playback, when it is the only picture of its frame.
+/// Fraction of the frame interval that a coarse picture should take during playback, when it is the only picture of its frame. Encoding and
+/// showing it take the rest.
 const COARSE_IN_A_ROW: f64 = 0.5;
-/// Expected render time, in milliseconds, above which a coarse picture comes first.
+/// Expected render time, in milliseconds, above which a coarse picture comes first: a picture within 40 ms follows a dragged playhead at 25
+/// frames per second.
 const COARSE_FIRST_ABOVE_MS: f64 = 40.0;
-/// Minimum time without a frame request after which playback counts as over.
+/// Minimum time without a frame request after which playback counts as over. A busy browser may pause for some frames.
 const IDLE_TIMEOUT: Duration = Duration::from_millis(500);
-/// The same time in frame intervals. The longer one applies.
+/// The same time in frame intervals, for low frame rates. The longer one applies.
 const IDLE_INTERVALS: f64 = 3.0;
 
 /// The next task of the thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum NextTask {
-    Nothing,
-    /// A coarse picture.
-    Step(PreviewLevel, LevelRole),
-    Picture(Detail),
+enum Task {
+    Idle,
+    Run(PreviewJob),
     /// Nothing until the given time, since the next frame of playback may be requested. After that time, a better picture.
     Rest(Instant),
-    /// A measurement of the cost of the effect with this index.
-    Cost(usize),
-    /// A measurement of the error at the curve point with this index.
-    Curve(usize),
-}
-
-/// The role of a coarse picture among the pictures of its frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LevelRole {
-    /// The first picture, which cannot wait.
-    First,
-    /// A picture between the first and the requested one.
-    Between,
-    /// The only picture of its frame during playback.
-    InARow,
 }
 
 /// The state of the session's thread.
 pub(super) struct Worker {
-    pub(super) settings: SessionSettings,
-    pub(super) handle: Handle,
-    watcher: Watcher,
-    reader: Reader,
-    pub(super) scene: Option<PreviewScene>,
-    pub(super) presenter: Presenter,
+    files: SceneFiles,
+    renderer: Renderer,
+    commands: Arc<CommandQueue>,
+    published: Arc<Published>,
     /// Index of the frame requested last. The current scene may be shorter.
     wanted_frame: u32,
-    pub(super) detail: Detail,
-    pub(super) next: NextTask,
+    detail: Detail,
+    next: Task,
     /// True if the frame requested last is part of playback.
-    pub(super) is_playing: bool,
-    /// Number of reloads at the time of the last full picture.
-    pub(super) full_of: u64,
-    pub(super) timings: Timings,
-    /// The last coarse picture of the displayed frame, and its time in milliseconds.
-    pub(super) last_step: Option<(PreviewLevel, f64)>,
-    /// The requested picture, with the samples traced so far.
-    pub(super) in_progress: Option<RenderInProgress>,
-    /// The full picture that is due after an edit and is rendered while other pictures are shown.
-    pub(super) background: Option<BackgroundRender>,
+    is_playing: bool,
+    /// True if a full picture follows every edit even while drafts are requested.
+    finish: bool,
+    /// True until there is a full picture of the scene after an edit.
+    lacks_full: bool,
 }
 
 impl Worker {
-    pub(super) fn new(settings: SessionSettings, handle: Handle, emit: Box<dyn FnMut(Event) + Send>) -> Self {
-        let commands = Arc::clone(&handle.commands);
-        let watcher = Watcher::start(settings.watching, move || commands.send(SessionCommand::Reload));
+    pub(super) fn new(
+        files: SceneFiles,
+        renderer: Renderer,
+        commands: Arc<CommandQueue>,
+        published: Arc<Published>,
+        wanted_frame: u32,
+        finish: bool,
+    ) -> Self {
         Self {
-            wanted_frame: settings.frame,
-            reader: Reader::overriding(settings.overrides.clone()),
-            settings,
-            presenter: Presenter::new(Arc::clone(&handle.published), emit),
-            handle,
-            watcher,
-            scene: None,
+            files,
+            renderer,
+            commands,
+            published,
+            wanted_frame,
             detail: Detail::Full,
-            next: NextTask::Nothing,
+            next: Task::Idle,
             is_playing: false,
-            full_of: 0,
-            timings: Timings::default(),
-            last_step: None,
-            in_progress: None,
-            background: None,
+            finish,
+            lacks_full: false,
         }
     }
 
     pub(super) fn run(mut self) {
-        self.watcher.follow(std::slice::from_ref(&self.settings.scene), SystemTime::now());
         self.reload();
         loop {
             let mut reload = false;
-            for command in self.handle.commands.take(self.wait_mode()) {
+            for command in self.commands.take(self.wait_until()) {
                 match command {
                     SessionCommand::Reload => reload = true,
                     SessionCommand::ViewChange(view) => self.view(view),
-                    SessionCommand::Probe(pixel, answer) => self.probe(pixel, answer),
+                    SessionCommand::Probe(pixel, reply) => self.probe(pixel, reply),
                     SessionCommand::Stop => return,
                 }
             }
-            if reload {
+            let judgement = self.files.judge();
+            if reload || judgement == Some(Judgement::ReadAgain) {
                 self.reload();
+            } else if judgement == Some(Judgement::Report) {
+                self.report_mistakes();
             }
-            self.make_next();
+            if self.files.failure.is_none() {
+                self.run_next();
+            }
         }
     }
 
-    /// Returns the time to wait for commands, which is zero while there is work.
-    fn wait_mode(&self) -> WaitMode {
-        match self.next {
-            NextTask::Nothing => WaitMode::Endless,
-            NextTask::Rest(until) if !self.full_render_pending() => WaitMode::Until(until),
-            _ => WaitMode::None,
+    /// Returns the time until which to wait for commands: none while there is work, and `None` if there is nothing to wait for but them.
+    fn wait_until(&self) -> Option<Instant> {
+        match (&self.files.failure, self.next) {
+            (Some(failure), _) => Some(failure.judged_at),
+            (None, Task::Idle) => None,
+            (None, Task::Rest(until)) if !self.is_full_due() => Some(until),
+            (None, Task::Rest(_) | Task::Run(_)) => Some(Instant::now()),
         }
     }
 
     /// Reads the files. If they contain mistakes, the last good scene stays in place.
     fn reload(&mut self) {
-        self.watcher.look();
-        match self.read() {
-            Ok((read, read_in)) => {
-                let start = Instant::now();
-                PreviewScene::replace(&mut self.scene, read, self.settings.without);
-                let build = Times::milliseconds(start.elapsed());
-                self.on_loaded(Times { read: read_in, build, ..Times::default() });
-            }
-            Err(LoadFailure { error, is_transient }) => {
-                let mistakes = Mistakes::of_scene(&error);
-                let is_known = self.handle.published.state().mistakes.as_ref() == Some(&mistakes);
-                // No event is guaranteed when they become readable again.
-                if is_transient {
-                    self.watcher.doubt();
-                }
-                if !(is_transient && is_known) {
-                    self.handle.published.update(|state| state.mistakes = Some(mistakes));
-                    self.presenter.emit(Event::Broken(error));
-                }
-            }
+        if let Some((scene, sources, read)) = self.files.read() {
+            self.renderer.load(scene, sources, read, self.wanted_frame);
+            self.lacks_full = true;
+            self.next = self.first_preview();
         }
     }
 
-    /// Reads the files. Returns their scene and the time taken in milliseconds. Files with mistakes are read again until they stop
-    /// changing, since they may be empty or truncated while they are being written.
-    fn read(&mut self) -> Result<(LoadedScene, f64), LoadFailure> {
-        let first = Instant::now();
-        let mut files = vec![self.settings.scene.clone()];
-        loop {
-            // A file that can be opened after the read may not have been readable during the read.
-            let was_unreadable = is_unreadable(&files);
-            let (since, start) = (SystemTime::now(), Instant::now());
-            let error = match PreviewScene::read(&mut self.reader, &self.settings.scene) {
-                Ok(read) => {
-                    self.watcher.follow(&read.scene.files, since);
-                    return Ok((read, Times::milliseconds(start.elapsed())));
-                }
-                Err(error) => error,
-            };
-            files = error.files().to_vec();
-            let is_transient = was_unreadable || is_unreadable(&files);
-            self.watcher.follow(&files, since);
-            let at_rest = self.watcher.stay(SETTLE_TIME);
-            let is_over = first.elapsed() >= SETTLE_TIMEOUT;
-            if is_over || at_rest && !is_transient && !self.handle.commands.take_reload() {
-                return Err(LoadFailure { error, is_transient });
-            }
-            self.handle.commands.take_reload();
-            self.watcher.look();
+    fn report_mistakes(&mut self) {
+        let Some(LoadFailure { error, .. }) = self.files.failure.take() else { return };
+        let mistakes = Mistakes::of_scene(&error);
+        // Files that cannot be read are read again and again.
+        let is_known = self.published.state().mistakes.as_ref() == Some(&mistakes);
+        if !(error.is_transient() && is_known) {
+            self.published.update(|state| state.mistakes = Some(mistakes));
+            self.renderer.emit(Event::Broken(error));
         }
-    }
-
-    /// Publishes the state of a newly read scene and schedules its first picture.
-    fn on_loaded(&mut self, times: Times) {
-        let Some(scene) = &self.scene else { return };
-        let (timeline, film) = (scene.timeline(), scene.film_settings());
-        let before = self.handle.published.keep_for_comparison();
-        let frames = timeline.frame_count();
-        let frame = self.wanted_frame.min(frames - 1);
-        // Pages are notified together with the first picture, so that they do not keep the machine busy before it.
-        self.handle.published.update_without_notify(|state| {
-            *state = State {
-                reloads: state.reloads + 1,
-                frame,
-                frames,
-                rate: timeline.rate.per_second(),
-                film: (film.width, film.height),
-                before,
-                rendering: true,
-                progress: 0.0,
-                mistakes: None,
-                frame_mistakes: None,
-                times,
-                ..std::mem::take(state)
-            };
-        });
-        (self.in_progress, self.background, self.last_step) = (None, None, None);
-        self.next = self.first_step();
-        self.presenter.emit(Event::Reloaded(times));
     }
 
     fn view(&mut self, view: ViewChange) {
@@ -221,12 +139,13 @@ impl Worker {
             ViewChange::Detail(detail) => self.detail = detail,
             ViewChange::Finish | ViewChange::Measure => {}
         }
-        let (wanted_frame, detail, shows) = (self.wanted_frame, self.detail, self.scene.is_some());
-        let before = self.handle.published.state().frame;
-        self.handle.published.update(|state| {
+        let (wanted_frame, detail, before) = (self.wanted_frame, self.detail, self.published.state());
+        let shows = before.reloads > 0;
+        let frame = wanted_frame.min(before.frames - 1);
+        self.published.update(|state| {
             state.detail = detail;
             if shows {
-                state.frame = wanted_frame.min(state.frames - 1);
+                state.frame = frame;
                 state.frame_mistakes = None;
                 state.rendering = true;
                 state.progress = 0.0;
@@ -235,79 +154,197 @@ impl Worker {
         if !shows {
             return;
         }
-        if self.handle.published.state().frame != before {
-            (self.in_progress, self.last_step) = (None, None);
+        if frame != before.frame {
+            self.renderer.leave_frame();
         }
         self.next = match view {
-            ViewChange::Seek { playing, .. } => self.next_while(playing),
-            ViewChange::Detail(detail) => NextTask::Picture(detail),
-            ViewChange::Finish => NextTask::Picture(Detail::Full),
-            ViewChange::Measure => NextTask::Cost(0),
+            ViewChange::Seek { playing, .. } => self.frame_task(playing),
+            ViewChange::Detail(detail) => self.picture(detail),
+            ViewChange::Finish => self.picture(Detail::Full),
+            ViewChange::Measure => Task::Run(PreviewJob::Measurement(0)),
         };
     }
 
-    /// Returns the best task for the requested frame that fits into the available time.
-    fn next_while(&self, playing: bool) -> NextTask {
-        let time = if playing { self.interval() } else { COARSE_FIRST_ABOVE_MS };
-        let target = self.scene.as_ref().map(|scene| scene.target(self.detail));
-        let expected = target.and_then(|target| self.timings.expected(target));
-        match (expected.is_some_and(|expected| expected <= time), playing) {
-            (true, _) => NextTask::Picture(self.detail),
-            (false, true) => self.step(COARSE_IN_A_ROW * self.interval(), 1, LevelRole::InARow),
-            (false, false) => self.first_step(),
-        }
-    }
-
-    pub(super) fn first_step(&self) -> NextTask {
-        self.step(preview_level::FIRST, 2, LevelRole::First)
-    }
-
-    fn step(&self, milliseconds: f64, finest: u32, role: LevelRole) -> NextTask {
-        let film = self.handle.published.state().film;
-        NextTask::Step(self.timings.first(film, milliseconds, finest), role)
-    }
-
-    /// Returns the frame interval in milliseconds.
-    fn interval(&self) -> f64 {
-        1e3 / self.handle.published.state().rate
-    }
-
-    /// Returns the time at which playback counts as over unless another frame is requested.
-    pub(super) fn end_of_row(&self) -> Instant {
-        let missed =
-            Duration::try_from_secs_f64(1e-3 * IDLE_INTERVALS * self.interval()).unwrap_or(IDLE_TIMEOUT);
-        Instant::now() + missed.max(IDLE_TIMEOUT)
-    }
-
-    fn probe(&mut self, pixel: (u32, u32), ProbeReply(answer): ProbeReply) {
-        let frame = self.handle.published.state().frame;
-        let picture = self.presenter.latest().filter(|(info, _)| info.full).map(|(_, film)| &**film);
-        let info = self.scene.as_mut().map_or(Ok(None), |scene| scene.pixel_info(frame, pixel, picture));
-        answer(info.unwrap_or_else(|error| {
+    fn probe(&mut self, pixel: (u32, u32), ProbeReply(reply): ProbeReply) {
+        reply(self.renderer.probe(pixel).unwrap_or_else(|error| {
             self.fail(error);
             None
         }));
     }
 
-    pub(super) fn fail(&mut self, error: EngineError) {
-        self.next = NextTask::Nothing;
-        let mistakes = Mistakes::of_frame(&error);
-        self.handle.published.update(|state| {
-            state.frame_mistakes = Some(mistakes);
-            state.rendering = false;
-        });
-        self.presenter.emit(Event::Failed(error));
+    fn fail(&mut self, error: EngineError) {
+        self.next = Task::Idle;
+        self.renderer.fail(error);
+    }
+
+    fn run_next(&mut self) {
+        match self.next {
+            Task::Idle => {}
+            Task::Run(job) => match self.renderer.run(job) {
+                Ok(outcome) => self.next = self.following(job, outcome),
+                Err(error) => self.fail(error),
+            },
+            Task::Rest(until) => self.rest(until),
+        }
+    }
+
+    /// Returns the task after a job.
+    fn following(&mut self, job: PreviewJob, outcome: JobOutcome) -> Task {
+        let is_over = matches!(outcome, JobOutcome::Done | JobOutcome::Ended);
+        if is_over && matches!(job, PreviewJob::Picture { detail: Detail::Full, .. }) {
+            self.lacks_full = false;
+        }
+        match (outcome, job) {
+            (JobOutcome::Ended, _) => Task::Idle,
+            (JobOutcome::Needs(level, role), _) => Task::Run(PreviewJob::Preview(level, role)),
+            (JobOutcome::Interrupted | JobOutcome::Done, PreviewJob::Preview(_, LevelRole::Between))
+            | (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::First)) => self.after_preview(),
+            (JobOutcome::Interrupted, _) => Task::Run(job),
+            (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::InARow)) => self.end_of_row(),
+            (JobOutcome::Done, PreviewJob::Picture { .. }) => self.after_picture(),
+            (JobOutcome::Done, PreviewJob::Measurement(index)) => {
+                Task::Run(PreviewJob::Measurement(index + 1))
+            }
+        }
+    }
+
+    /// Waits for the next frame of playback, and renders the full picture that is due in the meantime. If no further frame is requested,
+    /// the last picture is improved.
+    fn rest(&mut self, until: Instant) {
+        if Instant::now() < until {
+            if self.is_full_due() && self.renderer.render_in_background(until) {
+                self.lacks_full = false;
+            }
+            return;
+        }
+        self.is_playing = false;
+        self.next = if self.renderer.shows_coarsely() { self.after_preview() } else { self.after_picture() };
+        let is_over = self.next == Task::Idle;
+        self.published.update(|state| state.rendering = !is_over);
+    }
+
+    /// Returns the best task for the requested frame that fits into the available time.
+    fn frame_task(&self, playing: bool) -> Task {
+        let time = if playing { self.interval() } else { COARSE_FIRST_ABOVE_MS };
+        if self.renderer.is_expected_within(time, self.detail) {
+            self.picture(self.detail)
+        } else if playing {
+            let level = self.renderer.level_within(COARSE_IN_A_ROW * self.interval());
+            Task::Run(PreviewJob::Preview(level, LevelRole::InARow))
+        } else {
+            self.first_preview()
+        }
+    }
+
+    fn first_preview(&self) -> Task {
+        Task::Run(PreviewJob::Preview(self.renderer.first_level(), LevelRole::First))
+    }
+
+    /// Returns a finer coarse picture, or the requested picture if there is none.
+    fn after_preview(&self) -> Task {
+        let finer = self.renderer.finer_level(self.detail);
+        let preview = |level| Task::Run(PreviewJob::Preview(level, LevelRole::Between));
+        finer.map_or_else(|| self.picture(self.detail), preview)
+    }
+
+    fn picture(&self, detail: Detail) -> Task {
+        Task::Run(PreviewJob::Picture { detail, precedes_full: detail != Detail::Full && self.is_full_due() })
+    }
+
+    /// Returns the task after the requested picture: the full picture if it is due.
+    fn after_picture(&self) -> Task {
+        match (self.is_full_due(), self.is_playing) {
+            (false, _) => Task::Idle,
+            (true, false) => self.picture(Detail::Full),
+            (true, true) => self.end_of_row(),
+        }
+    }
+
+    /// Returns whether the full picture due after the last edit is still missing.
+    fn is_full_due(&self) -> bool {
+        self.lacks_full && (self.finish || self.detail == Detail::Full)
+    }
+
+    /// Returns the frame interval in milliseconds.
+    fn interval(&self) -> f64 {
+        1e3 / self.published.state().rate
+    }
+
+    /// Returns the wait until playback counts as over unless another frame is requested.
+    fn end_of_row(&self) -> Task {
+        let missed =
+            Duration::try_from_secs_f64(1e-3 * IDLE_INTERVALS * self.interval()).unwrap_or(IDLE_TIMEOUT);
+        Task::Rest(Instant::now() + missed.max(IDLE_TIMEOUT))
     }
 }
 
-/// The reason there is no new scene.
-struct LoadFailure {
-    error: LoadError,
-    /// True if a file exists but could not be read. It may become readable without being changed.
-    is_transient: bool,
+/// The files of the scene. Mistakes in them are reported once they have settled, since files may be empty or truncated while they are being
+/// written.
+pub(super) struct SceneFiles {
+    scene: PathBuf,
+    reader: Reader,
+    watcher: Watcher,
+    failure: Option<LoadFailure>,
 }
 
-/// Returns whether one of the files exists but cannot be opened.
-fn is_unreadable(files: &[PathBuf]) -> bool {
-    files.iter().any(|path| path.is_file() && std::fs::File::open(path).is_err())
+/// Mistakes that are not reported yet.
+struct LoadFailure {
+    error: LoadError,
+    /// Time of the first of the failures in succession.
+    first: Instant,
+    judged_at: Instant,
+    /// The stamps of the files after they were read; `None` if they were written in the meantime.
+    stamps: Option<Vec<Option<Stamp>>>,
+}
+
+/// The treatment of files with mistakes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Judgement {
+    /// The files have changed, or may be readable now.
+    ReadAgain,
+    /// The mistakes are lasting.
+    Report,
+}
+
+impl SceneFiles {
+    pub(super) fn new(scene: PathBuf, reader: Reader, watcher: Watcher) -> Self {
+        watcher.follow(slice::from_ref(&scene), SystemTime::now());
+        Self { scene, reader, watcher, failure: None }
+    }
+
+    /// Reads the files. Returns their scene and the time taken in milliseconds, or keeps the mistakes to be judged later.
+    fn read(&mut self) -> Option<(Scene, Sources, f64)> {
+        self.watcher.look();
+        let (since, start) = (SystemTime::now(), Instant::now());
+        match self.reader.load(&self.scene) {
+            Ok((scene, sources)) => {
+                let read = Times::milliseconds(start.elapsed());
+                self.watcher.follow(&scene.files, since);
+                self.failure = None;
+                Some((scene, sources, read))
+            }
+            Err(error) => {
+                self.watcher.follow(error.files(), since);
+                let first = self.failure.take().map_or(start, |failure| failure.first);
+                let wait = SETTLE_TIME.min(SETTLE_TIMEOUT.saturating_sub(first.elapsed()));
+                let (judged_at, stamps) = (Instant::now() + wait, self.watcher.stamps());
+                self.failure = Some(LoadFailure { error, first, judged_at, stamps });
+                None
+            }
+        }
+    }
+
+    /// Judges mistakes that are not reported yet, once it is time.
+    fn judge(&self) -> Option<Judgement> {
+        let failure = self.failure.as_ref().filter(|failure| failure.judged_at <= Instant::now())?;
+        let (is_over, is_transient) =
+            (failure.first.elapsed() >= SETTLE_TIMEOUT, failure.error.is_transient());
+        if is_over && is_transient {
+            // No event is guaranteed when the files become readable again.
+            self.watcher.forget();
+        }
+        let is_unchanged = failure.stamps.is_some() && failure.stamps == self.watcher.stamps();
+        let is_settled = is_over || is_unchanged && !is_transient;
+        Some(if is_settled { Judgement::Report } else { Judgement::ReadAgain })
+    }
 }

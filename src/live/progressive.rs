@@ -1,30 +1,55 @@
-//! Selection of the coarse pictures that precede the requested one.
+//! Schedule of a picture that takes long: coarse pictures of increasing quality first, and then the unfinished picture itself.
 //!
 //! The first coarse picture appears quickly for any scene. Each further one takes several times as long as its predecessor, and all of
 //! them take a small fraction of the time of the requested picture. Their times are predicted from earlier pictures. If there are no
 //! timings, or they no longer apply, a deadline stops a picture that takes too long, and a cheaper one is tried.
+//!
+//! The requested picture is visited while it is rendered. A visit records its speed and, now and then, shows it as it is.
 
-use std::time::Duration;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use crate::components::{FilmSettings, Quality};
 use crate::systems::{Effect, RenderSettings};
+use crate::trace::RenderJob;
 
-/// Target time of the first coarse picture, in milliseconds.
+/// Target time of the first coarse picture, in milliseconds: short against the 57 that pass between a save and its picture on the page.
 pub(super) const FIRST: f64 = 6.0;
-/// Maximum number of pixels of the first coarse picture while the speed is unknown.
+/// Least divisor of the first coarse picture of a frame. A picture of all pixels would not be coarse.
+pub(super) const FIRST_DIVISOR: u32 = 2;
+/// Maximum number of pixels of the first coarse picture while the speed is unknown. It takes [`FIRST`] in a scene of 1.5 µs a pixel; simple
+/// ones take 0.2 µs, and slow ones meet the deadline.
 const UNKNOWN: f64 = 4096.0;
-/// Time, in milliseconds, above which a picture is shown even though a better one could follow at once.
+/// Deadlines of the attempts at a coarse picture, in milliseconds. Together they stay below 100, which a user perceives as immediate. The
+/// attempt after them has one pixel and no deadline.
+const DEADLINES: [u64; 3] = [40, 25, 15];
+/// Time, in milliseconds, above which a picture is shown even though a better one could follow at once: less than a display's frame at
+/// 60 Hz, in which the picture might not be seen at all.
 const SOON: f64 = 10.0;
-/// Minimum time budget of each further coarse picture, in milliseconds.
+/// Minimum time budget of each further coarse picture, in milliseconds. Encoding and decoding it takes some 30 in addition.
 const NEXT: f64 = 40.0;
-/// Ratio of the time budget of a coarse picture to the time of its predecessor. Its divisor is at most half of the previous one.
+/// Ratio of the time budget of a coarse picture to the time of its predecessor: the cost of half the divisor, which is the least visible
+/// improvement.
 const GROWTH: f64 = 4.0;
-/// Maximum time of a further coarse picture as a fraction of the time of the requested picture.
+/// Maximum time of a further coarse picture as a fraction of the time of the requested picture. With [`GROWTH`], all of them take a twelfth
+/// of it at most.
 const SHARE: f64 = 1.0 / 16.0;
-/// Time, in milliseconds, up to which the requested picture is not preceded by further coarse ones.
+/// Time, in milliseconds, up to which the requested picture is not preceded by further coarse ones. It is first shown unfinished after that
+/// time.
 const QUICK: f64 = 300.0;
-/// Number of pixels below which more pixels are worth more than shadows.
+/// Number of pixels below which more pixels are worth more than shadows: 21 by 12.
 const ENOUGH: f64 = 256.0;
+/// Time between visits to a picture that is being rendered. The first one is later, at [`QUICK`], by which most pictures are finished.
+const VISIT: Duration = Duration::from_millis(200);
+/// Inverse of the maximum fraction of the time that is spent on showing an unfinished picture.
+const SHOWING: u64 = 10;
+/// Inverse of the fraction of the elapsed time that must pass before the picture is shown again. The first showings therefore come
+/// quickly, and a picture that takes long does not keep a browser busy.
+const MORE: u64 = 3;
+/// Upper limit, in milliseconds, of the time that must pass before the picture is shown again, so that it is seen to progress.
+const SELDOM: u64 = 5000;
 
 /// The effort spent on a coarse picture, apart from its number of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,26 +87,31 @@ pub(super) struct RequestedPicture {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Timings {
     /// Time to animate and prepare the world at a moment.
-    pub(super) moment: f64,
+    moment: f64,
     /// Time to trace a camera ray and all rays spawned by it, by care.
     ray: [Option<f64>; 3],
+}
+
+/// Returns the settings of a picture with one sample per pixel, at the frame's own moment, whose sides are divided by `divisor`.
+pub(super) fn sized(divisor: u32, film: FilmSettings) -> RenderSettings {
+    let side = |pixels: u32| (pixels / divisor.max(1)).max(1);
+    RenderSettings {
+        size: Some((side(film.width), side(film.height))),
+        samples: Some(1),
+        max_error: Some(0.0),
+        ..RenderSettings::default()
+    }
 }
 
 impl PreviewLevel {
     /// Returns the render settings of the step, for a scene with this film and this quality.
     pub(super) fn settings(self, film: FilmSettings, quality: Quality) -> RenderSettings {
         let whole = sized(self.divisor, film);
+        let plain = RenderSettings { max_light_samples: Some(1), ..whole };
         match self.effort {
-            Effort::Bare => RenderSettings {
-                depth: Some(1),
-                max_light_samples: Some(1),
-                without: [Effect::Shadows].into(),
-                ..whole
-            },
+            Effort::Bare => RenderSettings { depth: Some(1), without: [Effect::Shadows].into(), ..plain },
             // Deep enough to see through a glass.
-            Effort::Plain => {
-                RenderSettings { depth: Some(quality.depth.min(5)), max_light_samples: Some(1), ..whole }
-            }
+            Effort::Plain => RenderSettings { depth: Some(quality.depth.min(5)), ..plain },
             Effort::Whole => whole,
         }
     }
@@ -92,8 +122,7 @@ impl PreviewLevel {
 
     /// Returns the time after which the step is abandoned, or `None` for the last attempt, which has no deadline.
     pub(super) fn deadline(self) -> Option<Duration> {
-        let milliseconds = [40, 25, 15].get(self.tried as usize)?;
-        Some(Duration::from_millis(*milliseconds))
+        DEADLINES.get(self.tried as usize).map(|milliseconds| Duration::from_millis(*milliseconds))
     }
 
     /// Returns a cheaper step to be tried after this one was abandoned.
@@ -117,6 +146,15 @@ impl RequestedPicture {
     /// Returns the number of camera rays.
     pub(super) fn rays(self) -> f64 {
         pixels(self.film, self.divisor) as f64 * f64::from(self.samples)
+    }
+
+    /// Returns the number of camera rays of the finished part of the picture, but at least the rays of one sample of a tile, which are
+    /// lost when the picture is stopped.
+    pub(super) fn rays_so_far(self, job: &RenderJob) -> u64 {
+        const TILE: u64 = 256;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+        let rays = (job.share() * self.rays()) as u64;
+        rays.max(TILE)
     }
 }
 
@@ -167,6 +205,11 @@ impl Timings {
         Some(self.moment + self.of(Effort::Whole)? * target.rays())
     }
 
+    /// Records the time to animate and prepare the world, in milliseconds.
+    pub(super) fn note_moment(&mut self, milliseconds: f64) {
+        self.moment = milliseconds;
+    }
+
     /// Records that a picture took `milliseconds` for `rays` camera rays.
     pub(super) fn note(&mut self, effort: Effort, milliseconds: f64, rays: u64) {
         let ray = milliseconds / (rays.max(1) as f64);
@@ -195,21 +238,106 @@ impl Timings {
     }
 }
 
+/// Runs `work`, which `interrupt` ends. The deadline counts from the first call of the function passed to `work`; when it passes,
+/// `interrupt` becomes true without a command, and stays so until commands are taken. Returns the result, and whether the deadline passed.
+pub(super) fn with_deadline<T>(
+    interrupt: &AtomicBool,
+    deadline: Option<Duration>,
+    work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
+) -> (T, bool) {
+    let Some(deadline) = deadline else { return (work(&|| ()), false) };
+    let (begun, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
+    let result = thread::scope(|scope| {
+        let clock = scope.spawn(|| {
+            while !done.load(Ordering::Acquire) {
+                let Some(begun) = begun.get() else {
+                    thread::park();
+                    continue;
+                };
+                let rest = deadline.saturating_sub(Instant::elapsed(begun));
+                if rest.is_zero() {
+                    late.store(true, Ordering::Relaxed);
+                    interrupt.store(true, Ordering::Relaxed);
+                    return;
+                }
+                thread::park_timeout(rest);
+            }
+        });
+        let result = work(&|| {
+            if begun.set(Instant::now()).is_ok() {
+                clock.thread().unpark();
+            }
+        });
+        done.store(true, Ordering::Release);
+        clock.thread().unpark();
+        result
+    });
+    (result, late.into_inner())
+}
+
+/// The times of visits and showings of a picture that is being rendered, in milliseconds since the start. Commands that interrupt the
+/// picture do not postpone them.
+pub(super) struct RefreshTimer {
+    start: Instant,
+    /// Time of the next visit. Threads that render read it.
+    due: AtomicU64,
+    last_shown: AtomicU64,
+    showing: AtomicU64,
+}
+
+impl RefreshTimer {
+    pub(super) fn new() -> Self {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a constant")]
+        let due = AtomicU64::new(QUICK as u64);
+        Self { start: Instant::now(), due, last_shown: AtomicU64::new(0), showing: AtomicU64::new(0) }
+    }
+
+    pub(super) fn is_due(&self) -> bool {
+        self.now() >= self.due.load(Ordering::Relaxed)
+    }
+
+    /// Schedules the next visit.
+    pub(super) fn reschedule(&self) {
+        self.due.store(self.now() + whole_milliseconds(VISIT), Ordering::Relaxed);
+    }
+
+    /// Shows the unfinished picture by a call of `show` if it is time. Returns the result.
+    pub(super) fn show_if_due<T>(&self, show: impl FnOnce() -> T) -> Option<T> {
+        let (now, last) = (self.now(), self.last_shown.load(Ordering::Relaxed));
+        let is_due = self.showing.load(Ordering::Relaxed) <= now / SHOWING;
+        if !is_due || now - last < (last / MORE).min(SELDOM) {
+            return None;
+        }
+        let shown = show();
+        self.showing.fetch_add(self.now() - now, Ordering::Relaxed);
+        self.last_shown.store(self.now(), Ordering::Relaxed);
+        Some(shown)
+    }
+
+    /// Returns the milliseconds since the start without those spent on showing.
+    pub(super) fn traced(&self) -> f64 {
+        (self.now() - self.showing.load(Ordering::Relaxed)) as f64
+    }
+
+    fn now(&self) -> u64 {
+        whole_milliseconds(self.start.elapsed())
+    }
+}
+
+fn whole_milliseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}
+
+/// Returns the finished fraction of an unfinished picture, at most 0.99. With adaptive sampling, the remaining work is unknown until the
+/// picture is finished.
+pub(super) fn share_of_unfinished(job: &RenderJob) -> f64 {
+    job.share().min(0.99)
+}
+
 /// Returns the number of pixels of a film whose sides are divided by `divisor`. Each side keeps at least one pixel.
 fn pixels((width, height): (u32, u32), divisor: u32) -> u64 {
     let side = |side: u32| u64::from((side / divisor).max(1));
     side(width) * side(height)
-}
-
-/// Returns the settings of a picture with one sample per pixel, at the frame's own moment, whose sides are divided by `divisor`.
-pub(super) fn sized(divisor: u32, film: FilmSettings) -> RenderSettings {
-    let side = |pixels: u32| (pixels / divisor.max(1)).max(1);
-    RenderSettings {
-        size: Some((side(film.width), side(film.height))),
-        samples: Some(1),
-        max_error: Some(0.0),
-        ..RenderSettings::default()
-    }
 }
 
 /// Returns the divisor of a film's sides that leaves at most `most` pixels.

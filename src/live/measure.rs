@@ -1,0 +1,59 @@
+//! Measurements of a frame: the costs of its effects, and its error by the number of samples.
+
+use std::sync::atomic::AtomicBool;
+
+use super::state::CurvePlace;
+use crate::accuracy::{Estimate, MeasuredFrame, estimate};
+use crate::components::Sampling;
+use crate::engine::{Engine, EngineError};
+use crate::systems::{Effect, EffectSet, RenderSettings};
+use crate::time::Time;
+
+/// Maximum number of samples per pixel of a curve point, whose error is about 1/32 of that of a single sample.
+const MOST_SAMPLES: u32 = 1024;
+
+/// Returns the fraction of a frame's time that is saved by disabling an effect, or `Some(None)` if the effect is not needed. Returns
+/// `None` if cancelled.
+pub(super) fn cost(
+    engine: &mut Engine,
+    time: Time,
+    effect: Effect,
+    cancelled: &AtomicBool,
+) -> Result<Option<Option<f64>>, EngineError> {
+    if !engine.plan_at(time)?.is_some_and(|plan| plan.needs(effect)) {
+        return Ok(Some(None));
+    }
+    let mut measure = |without: EffectSet| {
+        let settings = RenderSettings { without, ..RenderSettings::default() };
+        MeasuredFrame::render(engine, time, settings, cancelled, &mut || None)
+    };
+    // Each picture is compared with a complete one rendered at the same time, since the speed of the machine may change.
+    let (whole, part) = (measure(EffectSet::default())?, measure([effect].into())?);
+    Ok(whole.zip(part).map(|(whole, part)| Some((1.0 - part.seconds / whole.seconds).max(0.0))))
+}
+
+/// Returns the error of a frame at a point of the curve: with the scene's own samples at point 0, then with 1, 2, 4 and so on samples per
+/// pixel. Returns `None` beyond the maximum, or if cancelled.
+pub(super) fn curve_point(
+    engine: &mut Engine,
+    time: Time,
+    index: usize,
+    cancelled: &AtomicBool,
+) -> Result<Option<CurvePlace>, EngineError> {
+    let Sampling { samples, max_error, .. } = engine.sampling();
+    let own = (max_error == 0.0).then_some(samples);
+    let (samples, settings) = match index.checked_sub(1) {
+        None => (own, RenderSettings::default()),
+        Some(exponent) => {
+            let samples = (0..).map(|exponent| 1 << exponent).take_while(|samples| *samples <= MOST_SAMPLES);
+            let samples = samples.filter(|samples| Some(*samples) != own).nth(exponent);
+            if samples.is_none() {
+                return Ok(None);
+            }
+            (samples, RenderSettings { samples, max_error: Some(0.0), ..RenderSettings::default() })
+        }
+    };
+    let estimate = estimate(engine, time, settings, cancelled)?;
+    let point = |Estimate { rms, seconds }| CurvePlace { samples, milliseconds: 1e3 * seconds, error: rms };
+    Ok(estimate.map(point))
+}

@@ -1,0 +1,316 @@
+//! Publication of a session's state and pictures, which all threads can read, and of its events.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use tokio::sync::watch;
+
+use super::state::{Mistakes, PictureInfo, Planned, State, Times};
+use crate::color::Transfer;
+use crate::engine::EngineError;
+use crate::output;
+use crate::scene::LoadError;
+use crate::trace::Film;
+
+/// Number of latest pictures that are kept. A page requests a picture as soon as it is announced, and several may follow before the
+/// request arrives.
+const HISTORY: usize = 8;
+
+/// An event of a session, passed to the callback of [`Session::start`](super::Session::start).
+#[derive(Debug)]
+pub enum Event {
+    /// The scene was read.
+    Reloaded(Times),
+    /// The files contain mistakes. The last good scene stays.
+    Broken(LoadError),
+    /// The frame cannot be rendered.
+    Failed(EngineError),
+    /// A picture was rendered but cannot be shown.
+    NotShown(Mistakes),
+    /// A picture was rendered.
+    Shown(Shown),
+}
+
+/// A rendered picture.
+#[derive(Debug)]
+pub struct Shown {
+    /// Description of the picture.
+    pub info: PictureInfo,
+    /// Pixels of the picture.
+    pub film: Arc<Film>,
+    /// Transfer function that encodes the colours as bytes.
+    pub transfer: Transfer,
+    /// Times of the phases.
+    pub times: Times,
+    /// Number of rays traced.
+    pub rays: u64,
+    /// Faults of the scene, one line each. Only full pictures are checked for them.
+    pub warnings: Vec<String>,
+}
+
+/// A published picture.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Description of the picture.
+    pub info: PictureInfo,
+    /// The picture encoded as a PNG file.
+    pub png: Arc<[u8]>,
+}
+
+/// The state and the latest pictures.
+#[derive(Debug)]
+pub(super) struct Published {
+    state: watch::Sender<State>,
+    pictures: Mutex<Pictures>,
+}
+
+#[derive(Debug, Default)]
+struct Pictures {
+    latest: VecDeque<Picture>,
+    before: Option<Picture>,
+}
+
+impl Published {
+    pub(super) fn new(state: State) -> Self {
+        Self { state: watch::Sender::new(state), pictures: Mutex::default() }
+    }
+
+    pub(super) fn state(&self) -> State {
+        self.state.borrow().clone()
+    }
+
+    /// Returns a receiver of subsequent states.
+    pub(super) fn subscribe(&self) -> watch::Receiver<State> {
+        self.state.subscribe()
+    }
+
+    pub(super) fn update(&self, update: impl FnOnce(&mut State)) {
+        self.state.send_modify(update);
+    }
+
+    /// Changes the state without notifying subscribers. They receive the change together with the next one.
+    pub(super) fn update_without_notify(&self, update: impl FnOnce(&mut State)) {
+        self.state.send_if_modified(|state| {
+            update(state);
+            false
+        });
+    }
+
+    /// Returns a picture if it is still kept.
+    pub(super) fn picture(&self, id: u64) -> Option<Picture> {
+        let pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+        pictures.latest.iter().chain(&pictures.before).find(|picture| picture.info.id == id).cloned()
+    }
+
+    /// Adds a picture. The caller updates [`State::picture`].
+    fn add(&self, picture: Picture) {
+        let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+        pictures.latest.push_back(picture);
+        if pictures.latest.len() > HISTORY {
+            pictures.latest.pop_front();
+        }
+    }
+
+    /// Keeps the latest picture of the current scene for later comparison. Pictures that are not coarse take precedence.
+    pub(super) fn keep_for_comparison(&self) -> Option<PictureInfo> {
+        let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+        let reloads = pictures.latest.back().map(|latest| latest.info.reloads);
+        let now = || pictures.latest.iter().rev().filter(|picture| Some(picture.info.reloads) == reloads);
+        let kept = now().find(|picture| !picture.info.coarse).or_else(|| now().next()).cloned();
+        let info = kept.as_ref().map(|picture| picture.info);
+        pictures.before = kept;
+        info
+    }
+}
+
+/// A function that encodes a film as a file, or returns the reason for its failure.
+type Encode = fn(&Film, Transfer) -> Result<Vec<u8>, String>;
+
+/// The encoder and publisher of pictures, which also emits the session's events.
+pub(super) struct Publisher {
+    published: Arc<Published>,
+    emit: Box<dyn FnMut(Event) + Send>,
+    encode: Encode,
+    last_id: u64,
+    latest: Option<(PictureInfo, Arc<Film>)>,
+}
+
+/// A picture to be published.
+pub(super) struct RenderedPicture {
+    pub(super) film: Film,
+    pub(super) transfer: Transfer,
+    pub(super) kind: PictureKind,
+    /// Times of the phases, except encoding.
+    pub(super) times: Times,
+    pub(super) rays: u64,
+    /// Effects of its frame, if known.
+    pub(super) plan: Option<Vec<Planned>>,
+    /// Faults of the scene, one line each.
+    pub(super) warnings: Vec<String>,
+}
+
+impl RenderedPicture {
+    /// Creates an unfinished picture. `trace` is the time since the picture was begun, in milliseconds.
+    pub(super) fn unfinished(
+        film: Film,
+        transfer: Transfer,
+        progress: f64,
+        trace: f64,
+        state: &State,
+    ) -> Self {
+        let (kind, times) = (PictureKind::Coarse(progress), Times { trace, ..state.times });
+        Self { film, transfer, kind, times, rays: state.rays, plan: None, warnings: Vec::new() }
+    }
+}
+
+/// The kind of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum PictureKind {
+    /// A coarse or unfinished picture, with the fraction of the better picture that is finished, 0 to 1.
+    Coarse(f64),
+    /// A requested draft.
+    Draft {
+        /// True if a full picture follows.
+        precedes_full: bool,
+    },
+    /// A picture identical to one rendered to a file.
+    Full,
+}
+
+impl Publisher {
+    pub(super) fn new(published: Arc<Published>, emit: Box<dyn FnMut(Event) + Send>) -> Self {
+        let encode: Encode =
+            |film, transfer| output::encode_quickly(film, transfer).map_err(|error| error.to_string());
+        Self { published, emit, encode, last_id: 0, latest: None }
+    }
+
+    pub(super) fn published(&self) -> &Published {
+        &self.published
+    }
+
+    pub(super) fn emit(&mut self, event: Event) {
+        (self.emit)(event);
+    }
+
+    /// Returns the latest picture if it shows the current frame of the current scene.
+    pub(super) fn latest(&self) -> Option<(PictureInfo, &Arc<Film>)> {
+        let state = self.published.state();
+        let (info, film) = self.latest.as_ref()?;
+        (info.frame == state.frame && info.reloads == state.reloads).then_some((*info, film))
+    }
+
+    /// Encodes and publishes a picture of the frame of `state`. If encoding fails, reports a mistake of the frame and returns `false`.
+    pub(super) fn publish(&mut self, state: &State, picture: RenderedPicture) -> bool {
+        let start = Instant::now();
+        let png = match (self.encode)(&picture.film, picture.transfer) {
+            Ok(png) => png,
+            Err(error) => {
+                let mistakes = Mistakes::of_picture(&error);
+                self.show_mistakes(mistakes.clone());
+                self.emit(Event::NotShown(mistakes));
+                return false;
+            }
+        };
+        let RenderedPicture { film, transfer, kind, mut times, rays, plan, warnings } = picture;
+        times.encode = Times::milliseconds(start.elapsed());
+        let info = self.info(state, &film, kind);
+        let film = Arc::new(film);
+        self.latest = Some((info, Arc::clone(&film)));
+        self.published.add(Picture { info, png: png.into() });
+        self.published.update(|state| {
+            state.picture = Some(info);
+            state.times = times;
+            state.rays = rays;
+            (state.rendering, state.progress) = match kind {
+                PictureKind::Coarse(share) => (true, share),
+                PictureKind::Draft { precedes_full } => (precedes_full, 1.0),
+                PictureKind::Full => (false, 1.0),
+            };
+            state.frame_mistakes = None;
+            if let Some(plan) = plan {
+                state.plan = plan;
+                state.curve.clear();
+            }
+        });
+        self.emit(Event::Shown(Shown { info, film, transfer, times, rays, warnings }));
+        true
+    }
+
+    /// Emits the event of a picture without publishing the picture.
+    pub(super) fn report(&mut self, state: &State, picture: RenderedPicture) {
+        let RenderedPicture { film, transfer, kind, times, rays, warnings, .. } = picture;
+        let info = self.info(state, &film, kind);
+        self.emit(Event::Shown(Shown { info, film: Arc::new(film), transfer, times, rays, warnings }));
+    }
+
+    /// Reports that the frame cannot be rendered.
+    pub(super) fn fail(&mut self, error: EngineError) {
+        self.show_mistakes(Mistakes::of_frame(&error));
+        self.emit(Event::Failed(error));
+    }
+
+    fn show_mistakes(&self, mistakes: Mistakes) {
+        self.published.update(|state| {
+            state.frame_mistakes = Some(mistakes);
+            state.rendering = false;
+        });
+    }
+
+    fn info(&mut self, state: &State, film: &Film, kind: PictureKind) -> PictureInfo {
+        self.last_id += 1;
+        PictureInfo {
+            id: self.last_id,
+            frame: state.frame,
+            reloads: state.reloads,
+            width: film.width(),
+            height: film.height(),
+            film: state.film,
+            full: kind == PictureKind::Full,
+            coarse: matches!(kind, PictureKind::Coarse(_)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn a_picture_that_cannot_be_encoded_says_so_and_is_not_waited_for() {
+        let state = State { rendering: true, ..State::default() };
+        let published = Arc::new(Published::new(state.clone()));
+        let (sender, events) = channel();
+        let emit = move |event| sender.send(event).unwrap();
+        let mut publisher = Publisher::new(Arc::clone(&published), Box::new(emit));
+        let picture = |kind| RenderedPicture {
+            film: Film::new(2, 1),
+            transfer: Transfer::Classic,
+            kind,
+            times: Times::default(),
+            rays: 0,
+            plan: None,
+            warnings: Vec::new(),
+        };
+        for kind in [
+            PictureKind::Coarse(0.0),
+            PictureKind::Coarse(0.5),
+            PictureKind::Draft { precedes_full: true },
+            PictureKind::Full,
+        ] {
+            published.update(|state| state.rendering = true);
+            publisher.encode = |_, _| Err("no room".to_owned());
+            assert!(!publisher.publish(&state, picture(kind)));
+            let told = published.state();
+            assert!(!told.rendering && told.frame_mistakes.unwrap().text.contains("no room"));
+            assert!(matches!(events.try_recv(), Ok(Event::NotShown(_))));
+            // The next picture can be shown again.
+            publisher.encode = |_, _| Ok(Vec::new());
+            assert!(publisher.publish(&state, picture(kind)));
+            assert_eq!(published.state().frame_mistakes, None);
+            assert!(matches!(events.try_recv(), Ok(Event::Shown(_))));
+        }
+    }
+}
