@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 use super::direct::{light_dimension, light_point};
 use crate::trace::math::{
     F64s3, LANES, PixelSamples, SampleKeys, Scaled, Vectors, add, bits, dot, half_lanes, lanes, on_disc,
-    scaled_lanes, select3, splat, splat3, subtract, times,
+    pick3, scaled_lanes, splat, splat3, subtract, times,
 };
 use crate::trace::scene::{LightSource, PreparedLight};
 
@@ -91,8 +91,8 @@ fn across<S: Simd>(simd: S, forward: F64s3<S>) -> (F64s3<S>, F64s3<S>) {
     let [x, y, z] = [forward[0].abs(), forward[1].abs(), forward[2].abs()];
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let (along_x, along_y) = (x.simd_le(y) & x.simd_le(z), y.simd_le(z));
-    let other = select3(along_y, [zero, one, zero], [zero, zero, one]);
-    let axis = select3(along_x, [one, zero, zero], other);
+    let other = pick3(along_y, [zero, one, zero], [zero, zero, one]);
+    let axis = pick3(along_x, [one, zero, zero], other);
     let right = normalized(simd, cross(axis, forward));
     (right, cross(forward, right))
 }

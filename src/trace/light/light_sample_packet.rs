@@ -7,7 +7,7 @@ use super::area_light_samples::AreaLightSamples;
 use super::direct::{LightSample, WayToLight};
 use super::path_packet::PathPacket;
 use crate::color::Rgb;
-use crate::trace::math::{Colors, F64s3, Numbers, Vectors, mask, select3};
+use crate::trace::math::{Colors, F64s3, Numbers, Vectors, mask, negative, pick3};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShadowLimit};
 use crate::trace::scene::{LightSource, PreparedLight};
@@ -124,5 +124,5 @@ pub(super) fn facing_normal(surfaces: &SurfacePacket, lane: usize) -> DVec3 {
 pub(super) fn facing_normals<S: Simd>(simd: S, surfaces: &SurfacePacket, half: usize) -> F64s3<S> {
     let normal = surfaces.normals.load(simd, half);
     let outside = mask(simd, surfaces.from_outside, half);
-    select3(outside, normal, [-normal[0], -normal[1], -normal[2]])
+    pick3(outside, normal, negative(normal))
 }

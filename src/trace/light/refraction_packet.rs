@@ -164,8 +164,7 @@ impl RefractionPacket {
                 self.directions.axis_mut(axis).store(half, along);
             }
             // Numbers of other sizes may make the products inexact.
-            let usual =
-                same | (moderate(simd, cosine) & moderate(simd, from * from) & moderate(simd, into * into));
+            let usual = same | (moderate(cosine) & moderate(from * from) & moderate(into * into));
             let here = clear & half_lanes(half);
             self.unusual |= here & !bits(usual, half);
             self.lanes |= here & bits(usual & (same | passes), half);

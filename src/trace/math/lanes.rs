@@ -255,12 +255,6 @@ pub(crate) fn splat3<S: Simd>(simd: S, vector: DVec3) -> F64s3<S> {
     [splat(simd, vector.x), splat(simd, vector.y), splat(simd, vector.z)]
 }
 
-/// Returns `a` where the mask is true, else `b`.
-#[inline(always)]
-pub(crate) fn select3<S: Simd>(mask: Mask<S>, a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
-    [mask.select(a[0], b[0]), mask.select(a[1], b[1]), mask.select(a[2], b[2])]
-}
-
 /// Scaled directions, one per lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Scaled<S: Simd> {
@@ -298,27 +292,9 @@ pub(super) fn fuses<S: Simd>(simd: S) -> bool {
     return false;
 }
 
-/// Returns the lanes whose number is zero or of a magnitude in 2^-400..2^400. The product of two such numbers and its rounding error are
-/// normal numbers or zero.
-#[inline(always)]
-pub(crate) fn moderate<S: Simd>(simd: S, number: F64s<S>) -> Mask<S> {
-    let size = number.abs();
-    let zero = splat(simd, 0.0);
-    (size.simd_ge(splat(simd, LEAST)) | size.simd_eq(zero)) & size.simd_lt(splat(simd, MOST))
-}
-
-/// Applies [`moderate`] to three numbers. Their magnitudes must also sum to less than 2^400.
-#[inline(always)]
-pub(crate) fn moderate3<S: Simd>(simd: S, [x, y, z]: F64s3<S>) -> Mask<S> {
-    let sizes = [x.abs(), y.abs(), z.abs()];
-    // A NaN makes the sum NaN, and the comparison false.
-    let sum = sizes[0] + sizes[1] + sizes[2];
-    sum.simd_lt(splat(simd, MOST)) & none_below(simd, sizes, LEAST)
-}
-
 /// Smallest and largest moderate magnitude: 2^-400 and 2^400.
-const LEAST: f64 = f64::from_bits((1023 - 400) << 52);
-const MOST: f64 = f64::from_bits((1023 + 400) << 52);
+pub(super) const LEAST: f64 = f64::from_bits((1023 - 400) << 52);
+pub(super) const MOST: f64 = f64::from_bits((1023 + 400) << 52);
 
 /// Returns the lanes whose coordinates are all finite.
 #[inline(always)]
@@ -329,7 +305,7 @@ pub(crate) fn finite3<S: Simd>(simd: S, [x, y, z]: F64s3<S>) -> Mask<S> {
 
 /// Returns the lanes where each of three magnitudes is zero or at least `least`.
 #[inline(always)]
-fn none_below<S: Simd>(simd: S, [x, y, z]: F64s3<S>, least: f64) -> Mask<S> {
+pub(super) fn none_below<S: Simd>(simd: S, [x, y, z]: F64s3<S>, least: f64) -> Mask<S> {
     let (least, zero) = (splat(simd, least), splat(simd, 0.0));
     let all = x.min(y).min(z).simd_ge(least);
     if all.all_true() {
@@ -346,7 +322,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::math::{Double, SimdLevel, scaled};
+    use crate::trace::math::{Double, SimdLevel, moderate, scaled};
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
@@ -382,7 +358,7 @@ mod tests {
             for (name, level) in SimdLevel::all() {
                 let (mut product, mut error) = (Numbers::splat(0.0), Numbers::splat(0.0));
                 dispatch!(level.level(), simd => {
-                    assert!(moderate(simd, splat(simd, a)).all_true() && moderate(simd, splat(simd, b)).all_true());
+                    assert!(moderate(splat(simd, a)).all_true() && moderate(splat(simd, b)).all_true());
                     let Double { high, low } = Double::product(splat(simd, a), splat(simd, -b));
                     product.store(0, high);
                     error.store(0, low);

@@ -16,6 +16,8 @@ mod exact;
 mod lanes;
 mod real;
 mod real_lanes;
+#[cfg(test)]
+pub(crate) mod same_bits;
 mod sample_keys;
 mod sampling;
 mod scaling;
@@ -28,14 +30,14 @@ pub(crate) use compensated::Compensated;
 pub(crate) use digest::{Bytes, Digest, digest_of_all};
 pub use double::Double;
 pub(crate) use elementary::{exp, pow};
-pub(crate) use error_free::{quick_two_sum, two_sum};
 pub(crate) use exact::{Exact, Exact3, ExactRoot};
 pub(crate) use lanes::{
     Colors, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, WHOLE, bits, bits8, bits16, finite3,
-    half_lanes, half_of, lanes, mask, mask16, moderate, moderate3, scaled_lanes, select3, set_bits, splat,
-    splat3,
+    half_lanes, half_of, lanes, mask, mask16, scaled_lanes, set_bits, splat, splat3,
 };
-pub(crate) use real::{Real, Truth, absolute, add, dot, subtract, times};
+pub(crate) use real::{
+    Real, Truth, absolute, add, dot, moderate, moderate3, negative, pick3, spread, subtract, times,
+};
 pub(crate) use sample_keys::SampleKeys;
 pub(crate) use sampling::on_disc;
 pub(crate) use sampling::stratum;

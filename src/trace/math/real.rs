@@ -3,6 +3,8 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use glam::DVec3;
+
 /// 2^52, from which on all numbers are integers, and 1.5 2^52, around which the spacing of numbers is 1.
 pub(super) const WHOLE_NUMBERS: f64 = 4_503_599_627_370_496.0;
 pub(super) const ROUNDER: f64 = 1.5 * WHOLE_NUMBERS;
@@ -50,11 +52,20 @@ pub trait Real:
     /// Returns whether `self < other`.
     fn less(self, other: Self) -> Self::Mask;
 
+    /// Returns whether `self <= other`.
+    fn less_or_equal(self, other: Self) -> Self::Mask;
+
     /// Returns whether `self > other`.
     fn greater(self, other: Self) -> Self::Mask;
 
     /// Returns `one` where the mask is true, else `other`.
     fn pick(mask: Self::Mask, one: Self, other: Self) -> Self;
+
+    /// Returns the smaller number; of two zeros, either. Unspecified for NaN.
+    fn min(self, other: Self) -> Self;
+
+    /// Returns the larger number; of two zeros, either. Unspecified for NaN.
+    fn max(self, other: Self) -> Self;
 
     /// Returns the absolute value.
     fn abs(self) -> Self;
@@ -65,8 +76,14 @@ pub trait Real:
     /// Returns the magnitude of `self` with the sign of `other`.
     fn copysign(self, other: Self) -> Self;
 
-    /// Returns the rounded product and its exact error, barring underflow and overflow.
+    /// Returns the rounded product and its exact error, barring underflow and overflow. Requires [`moderate`] numbers.
     fn two_product(self, other: Self) -> (Self, Self);
+
+    /// Computes [`moderate`].
+    fn moderate(self) -> Self::Mask;
+
+    /// Computes [`moderate3`].
+    fn moderate3(vector: [Self; 3]) -> Self::Mask;
 
     /// Returns 2^self, for an integer in -1022..=1023.
     fn power_of_two(self) -> Self;
@@ -107,6 +124,11 @@ impl Real for f64 {
     }
 
     #[inline(always)]
+    fn less_or_equal(self, other: Self) -> bool {
+        self <= other
+    }
+
+    #[inline(always)]
     fn greater(self, other: Self) -> bool {
         self > other
     }
@@ -114,6 +136,16 @@ impl Real for f64 {
     #[inline(always)]
     fn pick(mask: bool, one: Self, other: Self) -> Self {
         if mask { one } else { other }
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
     }
 
     #[inline(always)]
@@ -134,6 +166,16 @@ impl Real for f64 {
     #[inline(always)]
     fn two_product(self, other: Self) -> (Self, Self) {
         split_product(self, other)
+    }
+
+    #[inline(always)]
+    fn moderate(self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn moderate3(_: [Self; 3]) -> bool {
+        true
     }
 
     #[inline(always)]
@@ -167,6 +209,36 @@ fn split<R: Real>(a: R) -> (R, R) {
     (high, a - high)
 }
 
+/// Returns whether a number is zero or of a magnitude in 2^-400..2^400, so that products of two such numbers and their rounding errors are
+/// normal numbers or zero. Lanes that are not are left to scalar code, whose own result therefore is always true.
+#[inline(always)]
+pub(crate) fn moderate<R: Real>(number: R) -> R::Mask {
+    number.moderate()
+}
+
+/// Applies [`moderate`] to three numbers. Their magnitudes must also sum to less than 2^400.
+#[inline(always)]
+pub(crate) fn moderate3<R: Real>(vector: [R; 3]) -> R::Mask {
+    R::moderate3(vector)
+}
+
+/// Returns `vector`, in every lane that `like` has.
+#[inline(always)]
+pub(crate) fn spread<R: Real>(like: R, vector: DVec3) -> [R; 3] {
+    [like.of(vector.x), like.of(vector.y), like.of(vector.z)]
+}
+
+/// Returns `one` where the mask is true, else `other`.
+#[inline(always)]
+pub(crate) fn pick3<R: Real>(mask: R::Mask, one: [R; 3], other: [R; 3]) -> [R; 3] {
+    [R::pick(mask, one[0], other[0]), R::pick(mask, one[1], other[1]), R::pick(mask, one[2], other[2])]
+}
+
+#[inline(always)]
+pub(crate) fn negative<R: Real>([x, y, z]: [R; 3]) -> [R; 3] {
+    [-x, -y, -z]
+}
+
 /// Returns the dot product, summed in the order of `DVec3::dot`.
 #[inline(always)]
 pub(crate) fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
@@ -195,14 +267,14 @@ pub(crate) fn absolute<R: Real>([x, y, z]: [R; 3]) -> [R; 3] {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::math::{Compensated, Double, HALF, Numbers, SimdLevel, splat};
+    use crate::trace::math::same_bits::{Formulas, compare};
+    use crate::trace::math::{Compensated, Double};
 
     /// Applies every operation of [`Real`] and converts masks to numbers.
-    fn operations<R: Real>(a: R, b: R) -> [R; 14] {
+    fn operations<R: Real>(a: R, b: R) -> [R; 17] {
         let (one, zero) = (a.of(1.0), a.of(0.0));
         let truth = |mask: R::Mask| R::pick(mask, one, zero);
         let (less, greater) = (a.less(b), a.greater(b));
@@ -221,6 +293,10 @@ mod tests {
             truth(less & !greater),
             truth(less | greater),
             a.if_less(b, b, a),
+            truth(a.less_or_equal(b)),
+            // The sign of a zero is unspecified.
+            R::pick(!(less | greater), zero, a.min(b)),
+            R::pick(!(less | greater), zero, a.max(b)),
         ]
     }
 
@@ -248,47 +324,20 @@ mod tests {
         ]
     }
 
-    /// Evaluates a function in all lanes of half a packet, and stores the last lane's results in `numbers`.
-    fn in_lanes<const N: usize, const M: usize>(
-        level: SimdLevel,
-        arguments: [f64; N],
-        numbers: &mut [f64; M],
-        evaluate: &impl Evaluate<N, M>,
-    ) {
-        dispatch!(level.level(), simd => {
-            let found = evaluate.evaluate(arguments.map(|number| splat(simd, number)));
-            for (number, found) in numbers.iter_mut().zip(found) {
-                let mut lanes = Numbers::splat(0.0);
-                lanes.store(0, found);
-                *number = lanes.get(HALF - 1);
-            }
-        });
-    }
-
-    /// A function that is generic over scalars and lanes.
-    trait Evaluate<const N: usize, const M: usize> {
-        fn evaluate<R: Real>(&self, arguments: [R; N]) -> [R; M];
-    }
-
     struct Operations;
-    impl Evaluate<2, 14> for Operations {
+    impl Formulas<2, 17> for Operations {
         #[inline(always)]
-        fn evaluate<R: Real>(&self, [a, b]: [R; 2]) -> [R; 14] {
+        fn evaluate<R: Real>(&self, [a, b]: [R; 2]) -> [R; 17] {
             operations(a, b)
         }
     }
 
-    struct Formulas;
-    impl Evaluate<3, 10> for Formulas {
+    struct Compositions;
+    impl Formulas<3, 10> for Compositions {
         #[inline(always)]
         fn evaluate<R: Real>(&self, arguments: [R; 3]) -> [R; 10] {
             formulas(arguments)
         }
-    }
-
-    /// Returns the bits of a number; all NaNs have equal bits.
-    fn bits(number: f64) -> u64 {
-        if number.is_nan() { f64::NAN.to_bits() } else { number.to_bits() }
     }
 
     proptest! {
@@ -296,12 +345,7 @@ mod tests {
 
         #[test]
         fn operations_of_lanes_have_the_bits_of_numbers(a in any::<f64>(), b in prop_oneof![any::<f64>(), Just(0.0), Just(-0.0)]) {
-            let expected = operations(a, b).map(bits);
-            for (name, level) in SimdLevel::all() {
-                let mut found = [0.0; 14];
-                in_lanes(level, [a, b], &mut found, &Operations);
-                prop_assert_eq!(found.map(bits), expected, "{}: {} {}", name, a, b);
-            }
+            compare(&Operations, [a, b])?;
         }
 
         #[test]
@@ -309,12 +353,7 @@ mod tests {
             let arguments = numbers.map(|(mantissa, exponent, minus)| {
                 libm::ldexp(if minus { -mantissa } else { mantissa }, exponent)
             });
-            let expected = formulas(arguments).map(bits);
-            for (name, level) in SimdLevel::all() {
-                let mut found = [0.0; 10];
-                in_lanes(level, arguments, &mut found, &Formulas);
-                prop_assert_eq!(found.map(bits), expected, "{}: {:?}", name, arguments);
-            }
+            compare(&Compositions, arguments)?;
         }
     }
 }

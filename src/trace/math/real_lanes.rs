@@ -2,9 +2,9 @@
 
 use fearless_simd::{prelude::*, u64x8};
 
-use super::lanes::{F64s, Mask, fuses, splat};
+use super::lanes::{F64s, LEAST, MOST, Mask, fuses, none_below, splat};
 use super::real::{
-    BIAS, MANTISSA, MANTISSA_BITS, ROOT, ROUNDER, Real, Truth, UNBIAS, WHOLE_NUMBERS, split_product,
+    BIAS, MANTISSA, MANTISSA_BITS, ROOT, ROUNDER, Real, Truth, UNBIAS, WHOLE_NUMBERS, absolute, split_product,
 };
 
 impl<S: Simd> Truth for Mask<S> {
@@ -33,6 +33,11 @@ impl<S: Simd> Real for F64s<S> {
     }
 
     #[inline(always)]
+    fn less_or_equal(self, other: Self) -> Mask<S> {
+        self.simd_le(other)
+    }
+
+    #[inline(always)]
     fn greater(self, other: Self) -> Mask<S> {
         self.simd_gt(other)
     }
@@ -40,6 +45,16 @@ impl<S: Simd> Real for F64s<S> {
     #[inline(always)]
     fn pick(mask: Mask<S>, one: Self, other: Self) -> Self {
         mask.select(one, other)
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.simd.min_f64x8(self, other)
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.simd.max_f64x8(self, other)
     }
 
     #[inline(always)]
@@ -57,8 +72,6 @@ impl<S: Simd> Real for F64s<S> {
         self.simd.copysign_f64x8(self, other)
     }
 
-    /// Requires [`moderate`](super::moderate) numbers.
-    ///
     /// With fused multiply-subtract, the error is the fused difference of the exact and the rounded product. The error has at most 53 bits,
     /// none of which is lost unless it underflows. Dekker's splitting is exact under the same condition, if no half overflows, so both give
     /// the same number.
@@ -69,6 +82,21 @@ impl<S: Simd> Real for F64s<S> {
             return (product, self.mul_sub(other, product));
         }
         split_product(self, other)
+    }
+
+    #[inline(always)]
+    fn moderate(self) -> Mask<S> {
+        let size = Real::abs(self);
+        let zero = splat(self.simd, 0.0);
+        (size.simd_ge(splat(self.simd, LEAST)) | size.simd_eq(zero)) & size.simd_lt(splat(self.simd, MOST))
+    }
+
+    #[inline(always)]
+    fn moderate3(vector: [Self; 3]) -> Mask<S> {
+        let (simd, sizes) = (vector[0].simd, absolute(vector));
+        // A NaN makes the sum NaN, and the comparison false.
+        let sum = sizes[0] + sizes[1] + sizes[2];
+        sum.simd_lt(splat(simd, MOST)) & none_below(simd, sizes, LEAST)
     }
 
     #[inline(always)]

@@ -7,7 +7,7 @@ use fearless_simd::{dispatch, prelude::*};
 use super::scratch::PacketScratch;
 use super::shape_query::{PacketHit, PacketIntersector, ShapeQuery};
 use crate::trace::bvh::{FramePacket, LeafId, PacketStack, PacketVisitor};
-use crate::trace::math::{F64s, bits, half_of, mask, splat};
+use crate::trace::math::{BoundedT, F64s, bits, half_of, mask, splat};
 use crate::trace::query::HitPacket;
 use crate::trace::rays::{FAR, RayPacket, ShapeId};
 use crate::trace::scene::PreparedScene;
@@ -68,8 +68,8 @@ impl ClosestHitSearch<'_> {
             if half_of(lanes, half) == 0 {
                 continue;
             }
-            if let Some(answer) = self.asking.ask(simd, shape, (half, lanes)) {
-                nearer |= consider(simd, self.hits, (half, shape.id), &answer);
+            if let Some(answer) = self.asking.ask(simd, shape, half, lanes) {
+                nearer |= consider(simd, self.hits, half, shape.id, &answer);
             }
         }
         nearer
@@ -98,26 +98,22 @@ pub(super) fn latest<S: Simd>(simd: S, hits: &HitPacket, half: usize) -> F64s<S>
 /// Updates the closest hits of half of the rays with their hits of a shape. If a hit may coincide with the closest hit so far, its lane is
 /// marked as undecided. Returns whether any hit is nearer than the closest hit before.
 #[inline(always)]
-fn consider<S: Simd>(
-    simd: S,
-    hits: &mut HitPacket,
-    (half, id): (usize, ShapeId),
-    answer: &PacketHit<S>,
-) -> bool {
+fn consider<S: Simd>(simd: S, hits: &mut HitPacket, half: usize, id: ShapeId, answer: &PacketHit<S>) -> bool {
     let PacketHit { intersection, far } = answer;
-    let (t, error) = (intersection.t, intersection.error);
-    let (best, best_error) = (hits.ts.load(simd, half), hits.errors.load(simd, half));
-    let is_near = t.simd_lt(splat(simd, FAR));
+    let root = intersection.root;
+    let best = BoundedT::within(hits.ts.load(simd, half), hits.errors.load(simd, half));
+    let is_near = root.t().simd_lt(splat(simd, FAR));
     let (hit, open) = (intersection.hit & is_near, intersection.open | intersection.hit & !is_near);
-    let not_farther = bits(hit & (t - error).simd_le(best + best_error), half);
-    let nearer = bits(hit & (t + error).simd_lt(best - best_error), half);
+    let not_farther = bits(hit & root.earliest().simd_le(best.latest()), half);
+    let nearer = bits(hit & root.latest().simd_lt(best.earliest()), half);
     hits.open |= not_farther & !nearer | bits(open, half);
     if nearer == 0 {
         return false;
     }
     let chosen = mask(simd, nearer, half);
-    hits.ts.store(half, chosen.select(t, best));
-    hits.errors.store(half, chosen.select(error, best_error));
+    let chosen = BoundedT::pick(chosen, root, best);
+    hits.ts.store(half, chosen.t());
+    hits.errors.store(half, chosen.error());
     hits.ids.replace(simd, nearer, id);
     hits.far = hits.far & !nearer | far & nearer;
     true

@@ -3,12 +3,11 @@
 
 use fearless_simd::prelude::*;
 
-use super::leaves::HalfRays;
-use super::refine::refine_one;
+use super::refine::{RefineInput, refine_one};
 use super::shape_query::{ShapeQuery, exit};
 use crate::trace::math::{F64s, Numbers, Vectors, bits, dot, half_lanes, half_of, mask, splat};
 use crate::trace::query::{Crossing, HitPacket, SurfacePacket};
-use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
+use crate::trace::rays::{RayPacket, Rays, ShapeId, ShapeIds};
 use crate::trace::scene::Geometry;
 
 /// The crossings of shadow rays with the surface of a transparent shape before the light.
@@ -149,7 +148,7 @@ fn find<S: Simd>(
 ) -> u32 {
     hits.ids = ShapeIds::splat(id);
     surfaces.clear();
-    let mut open = refine_one(simd, geometry, (rays, hits), (id, met), surfaces);
+    let mut open = refine_one(simd, RefineInput { geometry, rays, hits }, id, met, surfaces);
     let (mut entering, mut leaving) = (0, 0);
     let mut far_ts = Numbers::splat(0.0);
     for half in 0..2 {
@@ -165,9 +164,9 @@ fn find<S: Simd>(
             continue;
         }
         // The exit is measured from the refined entry point.
-        let from_there = HalfRays { origin: surfaces.points.load(simd, half), direction };
+        let from_there = Rays { origin: surfaces.points.load(simd, half), direction };
         let Some(out) = exit(simd, &from_there, shape) else { continue };
-        let t = surfaces.ts.load(simd, half) + out.t;
+        let t = surfaces.ts.load(simd, half) + out.root.t();
         let before = t.simd_lt(limits.load(simd, half)) & out.hit;
         far_ts.store(half, t);
         open |= enters & bits(!out.hit, half);

@@ -1,10 +1,10 @@
 //! Queries of packets of sixteen rays, in vectors of the processor's width.
 //!
-//! The scalar code in `shapes` and `query` defines the result. This code executes the same operations in the same order for sixteen rays at
-//! once, so that every `t` and every error bound has the same bits at every vector width. If a comparison is ambiguous, or two hits may
-//! coincide, the lane stays undecided, and its ray escalates to the scalar code.
+//! The formulas of `shapes`, which are generic over numbers and lanes, give every `t` and every error bound the same bits for one ray and for
+//! sixteen, at every vector width. If a comparison is ambiguous, or two hits may coincide, the lane stays undecided, and its ray escalates to
+//! the code for single rays in `query`, which defines the result.
 //!
-//! - [`leaves`] and [`slabs`]: intersection of half a packet with a shape of one kind; [`shape_query`]: with a shape of any kind.
+//! - [`shape_query`]: intersection of half a packet with a shape of any kind.
 //! - [`closest_hit`]: closest hits of a packet; [`bundle`]: of packets with a common origin; [`lens`]: of packets through a lens;
 //!   [`tile_packets`]: the code that [`bundle`] and [`lens`] share.
 //! - [`occlusion`]: occlusion of a light at surface points; [`crossings`]: crossings of shadow rays with transparent shapes; [`candidates`]:
@@ -18,7 +18,6 @@ mod closest_hit;
 mod crossings;
 #[cfg(test)]
 mod extremes;
-mod leaves;
 mod lens;
 mod occluder_kind;
 mod occlusion;
@@ -26,7 +25,6 @@ mod reciprocals;
 mod refine;
 mod scratch;
 mod shape_query;
-mod slabs;
 #[cfg(test)]
 mod tests;
 mod tile_packets;

@@ -182,14 +182,14 @@ impl OcclusionSearch<'_> {
             let limit = self.shadow.limits.load(simd, half);
             // Closer to the light, hits are compared with its exact position, by scalar code.
             let (nearer, farther) = (limit * (1.0 - NEAR), limit * (1.0 + NEAR));
-            let Some(answer) = self.asking.ask(simd, shape, (half, lanes)) else { continue };
+            let Some(answer) = self.asking.ask(simd, shape, half, lanes) else { continue };
             let intersection = answer.intersection;
-            let (t, error) = (intersection.t, intersection.error);
-            let is_near = t.simd_lt(splat(simd, FAR));
-            let beyond = intersection.hit & (t - error).simd_gt(farther);
+            let root = intersection.root;
+            let is_near = root.t().simd_lt(splat(simd, FAR));
+            let beyond = intersection.hit & root.earliest().simd_gt(farther);
             let open = bits(intersection.open | intersection.hit & !is_near & !beyond, half);
             let hit = intersection.hit & is_near;
-            let before = bits(hit & (t + error).simd_lt(nearer), half);
+            let before = bits(hit & root.latest().simd_lt(nearer), half);
             let (hit, beyond) = (bits(hit, half), bits(beyond, half));
             if role == OccluderKind::Coincident {
                 self.found.open |= hit & !beyond | open;
@@ -198,8 +198,8 @@ impl OcclusionSearch<'_> {
             self.found.open |= hit & !before & !beyond | open;
             if role == OccluderKind::Transparent {
                 let CrossingScratch { hits, .. } = &mut *self.crossing;
-                hits.ts.store(half, t);
-                hits.errors.store(half, error);
+                hits.ts.store(half, root.t());
+                hits.errors.store(half, root.error());
                 hits.far = hits.far & !half_lanes(half) | answer.far & half_lanes(half);
                 crossed |= before;
                 continue;

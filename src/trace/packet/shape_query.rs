@@ -1,14 +1,17 @@
-//! Intersection of a packet with a shape of any kind.
+//! Intersection of a packet with a shape of any kind, by the shapes' own formulas. Long, rarely executed ones are wrapped in `simd.vectorize`,
+//! which makes them separate functions for each SIMD level unless the compiler inlines them.
 
 use fearless_simd::prelude::*;
 
-use super::leaves::{self, HalfRays, PacketIntersection};
 use super::reciprocals::Reciprocals;
-use super::slabs;
 use crate::trace::bvh::LeafId;
-use crate::trace::math::{half_of, mask};
-use crate::trace::rays::{RayPacket, ShapeId};
+use crate::trace::math::{BoundedT, F64s, half_of, mask};
+use crate::trace::rays::{RayPacket, Rays, ShapeId};
 use crate::trace::scene::{PreparedScene, ShapeRef};
+use crate::trace::shapes::Verdict;
+
+/// The intersection of half a packet with a shape.
+pub(super) type PacketIntersection<S> = Verdict<F64s<S>>;
 
 /// A packet's rays, with their reciprocals.
 pub(super) struct PacketIntersector<'a> {
@@ -53,7 +56,8 @@ impl PacketIntersector<'_> {
         &mut self,
         simd: S,
         shape: ShapeQuery<'_>,
-        (half, asked): (usize, u32),
+        half: usize,
+        asked: u32,
     ) -> Option<PacketHit<S>> {
         let departing = self.rays.departing & asked;
         // Rays do not hit the shape that they leave, except for its far side if they leave it inwards.
@@ -72,7 +76,7 @@ impl PacketIntersector<'_> {
         let exit = if half_of(inward, half) == 0 {
             None
         } else {
-            exit(simd, &HalfRays::load(simd, self.rays, half), shape.shape)
+            exit(simd, &self.rays.load(simd, half), shape.shape)
         };
         let Some(exit) = exit else {
             let intersection = intersection?;
@@ -83,8 +87,7 @@ impl PacketIntersector<'_> {
         let intersection = match intersection {
             None => PacketIntersection { hit, open, ..exit },
             Some(near) => PacketIntersection {
-                t: lanes.select(exit.t, near.t),
-                error: lanes.select(exit.error, near.error),
+                root: BoundedT::pick(lanes, exit.root, near.root),
                 hit: hit | near.hit,
                 open: open | near.open,
             },
@@ -95,24 +98,30 @@ impl PacketIntersector<'_> {
     /// Intersects half of the rays with a shape that they do not leave.
     #[inline(always)]
     fn near<S: Simd>(&mut self, simd: S, shape: ShapeRef<'_>, half: usize) -> Option<PacketIntersection<S>> {
-        let rays = HalfRays::load(simd, self.rays, half);
+        let rays = self.rays.load(simd, half);
         match shape {
             ShapeRef::Sphere(sphere) => {
                 let inverse_square = self.reciprocals.of_squares(simd, self.rays, half);
-                leaves::sphere(simd, &rays, inverse_square, sphere)
+                sphere.verdict(&rays, inverse_square)
             }
-            ShapeRef::Plane(plane) => Some(leaves::plane(simd, &rays, plane)),
+            ShapeRef::Plane(plane) => Some(plane.verdict(&rays)),
             ShapeRef::AlignedBox(shape) => {
                 let (inverse, slow) = self.reciprocals.of_directions(simd, self.rays, half);
-                let mut intersection = leaves::aligned_box(simd, rays.origin, inverse, shape);
+                let mut intersection = shape.verdict(rays.origin, inverse);
                 // Reciprocals of slow rays may not be finite.
                 let slow = mask(simd, slow, half);
                 intersection.hit &= !slow;
                 intersection.open |= slow;
                 Some(intersection)
             }
-            ShapeRef::SphereImage(image) => leaves::sphere_image(simd, &rays, image),
-            ShapeRef::BoxImage(image) => Some(slabs::box_image(simd, &rays, image)),
+            ShapeRef::SphereImage(image) => simd.vectorize(
+                #[inline(always)]
+                || image.verdict(&rays),
+            ),
+            ShapeRef::BoxImage(image) => Some(simd.vectorize(
+                #[inline(always)]
+                || image.verdict(&rays),
+            )),
         }
     }
 }
@@ -121,14 +130,20 @@ impl PacketIntersector<'_> {
 #[inline(always)]
 pub(super) fn exit<S: Simd>(
     simd: S,
-    rays: &HalfRays<S>,
+    rays: &Rays<F64s<S>>,
     shape: ShapeRef<'_>,
 ) -> Option<PacketIntersection<S>> {
     match shape {
-        ShapeRef::Sphere(sphere) => Some(leaves::sphere_exit(simd, rays, sphere)),
+        ShapeRef::Sphere(sphere) => Some(sphere.exit_verdict(rays)),
         ShapeRef::Plane(_) => None,
-        ShapeRef::AlignedBox(shape) => Some(leaves::box_exit(simd, rays, shape)),
-        ShapeRef::SphereImage(image) => Some(leaves::sphere_image_exit(simd, rays, image)),
-        ShapeRef::BoxImage(image) => Some(slabs::box_image_exit(simd, rays, image)),
+        ShapeRef::AlignedBox(shape) => Some(shape.exit_verdict(rays)),
+        ShapeRef::SphereImage(image) => Some(simd.vectorize(
+            #[inline(always)]
+            || image.exit_verdict(rays),
+        )),
+        ShapeRef::BoxImage(image) => Some(simd.vectorize(
+            #[inline(always)]
+            || image.exit_verdict(rays),
+        )),
     }
 }

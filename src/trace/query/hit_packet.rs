@@ -142,7 +142,7 @@ impl SurfacePacket {
         let [x, y, z] = direction;
         let squares = [Double::product(x, x), Double::product(y, y), Double::product(z, z)];
         let length = (squares[0] + squares[1] + squares[2]).root_of_positive();
-        ((t * length).high, moderate(simd, t.high) & moderate3(simd, direction))
+        ((t * length).high, moderate(t.high) & moderate3(direction))
     }
 
     /// Sets the surface point of a lane that has none. The visible shape, which is also set in `hits`, can differ from the first one hit.

@@ -10,6 +10,7 @@ mod view;
 
 pub(crate) use packet::RayPacket;
 pub use ray::PreparedRay;
+pub(crate) use ray::Rays;
 pub(crate) use shadow_limit::{FAR, ShadowLimit};
 pub use shape_id::ShapeId;
 pub(crate) use shape_id::ShapeIds;

@@ -1,10 +1,11 @@
 //! Packets of sixteen rays.
 
 use super::coincident_hits::CoincidentHits;
-use super::ray::PreparedRay;
+use super::ray::{PreparedRay, Rays};
 use super::shape_id::ShapeIds;
 use super::surface_exclusion::SurfaceExclusion;
-use crate::trace::math::{LANES, Vectors};
+use crate::trace::math::{F64s, LANES, Vectors};
+use fearless_simd::Simd;
 use glam::DVec3;
 
 /// Up to sixteen rays, one per lane.
@@ -99,6 +100,12 @@ impl RayPacket {
             .enumerate()
             .filter(move |(lane, _)| tied & (1 << lane) != 0)
             .map(|(_, ties)| ties)
+    }
+
+    /// Loads half of the rays.
+    #[inline(always)]
+    pub(crate) fn load<S: Simd>(&self, simd: S, half: usize) -> Rays<F64s<S>> {
+        Rays { origin: self.origins.load(simd, half), direction: self.directions.load(simd, half) }
     }
 
     /// Returns the ray in a lane.

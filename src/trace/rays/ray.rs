@@ -1,7 +1,7 @@
 //! Rays.
 
 use super::surface_exclusion::SurfaceExclusion;
-use crate::trace::math::scaled;
+use crate::trace::math::{Real, scaled};
 use glam::DVec3;
 
 /// A half-line `origin + t direction`, t >= 0.
@@ -16,6 +16,27 @@ pub struct PreparedRay {
     /// 1 / direction.direction
     inverse_square: f64,
     exclusion: Option<SurfaceExclusion>,
+}
+
+/// A ray, or the rays of half a packet: the operands of formulas that are generic over both.
+#[derive(Clone, Copy)]
+pub(crate) struct Rays<R> {
+    pub(crate) origin: [R; 3],
+    pub(crate) direction: [R; 3],
+}
+
+impl<R: Real> Rays<R> {
+    #[inline(always)]
+    pub(crate) fn new(origin: impl Into<[R; 3]>, direction: impl Into<[R; 3]>) -> Self {
+        Self { origin: origin.into(), direction: direction.into() }
+    }
+}
+
+impl From<&PreparedRay> for Rays<f64> {
+    #[inline(always)]
+    fn from(ray: &PreparedRay) -> Self {
+        Self::new(ray.origin, ray.direction)
+    }
 }
 
 impl PreparedRay {

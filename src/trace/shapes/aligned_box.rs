@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::bounds::Bounds;
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side};
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Verdict};
+use super::slabs::{ExactSlab, FaceMasks, SLOWEST, cross_exactly, exit_exactly};
 use super::sphere::U;
-use crate::trace::math::{BoundedT, Compensated, Double, Exact, Exact3, ExactRoot};
-use crate::trace::rays::PreparedRay;
+use crate::trace::math::{BoundedT, Compensated, Double, Exact, Exact3, Real, moderate, spread, times};
+use crate::trace::rays::{PreparedRay, Rays};
 
 /// An axis-aligned box in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,117 +18,64 @@ pub struct AlignedBox {
     pub max: DVec3,
 }
 
-/// Magnitude below which a direction component's reciprocal might not be finite.
-pub(crate) const SLOWEST: f64 = 1e-300;
-
-/// A ray transformed into another space, with an error bound for each coordinate.
-pub(crate) struct LocalRay {
-    pub(crate) origin: DVec3,
-    pub(crate) direction: DVec3,
-    pub(crate) origin_error: DVec3,
-    pub(crate) direction_error: DVec3,
+/// Refines a `t` near a box: the height of the face over the speed, in double-double. Not found near edges, where the face is uncertain.
+#[inline(always)]
+pub(crate) fn refine_box<R: Real>(min: [R; 3], max: [R; 3], rays: &Rays<R>, t: R) -> Refined<R> {
+    /// Magnitude below which quotients might lose digits.
+    const TINY: f64 = 1e-140;
+    let face = only_face(min, max, rays, t);
+    let (speed, zero) = (face.of_axis(rays.direction), t.of(0.0));
+    let plane = R::pick(face.upper, face.of_axis(max), face.of_axis(min));
+    let height = Double::difference(plane, face.of_axis(rays.origin));
+    let t = height / Double { high: speed, low: zero };
+    let found = face.certain & speed.abs().greater(t.high.of(TINY)) & moderate(t.high);
+    Refined { found, ..on_face(min, max, rays, t, &face) }
 }
 
-/// Result of intersecting an inexact ray with a slab in `f64`.
-enum Along {
-    /// The ray enters at the first `t` and leaves at the second.
-    Through(BoundedT, BoundedT),
-    /// The ray is parallel to the slab, and inside it.
-    Inside,
-    /// The ray is parallel to the slab, and outside it.
-    Outside,
-    /// The rounding errors are too large to decide.
-    Open,
-}
-
-impl LocalRay {
-    #[inline]
-    fn slab(&self, axis: usize, min: f64, max: f64) -> Along {
-        let (o, d) = (self.origin[axis], self.direction[axis]);
-        let (o_error, d_error) = (self.origin_error[axis], self.direction_error[axis]);
-        if d.abs() > 1024.0 * d_error {
-            let inverse = d.recip();
-            let meet = |plane: f64| {
-                let t = (plane - o) * inverse;
-                BoundedT::within(t, (o_error + t.abs() * d_error) * inverse.abs() * 1.01 + 8.0 * U * t.abs())
-            };
-            let (at_min, at_max) = (meet(min), meet(max));
-            return if d > 0.0 { Along::Through(at_min, at_max) } else { Along::Through(at_max, at_min) };
-        }
-        // An error bound of 0 means that all terms are zero, so that the component is exactly zero.
-        if d_error > 0.0 {
-            Along::Open
-        } else if o - o_error > min && o + o_error < max {
-            Along::Inside
-        } else if o + o_error < min || o - o_error > max {
-            Along::Outside
-        } else {
-            Along::Open
-        }
-    }
-}
-
-/// One of a box's three slabs relative to a ray. `low` and `high` are the heights of its planes above the ray's origin; `speed` is the
-/// direction's component across the slab. The planes are hit at t = low / speed and t = high / speed.
-pub(crate) struct Slab {
-    pub(crate) low: Exact,
-    pub(crate) high: Exact,
-    pub(crate) speed: Exact,
-}
-
-impl Slab {
-    /// Returns the entry and the exit of the ray.
-    fn meetings(&self, axis: usize) -> [ExactHit; 2] {
-        let upwards = self.speed.sign().is_gt();
-        let (near, far) = if upwards { (&self.low, &self.high) } else { (&self.high, &self.low) };
-        let meeting = |height: &Exact, upper: bool, side: Side| ExactHit {
-            t: ExactRoot::quotient(height, &self.speed),
-            face: Face { axis, upper },
-            side,
-        };
-        [meeting(near, !upwards, Side::Entry), meeting(far, upwards, Side::Exit)]
-    }
-}
-
-/// Returns the entry and the exit of a line through the intersection of three closed slabs. A line in a face touches the box.
-pub(crate) fn cross_exactly(slabs: &[Slab; 3]) -> Option<ExactCrossing> {
-    let mut crossing: Option<ExactCrossing> = None;
-    for (axis, slab) in slabs.iter().enumerate() {
-        if slab.speed.sign().is_eq() {
-            if slab.low.sign().is_gt() || slab.high.sign().is_lt() {
-                return None;
+/// Returns the face that is hit at `t`. It is certain if its plane is the only one within the error of a `t` that was rounded a few times.
+#[inline(always)]
+fn only_face<R: Real>(min: [R; 3], max: [R; 3], rays: &Rays<R>, t: R) -> FaceMasks<R> {
+    let never = t.less(t);
+    let (mut at, mut upper, mut once, mut twice) = ([never; 3], never, never, never);
+    for axis in 0..3 {
+        let way = rays.direction[axis] * t;
+        for (planes, is_upper) in [(min, false), (max, true)] {
+            let to_plane = planes[axis] - rays.origin[axis];
+            let size = to_plane.abs() + way.abs();
+            let near = (to_plane - way).abs().less_or_equal(size * (16.0 * U));
+            at[axis] = at[axis] | near;
+            if is_upper {
+                upper = upper | near;
             }
-            continue;
+            twice = twice | (once & near);
+            once = once | near;
         }
-        let [near, far] = slab.meetings(axis);
-        crossing = Some(match crossing {
-            None => [near, far],
-            Some([entry, exit]) => {
-                let later = if near.t > entry.t { near } else { entry };
-                let earlier = if far.t < exit.t { far } else { exit };
-                [later, earlier]
-            }
-        });
     }
-    crossing.filter(|[entry, exit]| entry.t <= exit.t)
+    FaceMasks { at, upper, certain: once & !twice }
 }
 
-/// Returns the exit of a line that starts inside, or goes inwards from the surface: the nearest of the planes ahead.
-pub(crate) fn exit_exactly(slabs: &[Slab; 3]) -> Option<ExactHit> {
-    let moving = slabs.iter().enumerate().filter(|(_, slab)| slab.speed.sign().is_ne());
-    let exits = moving.map(|(axis, slab)| {
-        let [_, exit] = slab.meetings(axis);
-        exit
-    });
-    exits.min_by(|one, other| one.t.cmp(&other.t)).map(ExactHit::ahead)
-}
-
-/// Returns a face's outward normal.
-#[inline]
-pub(crate) fn outward(face: Face) -> DVec3 {
-    let mut normal = DVec3::ZERO;
-    normal[face.axis] = if face.upper { 1.0 } else { -1.0 };
-    normal
+/// Returns the hit at `t` on a face. The point's coordinate along the face's axis is exactly the coordinate of the face.
+#[inline(always)]
+fn on_face<R: Real>(
+    min: [R; 3],
+    max: [R; 3],
+    rays: &Rays<R>,
+    t: Double<R>,
+    face: &FaceMasks<R>,
+) -> Refined<R> {
+    let place = Compensated::along(rays.origin, rays.direction, t.high).moved(times(rays.direction, t.low));
+    let (zero, one) = (t.high.of(0.0), t.high.of(1.0));
+    let sign = R::pick(face.upper, one, -one);
+    let (mut point, mut normal) = (place, place);
+    for axis in 0..3 {
+        // Not `min` and `max`, which may return either of two zeros.
+        let above = R::pick(place[axis].greater(min[axis]), place[axis], min[axis]);
+        let within = R::pick(above.less(max[axis]), above, max[axis]);
+        let plane = R::pick(face.upper, max[axis], min[axis]);
+        point[axis] = R::pick(face.at[axis], plane, within);
+        normal[axis] = R::pick(face.at[axis], sign, zero);
+    }
+    Refined { t, point, normal, found: face.certain }
 }
 
 impl AlignedBox {
@@ -136,53 +84,42 @@ impl AlignedBox {
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
         let (origin, direction) = (ray.origin(), ray.direction());
-        // A difference times a reciprocal is rounded three times; its sign is exact.
-        let (entry, exit) = if direction.abs().min_element() > SLOWEST {
-            let inverse = direction.recip();
-            let (at_min, at_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
-            (at_min.min(at_max).max_element(), at_min.max(at_max).min_element())
-        } else {
-            self.slow_crossing(origin, direction)
-        };
-        let close = 8.0 * U * entry.abs().max(exit.abs());
-        if exit < 0.0 || entry > exit + close {
-            return Intersection::Miss;
+        if direction.abs().min_element() > SLOWEST {
+            return self.verdict(origin.into(), direction.recip().into()).into();
         }
-        if entry > exit - close {
-            return Intersection::Ambiguous;
-        }
-        // Adding zero turns a negative zero into a positive one.
-        let t = if entry >= 0.0 { entry } else { exit } + 0.0;
-        Intersection::ShapeHit(BoundedT::within(t, 4.0 * U * t))
+        let (entry, exit) = self.slow_crossing(origin, direction);
+        between(entry, exit).into()
     }
 
-    /// Returns the result of [`AlignedBox::intersect`] for a ray with error bounds.
-    #[inline]
-    pub(crate) fn first_crossing(&self, ray: &LocalRay) -> Intersection {
-        let (mut entry, mut exit) =
-            (BoundedT::within(f64::NEG_INFINITY, 0.0), BoundedT::within(f64::INFINITY, 0.0));
+    /// Intersects rays with the box, by the reciprocals of their directions, which must be finite (Kay and Kajiya, "Ray Tracing Complex
+    /// Scenes", 1986). A difference times a reciprocal is rounded three times; its sign is exact.
+    #[inline(always)]
+    pub(crate) fn verdict<R: Real>(&self, origin: [R; 3], inverse: [R; 3]) -> Verdict<R> {
+        let (min, max) = (spread(origin[0], self.min), spread(origin[0], self.max));
+        let (mut entry, mut exit) = (origin[0].of(f64::NEG_INFINITY), origin[0].of(f64::INFINITY));
         for axis in 0..3 {
-            match ray.slab(axis, self.min[axis], self.max[axis]) {
-                Along::Through(near, far) => {
-                    entry = entry.later(near);
-                    exit = exit.earlier(far);
-                }
-                Along::Inside => {}
-                Along::Outside => return Intersection::Miss,
-                Along::Open => return Intersection::Ambiguous,
-            }
+            let at_min = (min[axis] - origin[axis]) * inverse[axis];
+            let at_max = (max[axis] - origin[axis]) * inverse[axis];
+            entry = at_min.min(at_max).max(entry);
+            exit = at_min.max(at_max).min(exit);
         }
-        if entry.earliest() > exit.latest() || exit.latest() < 0.0 {
-            Intersection::Miss
-        } else if entry.latest() >= exit.earliest() {
-            Intersection::Ambiguous
-        } else if entry.earliest() > 0.0 {
-            Intersection::ShapeHit(entry)
-        } else if entry.latest() < 0.0 && exit.earliest() > 0.0 {
-            Intersection::ShapeHit(exit)
-        } else {
-            Intersection::Ambiguous
+        between(entry, exit)
+    }
+
+    /// Finds the exits of rays that start on the box and go inwards. Only faces ahead are considered.
+    #[inline(always)]
+    pub(crate) fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+        let (min, max) = (spread(rays.origin[0], self.min), spread(rays.origin[0], self.max));
+        let (zero, mut nearest) = (rays.origin[0].of(0.0), rays.origin[0].of(f64::INFINITY));
+        for axis in 0..3 {
+            let speed = rays.direction[axis];
+            let face = R::pick(speed.greater(zero), max[axis], min[axis]);
+            let t = (face - rays.origin[axis]) / speed;
+            nearest = R::pick(speed.abs().greater(zero) & t.less(nearest), t, nearest);
         }
+        let t = R::pick(nearest.greater(zero), nearest, zero);
+        let never = zero.less(zero);
+        Verdict { root: BoundedT::within(t, t * (4.0 * U)), hit: !never, open: never }
     }
 
     /// Returns the exact entry and exit of the ray's line.
@@ -195,24 +132,20 @@ impl AlignedBox {
         exit_exactly(&self.exact_slabs(origin, direction))
     }
 
-    fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [Slab; 3] {
+    fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [ExactSlab; 3] {
         let ahead = |place: f64, origin: f64| &Exact::from(place) - &Exact::from(origin);
-        std::array::from_fn(|axis| Slab {
+        std::array::from_fn(|axis| ExactSlab {
             low: ahead(self.min[axis], origin[axis]),
             high: ahead(self.max[axis], origin[axis]),
             speed: direction.0[axis].clone(),
         })
     }
 
-    /// Returns the hit near an approximate `t`. Returns `None` near edges, where the face is uncertain.
+    /// Returns the hit near an approximate `t`: [`refine_box`]. Returns `None` near edges, where the face is uncertain.
     #[must_use]
     #[inline(always)]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
-        /// Magnitude below which quotients might lose digits.
-        const TINY: f64 = 1e-140;
-        let face = self.only_face(origin, direction, t).filter(|face| direction[face.axis].abs() > TINY)?;
-        let t = Double::difference(self.plane(face), origin[face.axis]) / direction[face.axis].into();
-        Some(self.surface_point(origin, direction, t, face))
+        refine_box(self.min.into(), self.max.into(), &Rays::new(origin, direction), t).into()
     }
 
     /// Always returns `None`: a `t` with few certain bits is solved exactly.
@@ -220,46 +153,8 @@ impl AlignedBox {
         None
     }
 
-    /// Returns the face that is hit at `t`, if its plane is the only one within the error of a `t` that was rounded a few times.
-    #[inline]
-    fn only_face(&self, origin: DVec3, direction: DVec3, t: f64) -> Option<Face> {
-        let way = direction * t;
-        let near = |planes: DVec3| {
-            let to_planes = planes - origin;
-            (to_planes - way).abs().cmple((to_planes.abs() + way.abs()) * (16.0 * U)).bitmask()
-        };
-        let (lower, upper) = (near(self.min), near(self.max));
-        let alone = (lower | upper).is_power_of_two() && lower & upper == 0;
-        alone.then(|| Face { axis: (lower | upper).trailing_zeros() as usize, upper: upper != 0 })
-    }
-
-    /// Returns the face that is certainly hit at `t`, or, for a ray that starts inside, through which it certainly exits.
-    #[inline]
-    pub(crate) fn clear_face(&self, ray: &LocalRay, t: f64, inside: bool) -> Option<Face> {
-        let never = |t: f64| (BoundedT::within(t, 0.0), Face::default());
-        let (mut nears, mut fars) = ([never(f64::NEG_INFINITY); 3], [never(f64::INFINITY); 3]);
-        for axis in 0..3 {
-            match ray.slab(axis, self.min[axis], self.max[axis]) {
-                Along::Through(near, far) => {
-                    let upwards = ray.direction[axis] > 0.0;
-                    nears[axis] = (near, Face { axis, upper: !upwards });
-                    fars[axis] = (far, Face { axis, upper: upwards });
-                }
-                Along::Inside | Along::Outside => {}
-                Along::Open => return None,
-            }
-        }
-        let later = |a: &(BoundedT, Face), b: &(BoundedT, Face)| a.0.t().total_cmp(&b.0.t());
-        let entry = nears.into_iter().max_by(later)?;
-        let enters = !inside && t <= entry.0.latest();
-        let (candidates, chosen) =
-            if enters { (nears, entry) } else { (fars, fars.into_iter().min_by(later)?) };
-        let rivals = candidates.iter().filter(|(root, _)| root.may_equal(&chosen.0)).count();
-        (rivals == 1).then_some(chosen.1)
-    }
-
-    /// Returns the entry and the exit of the three closed slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986). A ray in a face
-    /// touches the box. A direction component of zero becomes an interval test.
+    /// Returns the entry and the exit of the three closed slabs, for a direction of any components. A ray in a face touches the box. A
+    /// direction component of zero becomes an interval test.
     fn slow_crossing(&self, origin: DVec3, direction: DVec3) -> (f64, f64) {
         let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
@@ -281,50 +176,20 @@ impl AlignedBox {
     /// Returns the exit of a ray that starts on the box and goes inwards. Only faces ahead are considered.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        let mut nearest = f64::INFINITY;
-        for axis in 0..3 {
-            let d = direction[axis];
-            if d != 0.0 {
-                let face = if d > 0.0 { self.max[axis] } else { self.min[axis] };
-                nearest = nearest.min((face - origin[axis]) / d);
-            }
-        }
-        let t = nearest.max(0.0);
-        Intersection::ShapeHit(BoundedT::within(t, 4.0 * U * t))
-    }
-
-    /// Returns the result of [`AlignedBox::exit`] for a ray with error bounds.
-    pub(crate) fn rough_exit(&self, ray: &LocalRay) -> Intersection {
-        let mut exit = BoundedT::within(f64::INFINITY, 0.0);
-        for axis in 0..3 {
-            match ray.slab(axis, self.min[axis], self.max[axis]) {
-                Along::Through(_, far) => exit = exit.earlier(far),
-                Along::Inside | Along::Outside => {}
-                Along::Open => return Intersection::Ambiguous,
-            }
-        }
-        if exit.earliest() > 0.0 { Intersection::ShapeHit(exit) } else { Intersection::Ambiguous }
+        self.exit_verdict(&Rays::new(origin, direction)).into()
     }
 
     /// Returns the hit at `t` on a face. The point's coordinate along the face's axis is exactly the coordinate of the face.
-    #[inline(always)]
     pub(crate) fn surface_point(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> RefinedHit {
-        let place = Compensated::along(origin, direction, t.rounded()).moved(direction * t.rest());
-        let mut point = DVec3::from(place).clamp(self.min, self.max);
-        point[face.axis] = self.plane(face);
-        RefinedHit { t, point, normal: outward(face) }
-    }
-
-    /// Returns a face's coordinate along its axis.
-    #[inline]
-    pub(crate) fn plane(&self, face: Face) -> f64 {
-        if face.upper { self.max[face.axis] } else { self.min[face.axis] }
+        let rays = Rays::new(origin, direction);
+        on_face(self.min.into(), self.max.into(), &rays, t, &FaceMasks::of(face)).into()
     }
 
     /// Returns the plane of the only face that can be hit at `t`.
     pub(crate) fn facet(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<Facet> {
-        let face = self.only_face(origin, direction, t)?;
-        Some(Facet { row: DVec3::AXES[face.axis], offset: self.plane(face) })
+        let rays = Rays::new(origin, direction);
+        let Face { axis, upper } = only_face(self.min.into(), self.max.into(), &rays, t).face()?;
+        Some(Facet { row: DVec3::AXES[axis], offset: if upper { self.max[axis] } else { self.min[axis] } })
     }
 
     /// Returns whether the point is strictly inside.
@@ -338,6 +203,18 @@ impl AlignedBox {
     pub fn bounds(&self) -> Bounds {
         Bounds { min: self.min, max: self.max }
     }
+}
+
+/// Returns the first hits at `t >= 0` of rays that are inside a box between two `t`.
+#[inline(always)]
+fn between<R: Real>(entry: R, exit: R) -> Verdict<R> {
+    let zero = entry.of(0.0);
+    let close = entry.abs().max(exit.abs()) * (8.0 * U);
+    let maybe = !(exit.less(zero) | entry.greater(exit + close));
+    let open = maybe & entry.greater(exit - close);
+    // Adding zero turns a negative zero into a positive one.
+    let t = R::pick(zero.less_or_equal(entry), entry, exit) + zero;
+    Verdict { root: BoundedT::within(t, t * (4.0 * U)), hit: maybe & !open, open }
 }
 
 #[cfg(test)]

@@ -2,13 +2,16 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::aligned_box::{AlignedBox, LocalRay, Slab, cross_exactly, exit_exactly};
 use super::bounds::Bounds;
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit};
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Verdict};
+use super::slabs::{ExactSlab, Height, SlabRoots, cross_exactly, exit_exactly};
 use super::sphere::{U, newton_step};
 use super::sphere_image::{bounds_of_image, condition, exact_inverse};
-use crate::trace::math::{Compensated, Double, Double3, Exact, Exact3, offset_height};
-use crate::trace::rays::PreparedRay;
+use crate::trace::math::{
+    Compensated, Double, Double3, Exact, Exact3, Real, absolute, dot, moderate3, negative, offset_height,
+    pick3, spread, subtract, times,
+};
+use crate::trace::rays::{PreparedRay, Rays};
 
 /// A box under an affine map.
 ///
@@ -25,9 +28,10 @@ pub struct BoxImage {
     normals: [DVec3; 3],
     /// A point near the centre of the box. Coordinates relative to it have the most digits in `f64`.
     center: DVec3,
-    /// The slabs relative to `center`.
-    near: AlignedBox,
-    /// Error bound of `near`.
+    /// `low` and `high` relative to `center`.
+    near_low: DVec3,
+    near_high: DVec3,
+    /// Error bound of both.
     near_error: DVec3,
     /// Bound of the growth of rounding errors under the inverse map.
     condition: f64,
@@ -55,7 +59,8 @@ impl BoxImage {
             high: DVec3::ZERO,
             normals: [DVec3::ZERO; 3],
             center: translation.rounded(),
-            near: AlignedBox { min: DVec3::ZERO, max: DVec3::ZERO },
+            near_low: DVec3::ZERO,
+            near_high: DVec3::ZERO,
             near_error: DVec3::ZERO,
             condition: condition(forward.matrix3),
             forward,
@@ -68,10 +73,10 @@ impl BoxImage {
             image.rows[axis] = row.rounded();
             (image.low[axis], image.high[axis]) = ((middle - reach).rounded(), (middle + reach).rounded());
             image.normals[axis] = image.rows[axis] / image.rows[axis].length();
-            image.near.min[axis] = offset_height(image.low[axis], image.rows[axis], image.center).rounded();
-            image.near.max[axis] = offset_height(image.high[axis], image.rows[axis], image.center).rounded();
+            image.near_low[axis] = offset_height(image.low[axis], image.rows[axis], image.center).rounded();
+            image.near_high[axis] = offset_height(image.high[axis], image.rows[axis], image.center).rounded();
         }
-        image.near_error = image.near.min.abs().max(image.near.max.abs()) * (2.0 * U);
+        image.near_error = image.near_low.abs().max(image.near_high.abs()) * (2.0 * U);
         let sound = image.low.cmplt(image.high).all() && image.low.is_finite() && image.high.is_finite();
         sound.then_some(image)
     }
@@ -94,49 +99,44 @@ impl BoxImage {
         std::array::from_fn(|axis| (self.rows[axis], [self.low[axis], self.high[axis]]))
     }
 
-    /// Returns the point near the centre that rays are taken relative to.
-    pub(crate) fn center(&self) -> DVec3 {
-        self.center
-    }
-
-    /// Returns the slabs relative to [`BoxImage::center`].
-    pub(crate) fn near(&self) -> &AlignedBox {
-        &self.near
-    }
-
-    /// Returns the error bound of [`BoxImage::near`].
-    pub(crate) fn near_error(&self) -> DVec3 {
-        self.near_error
-    }
-
-    /// Returns the normalized rows of the slabs.
-    pub(crate) fn normals(&self) -> &[DVec3; 3] {
-        &self.normals
-    }
-
-    /// Returns the ray in terms of its heights above the planes through `center` that are parallel to the slabs. The difference, the three
-    /// products and their sum have an error of less than 5 u, the slabs relative to `center` of u.
-    #[inline]
-    fn seen(&self, origin: DVec3, direction: DVec3) -> LocalRay {
-        let from_center = origin - self.center;
-        let across = |vector: DVec3| DVec3::from_array(self.rows.map(|row| row.dot(vector)));
-        let sizes = |vector: DVec3| {
-            let vector = vector.abs();
-            DVec3::from_array(self.rows.map(|row| row.abs().dot(vector)))
-        };
-        LocalRay {
-            origin: across(from_center),
-            direction: across(direction),
-            origin_error: sizes(from_center) * (8.0 * U) + self.near_error,
-            direction_error: sizes(direction) * (8.0 * U),
+    /// Intersects rays with the slabs, by their heights above the planes through `center` that are parallel to them. The difference, the
+    /// three products and their sum have an error of less than 5 u, the slabs relative to `center` of u.
+    #[inline(always)]
+    fn roots<R: Real>(&self, rays: &Rays<R>) -> SlabRoots<R> {
+        let like = rays.origin[0];
+        let from_center = subtract(rays.origin, spread(like, self.center));
+        let (sizes, speeds) = (absolute(from_center), absolute(rays.direction));
+        let zero = like.of(0.0);
+        let mut heights = [Height { origin: zero, speed: zero, origin_error: zero, speed_error: zero }; 3];
+        for (axis, height) in heights.iter_mut().enumerate() {
+            let (row, size) = (spread(like, self.rows[axis]), spread(like, self.rows[axis].abs()));
+            *height = Height {
+                origin: dot(row, from_center),
+                speed: dot(row, rays.direction),
+                origin_error: dot(size, sizes) * (8.0 * U) + self.near_error[axis],
+                speed_error: dot(size, speeds) * (8.0 * U),
+            };
         }
+        SlabRoots::new(heights, self.near_low.into(), self.near_high.into())
     }
 
     /// Returns the smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
-        self.near.first_crossing(&self.seen(ray.origin(), ray.direction()))
+        self.verdict(&ray.into()).into()
+    }
+
+    /// Intersects rays with the box.
+    #[inline(always)]
+    pub(crate) fn verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+        self.roots(rays).first()
+    }
+
+    /// Finds the exits of rays that start on the box and go inwards.
+    #[inline(always)]
+    pub(crate) fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+        self.roots(rays).last()
     }
 
     /// Returns the exact entry and exit of the ray's line.
@@ -149,28 +149,37 @@ impl BoxImage {
         exit_exactly(&self.exact_slabs(origin, direction))
     }
 
-    fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [Slab; 3] {
+    fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [ExactSlab; 3] {
         let origin = Exact3::from(origin);
         std::array::from_fn(|axis| {
             let row = Exact3::from(self.rows[axis]);
             let (at, speed) = (row.dot(&origin), row.dot(direction));
             let ahead = |offset: f64| &Exact::from(offset) - &at;
-            Slab { low: ahead(self.low[axis]), high: ahead(self.high[axis]), speed }
+            ExactSlab { low: ahead(self.low[axis]), high: ahead(self.high[axis]), speed }
         })
     }
 
-    /// Returns the hit near an approximate `t`, after one Newton step towards the face. `far` is true if the ray comes from inside. Returns
-    /// `None` near edges, where the face is uncertain.
+    /// Returns the hit near an approximate `t`: [`BoxImage::refined`]. Returns `None` near edges, where the face is uncertain.
     #[must_use]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> Option<RefinedHit> {
-        let face = self.near.clear_face(&self.seen(origin, direction), t, far)?;
-        let place = Compensated::along(origin, direction, t);
-        let row = self.rows[face.axis];
-        let offset = if face.upper { self.high[face.axis] } else { self.low[face.axis] };
-        let beyond = (place.dot(row) - offset.into()).rounded();
-        let step = newton_step(beyond, row.dot(direction));
-        let point = place.moved(direction * step).into();
-        Some(RefinedHit { t: Double::sum(t, step), point, normal: self.normal(face) })
+        self.refined(&Rays::new(origin, direction), t, far).into()
+    }
+
+    /// Refines a `t` near the box by one Newton step towards the face. Rays in `far` come from inside. Not found near edges.
+    #[inline(always)]
+    pub(crate) fn refined<R: Real>(&self, rays: &Rays<R>, t: R, far: R::Mask) -> Refined<R> {
+        let face = self.roots(rays).faces(t, far);
+        let (row, normal) = (face.vector_of_axis(t, &self.rows), face.vector_of_axis(t, &self.normals));
+        let (low, high) = (face.of_axis(spread(t, self.low)), face.of_axis(spread(t, self.high)));
+        let place = Compensated::along(rays.origin, rays.direction, t);
+        let height = place.dot(row) - Double { high: R::pick(face.upper, high, low), low: t.of(0.0) };
+        let step = newton_step(height.rounded(), dot(row, rays.direction));
+        Refined {
+            t: Double::sum(t, step),
+            point: place.moved(times(rays.direction, step)),
+            normal: pick3(face.upper, normal, negative(normal)),
+            found: face.certain & moderate3(place.rounded()) & moderate3(row),
+        }
     }
 
     /// Always returns `None`: a `t` with few certain bits is solved exactly.
@@ -191,12 +200,12 @@ impl BoxImage {
     /// Returns the exit of a ray that starts on the box and goes inwards.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        self.near.rough_exit(&self.seen(origin, direction))
+        self.exit_verdict(&Rays::new(origin, direction)).into()
     }
 
     /// Returns the plane of the face that is certainly hit at `t`.
     pub(crate) fn facet(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> Option<Facet> {
-        let face = self.near.clear_face(&self.seen(origin, direction), t, far)?;
+        let face = self.roots(&Rays::new(origin, direction)).faces(t, far).face()?;
         let offset = if face.upper { self.high[face.axis] } else { self.low[face.axis] };
         Some(Facet { row: self.rows[face.axis], offset })
     }

@@ -17,6 +17,30 @@ pub struct RefinedHit {
     pub normal: DVec3,
 }
 
+/// The refined hit of one ray, or those of half a packet.
+#[derive(Clone, Copy)]
+pub(crate) struct Refined<R: Real> {
+    pub(crate) t: Double<R>,
+    pub(crate) point: [R; 3],
+    pub(crate) normal: [R; 3],
+    /// Rays whose refinement is valid. The others are refined exactly.
+    pub(crate) found: R::Mask,
+}
+
+impl From<Refined<f64>> for RefinedHit {
+    #[inline(always)]
+    fn from(Refined { t, point, normal, .. }: Refined<f64>) -> Self {
+        Self { t, point: point.into(), normal: normal.into() }
+    }
+}
+
+impl From<Refined<f64>> for Option<RefinedHit> {
+    #[inline(always)]
+    fn from(refined: Refined<f64>) -> Self {
+        refined.found.then(|| refined.into())
+    }
+}
+
 /// Result of an intersection in `f64`.
 #[derive(Clone, Copy, Debug)]
 pub enum Intersection {
@@ -31,9 +55,8 @@ pub enum Intersection {
 /// Result of an intersection, generic over one ray and the rays of half a packet.
 #[derive(Clone, Copy)]
 pub(crate) struct Verdict<R: Real> {
-    pub(crate) t: R,
-    pub(crate) error: R,
-    /// Rays that certainly hit the shape, at `t`.
+    pub(crate) root: BoundedT<R>,
+    /// Rays that certainly hit the shape, at `root`.
     pub(crate) hit: R::Mask,
     /// Rays that are undecided.
     pub(crate) open: R::Mask,
@@ -43,7 +66,7 @@ impl From<Verdict<f64>> for Intersection {
     #[inline(always)]
     fn from(verdict: Verdict<f64>) -> Self {
         if verdict.hit {
-            Self::ShapeHit(BoundedT::within(verdict.t, verdict.error))
+            Self::ShapeHit(verdict.root)
         } else if verdict.open {
             Self::Ambiguous
         } else {

@@ -20,18 +20,22 @@ mod bounds;
 mod box_image;
 mod intersection;
 mod plane;
+mod slabs;
 mod sphere;
 mod sphere_image;
+#[cfg(test)]
+mod tests;
 
 pub use aligned_box::AlignedBox;
-pub(crate) use aligned_box::SLOWEST;
+pub(crate) use aligned_box::refine_box;
 pub use bounds::Bounds;
 pub use box_image::BoxImage;
-pub(crate) use intersection::{ExactHit, Face, Side, Verdict};
+pub(crate) use intersection::{ExactHit, Face, Refined, Side, Verdict};
 pub use intersection::{Intersection, RefinedHit};
 pub use plane::Plane;
-pub(crate) use plane::{only_root, stepped_to_plane};
+pub(crate) use plane::refine_plane;
+pub(crate) use slabs::SLOWEST;
 pub use sphere::Sphere;
-pub(crate) use sphere::{RefinedStep, U, far_root, first_root, newton_step, sphere_step, stepped, unit};
+pub(crate) use sphere::refine_sphere;
 pub use sphere_image::SphereImage;
 pub(crate) use sphere_image::inverse;

@@ -2,12 +2,15 @@
 
 use glam::DVec3;
 
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side, Verdict};
-use super::sphere::{RefinedStep, U, newton_step};
-use crate::trace::math::{
-    Compensated, Double, Double3, Exact3, ExactRoot, Real, absolute, dot, exact_dot, scaled, subtract, times,
+use super::intersection::{
+    ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Side, Verdict,
 };
-use crate::trace::rays::PreparedRay;
+use super::sphere::{U, newton_step};
+use crate::trace::math::{
+    BoundedT, Compensated, Double, Double3, Exact3, ExactRoot, Real, absolute, dot, exact_dot, moderate3,
+    scaled, spread, subtract, times,
+};
+use crate::trace::rays::{PreparedRay, Rays};
 
 /// An infinite plane in world space, two-sided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,41 +21,24 @@ pub struct Plane {
     unit_normal: DVec3,
 }
 
-/// Intersects rays with a plane, given by a point and a normal of any length.
+/// Refines a `t` near a plane by one Newton step. The residual, the remaining height, is computed in twice the working precision. `normal` has
+/// any length; `unit` is the unit normal.
 #[inline(always)]
-pub(crate) fn only_root<R: Real>(
-    (point, normal): ([R; 3], [R; 3]),
-    (origin, direction): ([R; 3], [R; 3]),
-) -> Verdict<R> {
-    let to_plane = subtract(point, origin);
-    let size = absolute(normal);
-    let (height, speed) = (dot(to_plane, normal), dot(direction, normal));
-    let height_error = dot(absolute(to_plane), size) * (6.0 * U);
-    let speed_error = dot(absolute(direction), size) * (4.0 * U);
-    let inverse = speed.of(1.0) / speed;
-    let t = height * inverse;
-    let error = (height_error + t.abs() * speed_error) * inverse.abs() + t.abs() * (4.0 * U);
-    let certain = speed.abs().greater(speed_error * 1024.0);
-    let hit = certain & t.greater(error);
-    let miss = certain & t.less(-error);
-    Verdict { t, error, hit, open: !hit & !miss }
-}
-
-/// Refines a `t` near a plane by one Newton step. The residual, the remaining height, is computed in twice the working precision.
-#[inline(always)]
-pub(crate) fn stepped_to_plane<R: Real>(
-    (point, normal): ([R; 3], [R; 3]),
-    (origin, direction): ([R; 3], [R; 3]),
+pub(crate) fn refine_plane<R: Real>(
+    point: [R; 3],
+    normal: [R; 3],
+    unit: [R; 3],
+    rays: &Rays<R>,
     t: R,
-) -> RefinedStep<R> {
-    let place = Compensated::along(origin, direction, t);
+) -> Refined<R> {
+    let place = Compensated::along(rays.origin, rays.direction, t);
     let from_point = place.minus(point);
-    let step = newton_step(from_point.dot(normal).rounded(), dot(direction, normal));
-    RefinedStep {
+    let step = newton_step(from_point.dot(normal).rounded(), dot(rays.direction, normal));
+    Refined {
         t: Double::sum(t, step),
-        from_shape: from_point.rounded(),
-        point: place.moved(times(direction, step)),
-        outwards: normal,
+        point: place.moved(times(rays.direction, step)),
+        normal: unit,
+        found: moderate3(from_point.rounded()),
     }
 }
 
@@ -91,8 +77,26 @@ impl Plane {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
-        let ray = (ray.origin().into(), ray.direction().into());
-        only_root((self.point.into(), self.normal.into()), ray).into()
+        self.verdict(&ray.into()).into()
+    }
+
+    /// Intersects rays with the plane.
+    #[inline(always)]
+    pub(crate) fn verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+        let Rays { origin, direction } = *rays;
+        let (point, normal) = (spread(origin[0], self.point), spread(origin[0], self.normal));
+        let to_plane = subtract(point, origin);
+        let size = absolute(normal);
+        let (height, speed) = (dot(to_plane, normal), dot(direction, normal));
+        let height_error = dot(absolute(to_plane), size) * (6.0 * U);
+        let speed_error = dot(absolute(direction), size) * (4.0 * U);
+        let inverse = speed.of(1.0) / speed;
+        let t = height * inverse;
+        let error = (height_error + t.abs() * speed_error) * inverse.abs() + t.abs() * (4.0 * U);
+        let certain = speed.abs().greater(speed_error * 1024.0);
+        let hit = certain & t.greater(error);
+        let miss = certain & t.less(-error);
+        Verdict { root: BoundedT::within(t, error), hit, open: !hit & !miss }
     }
 
     /// Returns the exact hit of the ray's line, as both entry and exit.
@@ -107,14 +111,13 @@ impl Plane {
         Some([meeting.clone(), meeting])
     }
 
-    /// Returns the hit near an approximate `t`, after one Newton step. The residual, the remaining height, is computed in twice the working
-    /// precision.
+    /// Returns the hit near an approximate `t`: [`refine_plane`].
     #[must_use]
     #[inline(always)]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
-        let plane = (self.point.into(), self.normal.into());
-        let RefinedStep { t, point, .. } = stepped_to_plane(plane, (origin.into(), direction.into()), t);
-        Some(RefinedHit { t, point: point.into(), normal: self.unit_normal })
+        let Self { point, normal, unit_normal } = *self;
+        let rays = Rays::new(origin, direction);
+        Some(refine_plane(point.into(), normal.into(), unit_normal.into(), &rays, t).into())
     }
 
     /// Always returns `None`: a `t` with few certain bits is solved exactly.

@@ -3,12 +3,14 @@
 use glam::DVec3;
 
 use super::bounds::Bounds;
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit, Side, Verdict};
-use crate::trace::math::{
-    Compensated, Double, Double3, Exact, Exact3, ExactRoot, Real, Truth, dot, square_difference, subtract,
-    times,
+use super::intersection::{
+    ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Side, Verdict,
 };
-use crate::trace::rays::PreparedRay;
+use crate::trace::math::{
+    BoundedT, Compensated, Double, Double3, Exact, Exact3, ExactRoot, Real, Truth, dot, moderate3, pick3,
+    spread, square_difference, subtract, times,
+};
+use crate::trace::rays::{PreparedRay, Rays};
 
 /// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +33,8 @@ pub(crate) const U: f64 = f64::EPSILON / 2.0;
 #[inline(always)]
 pub(crate) fn first_root<R: Real>(
     to_center: [R; 3],
-    (direction, inverse_square): ([R; 3], R),
+    direction: [R; 3],
+    inverse_square: R,
     radius: f64,
     u: f64,
 ) -> Option<Verdict<R>> {
@@ -57,7 +60,7 @@ pub(crate) fn first_root<R: Real>(
     // The origin is outside and the sphere ahead: the other root is farther.
     let ahead = clear & s.greater(zero) & one.greater(error);
     if ahead.settled() {
-        return Some(Verdict { t: one, error, hit: ahead, open: !ahead });
+        return Some(Verdict { root: BoundedT::within(one, error), hit: ahead, open: !ahead });
     }
     let other = s * inverse_square;
     let ordered = one.less(other);
@@ -68,7 +71,7 @@ pub(crate) fn first_root<R: Real>(
     let far_behind = near_behind & (far + error).less(zero);
     let t = R::pick(ahead, one, R::pick(near_ahead, near, far));
     let hit = maybe & (ahead | near_ahead | far_ahead);
-    Some(Verdict { t, error, hit, open: maybe & !hit & !far_behind })
+    Some(Verdict { root: BoundedT::within(t, error), hit, open: maybe & !hit & !far_behind })
 }
 
 /// Returns the exact crossing of a line through the origin with the sphere of this `radius` around `to_center`.
@@ -103,7 +106,7 @@ pub(crate) fn far_root<R: Real>(to_center: [R; 3], direction: [R; 3], radius: f6
     let t = (b + root) / a;
     let error = (dot(to_center, to_center) + squared_radius) * (64.0 * u) / root;
     let hit = q.greater(q_error * 1024.0) & b.greater(b.of(0.0)) & t.greater(error);
-    Verdict { t, error, hit, open: !hit }
+    Verdict { root: BoundedT::within(t, error), hit, open: !hit }
 }
 
 /// Returns a Newton step, or 0 where the slope is too small for a finite step, as on a grazing ray.
@@ -120,48 +123,28 @@ pub(crate) fn sphere_step<R: Real>(place: Compensated<R>, direction: [R; 3], rad
     newton_step(place.beyond(radius), dot(place.rounded(), direction) * 2.0)
 }
 
-/// Returns the normalized vector, and a mask of the lanes in which it is defined.
+/// Returns the unit vector, or Y for a vector whose length is zero, infinite or not a number.
 #[inline(always)]
-pub(crate) fn unit<R: Real>(vector: [R; 3]) -> ([R; 3], R::Mask) {
+pub(crate) fn unit<R: Real>(vector: [R; 3]) -> [R; 3] {
     let square = dot(vector, vector);
     let reciprocal = square.of(1.0) / square.sqrt();
     let is_one = reciprocal.less(square.of(f64::INFINITY)) & reciprocal.greater(square.of(0.0));
-    (times(vector, reciprocal), is_one)
+    pick3(is_one, times(vector, reciprocal), spread(square, DVec3::Y))
 }
 
-/// Result of a Newton step from near a sphere or a plane to its surface.
-pub(crate) struct RefinedStep<R> {
-    pub(crate) t: Double<R>,
-    /// The point before the step, relative to the centre of the sphere or the point of the plane.
-    pub(crate) from_shape: [R; 3],
-    pub(crate) point: [R; 3],
-    /// Outward normal, not normalized.
-    pub(crate) outwards: [R; 3],
-}
-
-/// Performs one Newton step for |from_center|^2 = radius^2.
+/// Refines a `t` near a sphere by one Newton step for |from_center|^2 = radius^2. The residual is computed in twice the working precision.
 #[inline(always)]
-pub(crate) fn stepped<R: Real>(
-    (center, radius): ([R; 3], R),
-    (origin, direction): ([R; 3], [R; 3]),
-    t: R,
-) -> RefinedStep<R> {
-    let place = Compensated::along(origin, direction, t);
+pub(crate) fn refine_sphere<R: Real>(center: [R; 3], radius: R, rays: &Rays<R>, t: R) -> Refined<R> {
+    let place = Compensated::along(rays.origin, rays.direction, t);
     let from_center = place.minus(center);
-    let step = sphere_step(from_center, direction, radius);
-    let way = times(direction, step);
-    RefinedStep {
+    let step = sphere_step(from_center, rays.direction, radius);
+    let way = times(rays.direction, step);
+    Refined {
         t: Double::sum(t, step),
-        from_shape: from_center.rounded(),
         point: place.moved(way),
-        outwards: from_center.moved(way),
+        normal: unit(from_center.moved(way)),
+        found: moderate3(from_center.rounded()),
     }
-}
-
-#[inline(always)]
-fn normal(outwards: [f64; 3]) -> DVec3 {
-    let (normal, is_one) = unit(outwards);
-    if is_one { normal.into() } else { DVec3::Y }
 }
 
 impl Sphere {
@@ -169,8 +152,24 @@ impl Sphere {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
-        let to_center = (self.center - ray.origin()).into();
-        first_root(to_center, (ray.direction().into(), ray.inverse_square()), self.radius, U).into()
+        self.verdict(&ray.into(), ray.inverse_square()).into()
+    }
+
+    /// Intersects rays with the sphere. `inverse_square` is 1 / direction.direction. `None` if all rays certainly miss.
+    #[inline(always)]
+    pub(crate) fn verdict<R: Real>(&self, rays: &Rays<R>, inverse_square: R) -> Option<Verdict<R>> {
+        first_root(self.center_relative_to(rays), rays.direction, inverse_square, self.radius, U)
+    }
+
+    /// Finds the exits of rays that start on the sphere and go inwards. Grazing rays exit at once.
+    #[inline(always)]
+    pub(crate) fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+        far_root(self.center_relative_to(rays), rays.direction, self.radius, U)
+    }
+
+    #[inline(always)]
+    fn center_relative_to<R: Real>(&self, rays: &Rays<R>) -> [R; 3] {
+        subtract(spread(rays.origin[0], self.center), rays.origin)
     }
 
     /// Returns the exact entry and exit of the ray's line.
@@ -183,8 +182,7 @@ impl Sphere {
         Some(last_root(&(&Exact3::from(self.center) - &origin.into()), direction, &self.radius.into()))
     }
 
-    /// Returns the hit near an approximate `t`, after one Newton step for |from_center|^2 = radius^2. The residual is computed in twice the
-    /// working precision.
+    /// Returns the hit near an approximate `t`: [`refine_sphere`].
     #[must_use]
     #[inline(always)]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
@@ -193,9 +191,7 @@ impl Sphere {
 
     #[inline(always)]
     fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> RefinedHit {
-        let sphere = (self.center.into(), self.radius);
-        let RefinedStep { t, point, outwards, .. } = stepped(sphere, (origin.into(), direction.into()), t);
-        RefinedHit { t, point: point.into(), normal: normal(outwards) }
+        refine_sphere(self.center.into(), self.radius, &Rays::new(origin, direction), t).into()
     }
 
     /// Returns the hit near a `t` with few certain bits. If [`Sphere::intersect`] reports a hit, its error is at most 1/256 of half the
@@ -210,7 +206,7 @@ impl Sphere {
     /// Returns the exit of a ray that starts on the sphere and goes inwards. A grazing ray exits at once.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        far_root((self.center - origin).into(), direction.into(), self.radius, U).into()
+        self.exit_verdict(&Rays::new(origin, direction)).into()
     }
 
     /// Returns the hit at `t`.
@@ -224,7 +220,7 @@ impl Sphere {
     ) -> RefinedHit {
         let place = Compensated::along(origin, direction, t.rounded());
         let (from_center, way) = (place.minus(self.center), direction * t.rest());
-        RefinedHit { t, point: place.moved(way).into(), normal: normal(from_center.moved(way)) }
+        RefinedHit { t, point: place.moved(way).into(), normal: unit(from_center.moved(way)).into() }
     }
 
     /// Always returns `None`: a sphere has no flat face.

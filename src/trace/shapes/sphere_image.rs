@@ -5,10 +5,13 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::bounds::Bounds;
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, RefinedHit};
-use super::sphere::{Sphere, U, far_root, first_root, last_root, roots, sphere_step};
-use crate::trace::math::{Compensated, Double, Double3, Exact, Exact3, square_difference};
-use crate::trace::rays::PreparedRay;
+use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Verdict};
+use super::sphere::{Sphere, U, far_root, first_root, last_root, roots, sphere_step, unit};
+use crate::trace::math::{
+    Compensated, Double, Double3, Exact, Exact3, Real, add, dot, moderate, moderate3, negative, spread,
+    square_difference, subtract, times,
+};
+use crate::trace::rays::{PreparedRay, Rays};
 
 /// A sphere under an affine map: an ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,14 +43,14 @@ impl AffineMap {
         }
     }
 
-    #[inline]
-    fn point_back(&self, point: DVec3) -> DVec3 {
-        self.inverse * (point - self.forward.translation)
-    }
-
-    #[inline]
-    fn direction_back(&self, direction: DVec3) -> DVec3 {
-        self.inverse * direction
+    /// Transforms rays to the space before the map.
+    #[inline(always)]
+    fn back<R: Real>(&self, rays: &Rays<R>) -> Rays<R> {
+        let from_translation = subtract(rays.origin, spread(rays.origin[0], self.forward.translation));
+        Rays {
+            origin: image_of(&self.inverse, from_translation),
+            direction: image_of(&self.inverse, rays.direction),
+        }
     }
 
     fn exact_point_back(&self, point: DVec3) -> Double3 {
@@ -55,10 +58,20 @@ impl AffineMap {
         self.exact_inverse.map(|row| row.dot(from_translation)).into()
     }
 
-    #[inline]
-    fn compensated_point_back(&self, point: Compensated<f64>) -> Compensated<f64> {
-        let from_translation = point.minus(self.forward.translation);
-        self.exact_inverse.map(|row| from_translation.dot_exact(row.rounded(), row.rest())).into()
+    /// Transforms points to the space before the map. Returns a mask of the points whose products are error-free.
+    #[inline(always)]
+    fn compensated_back<R: Real>(&self, point: Compensated<R>) -> (Compensated<R>, R::Mask) {
+        let like = point.rounded()[0];
+        let from_translation = point.minus(spread(like, self.forward.translation));
+        let mut found = moderate3(from_translation.rounded());
+        let zero = like.of(0.0);
+        let mut own = [Double { high: zero, low: zero }; 3];
+        for (own, row) in own.iter_mut().zip(&self.exact_inverse) {
+            let (high, low) = (spread(like, row.rounded()), spread(like, row.rest()));
+            found = found & moderate3(high);
+            *own = from_translation.dot_exact(high, low);
+        }
+        (own.into(), found)
     }
 
     /// Returns the relative error of points and directions mapped back, in units of the unit roundoff.
@@ -67,9 +80,17 @@ impl AffineMap {
     }
 
     /// Transforms a normal by the inverse transpose. Mirroring maps keep normals outward.
-    fn normal(&self, normal: DVec3) -> DVec3 {
-        (self.inverse.transpose() * normal).normalize_or(DVec3::Y)
+    #[inline(always)]
+    fn normal<R: Real>(&self, normal: [R; 3]) -> [R; 3] {
+        unit(image_of(&self.inverse.transpose(), normal))
     }
+}
+
+/// Multiplies a matrix by vectors, in the order of `DMat3 * DVec3`.
+#[inline(always)]
+fn image_of<R: Real>(matrix: &DMat3, [x, y, z]: [R; 3]) -> [R; 3] {
+    let sum = add(times(spread(x, matrix.x_axis), x), times(spread(x, matrix.y_axis), y));
+    add(sum, times(spread(x, matrix.z_axis), z))
 }
 
 /// Returns the bounding box of the image of an origin-centred box, padded for rounding. Returns `None` for an ill-conditioned map, whose
@@ -133,13 +154,8 @@ impl SphereImage {
         (self.map.forward.translation, &self.map.inverse)
     }
 
-    /// Returns the rows of the inverse of the linear part in double-double.
-    pub(crate) fn exact_inverse(&self) -> &[Double3; 3] {
-        &self.map.exact_inverse
-    }
-
     /// Returns the relative error of rays in the sphere's own space, in units of the unit roundoff.
-    pub(crate) fn roughness(&self) -> f64 {
+    fn roughness(&self) -> f64 {
         self.map.roughness()
     }
 
@@ -153,9 +169,22 @@ impl SphereImage {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
-        let (own, way) = (self.map.point_back(ray.origin()), self.map.direction_back(ray.direction()));
-        let (to_center, inverse_square, u) = ((-own).into(), way.dot(way).recip(), U * self.roughness());
-        first_root(to_center, (way.into(), inverse_square), self.sphere.radius, u).into()
+        self.verdict(&ray.into()).into()
+    }
+
+    /// Intersects rays with the ellipsoid. `None` if all rays certainly miss.
+    #[inline(always)]
+    pub(crate) fn verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
+        let Rays { origin, direction } = self.map.back(rays);
+        let inverse_square = origin[0].of(1.0) / dot(direction, direction);
+        first_root(negative(origin), direction, inverse_square, self.sphere.radius, U * self.roughness())
+    }
+
+    /// Finds the exits of rays that start on the ellipsoid and go inwards.
+    #[inline(always)]
+    pub(crate) fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+        let Rays { origin, direction } = self.map.back(rays);
+        far_root(negative(origin), direction, self.sphere.radius, U * self.roughness())
     }
 
     /// Returns the exact entry and exit of the ray's line.
@@ -181,19 +210,29 @@ impl SphereImage {
         (back(&to_center), back(direction), &a.dot(&rows[0]) * &self.sphere.radius.into())
     }
 
-    /// Returns the hit near an approximate `t`, after one Newton step in the sphere's own space.
+    /// Returns the hit near an approximate `t`: [`SphereImage::refined`].
     #[must_use]
     pub(crate) fn refine(&self, origin: DVec3, direction: DVec3, t: f64, _far: bool) -> Option<RefinedHit> {
         Some(self.stepped(origin, direction, t))
     }
 
     fn stepped(&self, origin: DVec3, direction: DVec3, t: f64) -> RefinedHit {
-        let place = Compensated::along(origin, direction, t);
-        let own = self.map.compensated_point_back(place);
-        let way = self.map.direction_back(direction);
-        let step = sphere_step(own, way.into(), self.sphere.radius);
-        let normal = self.map.normal(own.moved(way * step).into());
-        RefinedHit { t: Double::sum(t, step), point: place.moved(direction * step).into(), normal }
+        self.refined(&Rays::new(origin, direction), t).into()
+    }
+
+    /// Refines a `t` near the ellipsoid by one Newton step in the sphere's own space.
+    #[inline(always)]
+    pub(crate) fn refined<R: Real>(&self, rays: &Rays<R>, t: R) -> Refined<R> {
+        let place = Compensated::along(rays.origin, rays.direction, t);
+        let (own, found) = self.map.compensated_back(place);
+        let (way, radius) = (image_of(&self.map.inverse, rays.direction), t.of(self.sphere.radius));
+        let step = sphere_step(own, way, radius);
+        Refined {
+            t: Double::sum(t, step),
+            point: place.moved(times(rays.direction, step)),
+            normal: self.map.normal(own.moved(times(way, step))),
+            found: found & moderate3(own.rounded()) & moderate(radius),
+        }
     }
 
     /// Returns the hit near a `t` with few certain bits, as [`Sphere::solve`].
@@ -207,8 +246,7 @@ impl SphereImage {
     /// Returns the exit of a ray that starts on the ellipsoid and goes inwards.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        let (own, way) = (self.map.point_back(origin), self.map.direction_back(direction));
-        far_root((-own).into(), way.into(), self.sphere.radius, U * self.roughness()).into()
+        self.exit_verdict(&Rays::new(origin, direction)).into()
     }
 
     /// Returns the hit at `t`.
@@ -221,8 +259,9 @@ impl SphereImage {
         _face: Face,
     ) -> RefinedHit {
         let place = Compensated::along(origin, direction, t.rounded());
-        let own = self.map.compensated_point_back(place).moved(self.map.direction_back(direction) * t.rest());
-        RefinedHit { t, point: place.moved(direction * t.rest()).into(), normal: self.map.normal(own.into()) }
+        let own = self.map.compensated_back(place).0.moved(self.map.inverse * direction * t.rest());
+        let normal = self.map.normal(own).into();
+        RefinedHit { t, point: place.moved(direction * t.rest()).into(), normal }
     }
 
     /// Always returns `None`: an ellipsoid has no flat face.

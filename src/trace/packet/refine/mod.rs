@@ -1,19 +1,26 @@
-//! Refinement of sixteen hits at once: the operations of the shapes' `refine` in the same order.
+//! Refinement of sixteen hits at once, by the shapes' own formulas.
 
-mod images;
-mod points;
 mod shapes;
-mod world;
 
 use fearless_simd::prelude::*;
 
-use self::points::{Points, RefineInput};
 use self::shapes::{ManyShapes, OneShape, ShapeParameters, Shapes};
-use self::world::{boxes, planes, spheres};
-use crate::trace::math::{bits, dot, half_lanes, half_of, lanes, mask, moderate, moderate3, splat};
+use crate::trace::math::{
+    BoundedT, Double, F64s, Mask, bits, dot, half_lanes, half_of, lanes, mask, moderate, moderate3, pick3,
+    splat,
+};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};
-use crate::trace::scene::{Geometry, PreparedScene, ShapeKind};
+use crate::trace::scene::{Geometry, PreparedScene, ShapeKind, ShapeRef};
+use crate::trace::shapes::{Refined, refine_box, refine_plane, refine_sphere};
+
+/// The rays of a packet and their hits.
+#[derive(Clone, Copy)]
+pub(super) struct RefineInput<'a> {
+    pub(super) geometry: &'a Geometry,
+    pub(super) rays: &'a RayPacket,
+    pub(super) hits: &'a HitPacket,
+}
 
 /// Computes the surface points of the hits in some lanes by one step from their approximate `t`. Returns the lanes for which one step does not
 /// suffice; `PreparedScene::surface` refines those one by one.
@@ -34,13 +41,13 @@ pub(crate) fn refine<S: Simd>(
         special |= lanes(asked).filter(grouped).fold(0, |mask, lane| mask | 1 << lane);
     }
     let usual = asked & !special;
-    let geometry = scene.geometry();
+    let input = RefineInput { geometry: scene.geometry(), rays, hits };
     let found = match hits.ids.common(simd, usual) {
         _ if usual == 0 => 0,
-        Some(id) => usual & !refine_one(simd, geometry, (rays, hits), (id, usual), surfaces),
+        Some(id) => usual & !refine_one(simd, input, id, usual, surfaces),
         None => {
-            let shapes = ManyShapes::gather(geometry, &hits.ids, usual);
-            refine_lanes(simd, geometry, (rays, hits), &shapes, usual, surfaces)
+            let shapes = ManyShapes::gather(input.geometry, &hits.ids, usual);
+            refine_lanes(simd, input, &shapes, usual, surfaces)
         }
     };
     surfaces.lanes |= found;
@@ -52,21 +59,20 @@ pub(crate) fn refine<S: Simd>(
 #[inline(always)]
 pub(super) fn refine_one<S: Simd>(
     simd: S,
-    geometry: &Geometry,
-    (rays, hits): (&RayPacket, &HitPacket),
-    (id, asked): (ShapeId, u32),
+    input: RefineInput<'_>,
+    id: ShapeId,
+    asked: u32,
     surfaces: &mut SurfacePacket,
 ) -> u32 {
-    let shape = OneShape::new(simd, ShapeParameters::of(geometry, id), asked);
-    asked & !refine_lanes(simd, geometry, (rays, hits), &shape, asked, surfaces)
+    let shape = OneShape::new(simd, ShapeParameters::of(input.geometry, id), asked);
+    asked & !refine_lanes(simd, input, &shape, asked, surfaces)
 }
 
 /// Refines hits in some lanes. Returns the lanes that were refined.
 #[inline(always)]
 fn refine_lanes<S: Simd>(
     simd: S,
-    geometry: &Geometry,
-    packet: (&RayPacket, &HitPacket),
+    input: RefineInput<'_>,
     shapes: &impl Shapes,
     asked: u32,
     surfaces: &mut SurfacePacket,
@@ -74,7 +80,7 @@ fn refine_lanes<S: Simd>(
     let mut found = asked;
     for half in 0..2 {
         if half_of(found, half) != 0 {
-            found &= !refine_half(simd, geometry, packet, shapes, (half, found), surfaces);
+            found &= !refine_half(simd, input, shapes, half, found, surfaces);
         }
     }
     found
@@ -84,51 +90,78 @@ fn refine_lanes<S: Simd>(
 #[inline(always)]
 fn refine_half<S: Simd>(
     simd: S,
-    geometry: &Geometry,
-    (rays, hits): (&RayPacket, &HitPacket),
+    RefineInput { geometry, rays, hits }: RefineInput<'_>,
     shapes: &impl Shapes,
-    (half, asked): (usize, u32),
+    half: usize,
+    asked: u32,
     surfaces: &mut SurfacePacket,
 ) -> u32 {
-    let (t, error) = (hits.ts.load(simd, half), hits.errors.load(simd, half));
-    let rounded = error.simd_le(t * f64::EPSILON);
-    let rough = error.simd_gt(t * (1.0 / 268_435_456.0));
-    let direction = rays.directions.load(simd, half);
-    let inexact = RefineInput { origin: rays.origins.load(simd, half), direction, t };
-    let moderate = moderate(simd, t) & moderate3(simd, direction);
-    let mut points: Option<Points<S>> = None;
-    if half_of(shapes.lanes_of(ShapeKind::Sphere) & asked, half) != 0 {
-        points = Some(spheres(simd, &inexact, shapes, half));
+    let root = BoundedT::within(hits.ts.load(simd, half), hits.errors.load(simd, half));
+    let (rays, t) = (rays.load(simd, half), root.t());
+    let moderate = moderate(t) & moderate3(rays.direction);
+    let mut refined: Option<Refined<F64s<S>>> = None;
+    let these = shapes.lanes_of(ShapeKind::Sphere);
+    if half_of(these & asked, half) != 0 {
+        refined = Some(refine_sphere(shapes.places(simd, half), shapes.radii(simd, half), &rays, t));
     }
-    if half_of(shapes.lanes_of(ShapeKind::Plane) & asked, half) != 0 {
-        let these = mask(simd, shapes.lanes_of(ShapeKind::Plane), half);
-        points = Some(Points::select(these, planes(simd, &inexact, shapes, half), points));
+    let these = shapes.lanes_of(ShapeKind::Plane);
+    if half_of(these & asked, half) != 0 {
+        let (point, normal) = (shapes.places(simd, half), shapes.others(simd, half));
+        let plane = refine_plane(point, normal, shapes.units(simd, half), &rays, t);
+        refined = Some(select(mask(simd, these, half), plane, refined));
     }
-    if half_of(shapes.lanes_of(ShapeKind::AlignedBox) & asked, half) != 0 {
-        let these = mask(simd, shapes.lanes_of(ShapeKind::AlignedBox), half);
-        points = Some(Points::select(these, boxes(simd, &inexact, shapes, half), points));
+    let these = shapes.lanes_of(ShapeKind::AlignedBox);
+    if half_of(these & asked, half) != 0 {
+        let aligned = refine_box(shapes.places(simd, half), shapes.others(simd, half), &rays, t);
+        refined = Some(select(mask(simd, these, half), aligned, refined));
     }
+    let moderate = moderate & shapes.moderate(simd, half);
     let mut unknown = 0;
     let mut images = shapes.images() & asked & half_lanes(half);
     while let Some(id) = hits.ids.get(images.trailing_zeros() as usize).filter(|_| images != 0) {
         let these = hits.ids.lanes_of(simd, id) & images;
         images &= !these;
+        let far = mask(simd, hits.far, half);
         let Some(image) = simd.vectorize(
             #[inline(always)]
-            || images::refine(simd, &inexact, geometry.shape(id), mask(simd, hits.far, half)),
+            || match geometry.shape(id) {
+                ShapeRef::SphereImage(image) => Some(image.refined(&rays, t)),
+                ShapeRef::BoxImage(image) => Some(image.refined(&rays, t, far)),
+                ShapeRef::Sphere(_) | ShapeRef::Plane(_) | ShapeRef::AlignedBox(_) => None,
+            },
         ) else {
             unknown |= these;
             continue;
         };
-        points = Some(Points::select(mask(simd, these, half), image, points));
+        refined = Some(select(mask(simd, these, half), image, refined));
     }
-    let Some(points) = points else { return asked & half_lanes(half) };
-    let special = (bits(rounded | rough | !(moderate & points.found), half) | unknown) & asked;
-    let outside = dot(direction, points.normal).simd_le(splat(simd, 0.0));
+    let Some(refined) = refined else { return asked & half_lanes(half) };
+    let escalated = root.is_rounded() | root.is_rough() | !(moderate & refined.found);
+    let special = (bits(escalated, half) | unknown) & asked;
+    let outside = dot(rays.direction, refined.normal).simd_le(splat(simd, 0.0));
     surfaces.from_outside |= bits(outside, half) & asked & !special & !hits.far;
-    surfaces.points.store(half, points.point);
-    surfaces.normals.store(half, points.normal);
-    surfaces.ts.store(half, points.t);
-    surfaces.rests.store(half, points.rest);
+    surfaces.points.store(half, refined.point);
+    surfaces.normals.store(half, refined.normal);
+    surfaces.ts.store(half, refined.t.high);
+    surfaces.rests.store(half, refined.t.low);
     special
+}
+
+/// Selects `these` in lanes in which the mask is true, and `others` elsewhere.
+#[inline(always)]
+fn select<S: Simd>(
+    mask: Mask<S>,
+    these: Refined<F64s<S>>,
+    others: Option<Refined<F64s<S>>>,
+) -> Refined<F64s<S>> {
+    let Some(others) = others else { return these };
+    Refined {
+        t: Double {
+            high: mask.select(these.t.high, others.t.high),
+            low: mask.select(these.t.low, others.t.low),
+        },
+        point: pick3(mask, these.point, others.point),
+        normal: pick3(mask, these.normal, others.normal),
+        found: (mask & these.found) | (!mask & others.found),
+    }
 }

@@ -83,7 +83,7 @@ impl ShapeParameters {
 impl OneShape {
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, shape: ShapeParameters, lanes: u32) -> Self {
-        let numbers = moderate3(simd, splat3(simd, shape.other)) & moderate(simd, splat(simd, shape.radius));
+        let numbers = moderate3(splat3(simd, shape.other)) & moderate(splat(simd, shape.radius));
         Self { shape, lanes, moderate: numbers.all_true() }
     }
 }
@@ -168,7 +168,7 @@ impl ManyShapes {
 impl Shapes for ManyShapes {
     #[inline(always)]
     fn moderate<S: Simd>(&self, simd: S, half: usize) -> Mask<S> {
-        moderate(simd, self.radii.load(simd, half)) & moderate3(simd, self.others.load(simd, half))
+        moderate(self.radii.load(simd, half)) & moderate3(self.others.load(simd, half))
     }
 
     #[inline(always)]
