@@ -4,10 +4,9 @@ use fearless_simd::prelude::*;
 
 use super::direct::{light_dimension, light_point};
 use crate::trace::math::{
-    F64s3, LANES, PixelSamples, SampleKeys, Scaled, Vectors, add, bits, dot, half_lanes, lanes, on_disc,
-    pick3, scaled_lanes, splat, splat3, subtract, times,
+    LANES, PixelSamples, SampleKeys, Scaled, Vectors, bits, half_lanes, lanes, scaled_lanes, splat3, subtract,
 };
-use crate::trace::scene::{LightSource, PreparedLight};
+use crate::trace::scene::{LightSource, PreparedLight, on_rectangle, on_sphere};
 
 /// The sequences of sample points on an area light, one per lane.
 #[derive(Clone, Debug)]
@@ -26,7 +25,8 @@ impl AreaLightSamples {
     #[inline(always)]
     pub(crate) fn choose(
         &mut self,
-        (index, light): (usize, &PreparedLight),
+        index: usize,
+        light: &PreparedLight,
         asked: u32,
         asker: impl Fn(usize) -> (PixelSamples, u32, u64),
     ) {
@@ -45,7 +45,8 @@ impl AreaLightSamples {
         simd: S,
         source: &LightSource,
         points: &Vectors,
-        (asked, sample): (u32, u32),
+        asked: u32,
+        sample: u32,
         places: &mut Vectors,
     ) {
         let squares = self.keys.pairs(simd, &self.first.map(|first| first.wrapping_add(sample)));
@@ -54,19 +55,13 @@ impl AreaLightSamples {
             let square = [squares[0].load(simd, half), squares[1].load(simd, half)];
             match source {
                 LightSource::Sphere { center, radius } => {
-                    let center = splat3(simd, *center);
-                    let Scaled { direction, usual, .. } =
-                        scaled_lanes(simd, subtract(center, points.load(simd, half)));
+                    let from_point = subtract(splat3(simd, *center), points.load(simd, half));
+                    let Scaled { direction, usual, .. } = scaled_lanes(simd, from_point);
                     unusual |= asked & half_lanes(half) & !bits(usual, half);
-                    let [x, y] = on_disc(square);
-                    let (right, up) = across(simd, normalized(simd, direction));
-                    let place = add(center, times(right, x * *radius));
-                    places.store(half, add(place, times(up, y * *radius)));
+                    places.store(half, on_sphere(*center, *radius, direction, square));
                 }
-                LightSource::Rectangle { center, halves: [right, up] } => {
-                    let [x, y] = [square[0] * 2.0 - 1.0, square[1] * 2.0 - 1.0];
-                    let place = add(splat3(simd, *center), times(splat3(simd, *right), x));
-                    places.store(half, add(place, times(splat3(simd, *up), y)));
+                LightSource::Rectangle { center, halves } => {
+                    places.store(half, on_rectangle(*center, *halves, square));
                 }
                 LightSource::Point(place) | LightSource::Spot(place, _) | LightSource::Directional(place) => {
                     places.store(half, splat3(simd, *place));
@@ -78,26 +73,4 @@ impl AreaLightSamples {
             places.set(lane, source.place(points.get(lane), square));
         }
     }
-}
-
-#[inline(always)]
-fn normalized<S: Simd>(simd: S, vector: F64s3<S>) -> F64s3<S> {
-    times(vector, splat(simd, 1.0) / dot(vector, vector).sqrt())
-}
-
-/// Returns two unit vectors that are perpendicular to a third one and to each other, as [`LightSource::place`] chooses them.
-#[inline(always)]
-fn across<S: Simd>(simd: S, forward: F64s3<S>) -> (F64s3<S>, F64s3<S>) {
-    let [x, y, z] = [forward[0].abs(), forward[1].abs(), forward[2].abs()];
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let (along_x, along_y) = (x.simd_le(y) & x.simd_le(z), y.simd_le(z));
-    let other = pick3(along_y, [zero, one, zero], [zero, zero, one]);
-    let axis = pick3(along_x, [one, zero, zero], other);
-    let right = normalized(simd, cross(axis, forward));
-    (right, cross(forward, right))
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: F64s3<S>, b: F64s3<S>) -> F64s3<S> {
-    [a[1] * b[2] - b[1] * a[2], a[2] * b[0] - b[2] * a[0], a[0] * b[1] - b[0] * a[1]]
 }

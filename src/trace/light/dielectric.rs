@@ -1,44 +1,85 @@
 //! Reflection and refraction at the smooth boundary of two transparent media: Snell's law and Fresnel's equations (Born and Wolf,
 //! "Principles of Optics", section 1.5).
 
-use crate::trace::math::Double;
+use crate::trace::math::{Double, Real, add, dot, subtract, times};
 
-/// The boundary between two media, given by their refractive indices, which are greater than 0.
+/// The boundary between two media, given by their refractive indices, which are greater than 0; of one ray, or one per lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Boundary {
+pub struct Boundary<R = f64> {
     /// Refractive index of the medium from which the light arrives.
-    pub from: f64,
+    pub from: R,
     /// Refractive index of the medium behind the boundary.
-    pub into: f64,
+    pub into: R,
+}
+
+impl<R: Real> Boundary<R> {
+    /// Returns the cosine of the angle of refraction, for the cosine of the angle of incidence, 0..=1, and a mask of the rays without total
+    /// internal reflection.
+    ///
+    /// Near the critical angle n2^2 - n1^2 sin^2 cancels, so it is computed from exact products.
+    #[inline(always)]
+    pub(super) fn refraction(&self, cosine: R) -> (R, R::Mask) {
+        let (zero, one) = (cosine.of(0.0), cosine.of(1.0));
+        let squared_sine = Double { high: one, low: zero } - Double::product(cosine, cosine);
+        let bent = Double::product(self.from, self.from) * squared_sine;
+        let rest = (Double::product(self.into, self.into) - bent).rounded();
+        (rest.sqrt() / self.into, zero.less_or_equal(rest))
+    }
+
+    /// Returns the Fresnel reflectance of unpolarised light, 0..=1, for rays without total internal reflection. `transmitted` is the cosine
+    /// of the angle of refraction.
+    #[inline(always)]
+    pub(super) fn partial_reflectance(&self, cosine: R, transmitted: R) -> R {
+        let across = squared_ratio(self.from * cosine, self.into * transmitted);
+        let along = squared_ratio(self.from * transmitted, self.into * cosine);
+        (across + along) * 0.5
+    }
+
+    /// Returns the refracted directions of rays in unit directions, which need not be unit vectors. `cosine` and `transmitted` are the
+    /// cosines of the angles of incidence and of refraction.
+    #[inline(always)]
+    pub(super) fn refracted(&self, unit: [R; 3], normal: [R; 3], cosine: R, transmitted: R) -> [R; 3] {
+        let ratio = self.from / self.into;
+        add(times(unit, ratio), times(normal, ratio * cosine - transmitted))
+    }
 }
 
 impl Boundary {
     /// Returns the cosine of the angle of refraction, for the cosine of the angle of incidence, 0..=1. `None` under total internal
     /// reflection.
-    ///
-    /// Near the critical angle n2^2 - n1^2 sin^2 cancels, so it is computed from exact products.
     #[must_use]
     pub fn transmitted_cosine(&self, cosine: f64) -> Option<f64> {
-        let squared_sine = Double::from(1.0) - Double::product(cosine, cosine);
-        let bent = Double::product(self.from, self.from) * squared_sine;
-        let rest = (Double::product(self.into, self.into) - bent).rounded();
-        (rest >= 0.0).then(|| rest.sqrt() / self.into)
+        let (transmitted, passes) = self.refraction(cosine);
+        passes.then_some(transmitted)
     }
 
     /// Returns the Fresnel reflectance of unpolarised light, 0..=1, for the cosine of the angle of incidence.
     #[must_use]
     pub fn reflectance(&self, cosine: f64) -> f64 {
-        let Some(transmitted) = self.transmitted_cosine(cosine) else {
-            return 1.0;
-        };
-        let ratio = |one: f64, other: f64| {
-            let share = (one - other) / (one + other);
-            share * share
-        };
-        let across = ratio(self.from * cosine, self.into * transmitted);
-        let along = ratio(self.from * transmitted, self.into * cosine);
-        0.5 * (across + along)
+        let (transmitted, passes) = self.refraction(cosine);
+        if passes { self.partial_reflectance(cosine, transmitted) } else { 1.0 }
     }
+}
+
+/// Returns the cosine of the angle between a unit direction and the normal that it arrives against, 0..=1.
+#[inline(always)]
+pub(super) fn incidence<R: Real>(unit: [R; 3], normal: [R; 3]) -> R {
+    let cosine = -dot(unit, normal);
+    let (zero, one) = (cosine.of(0.0), cosine.of(1.0));
+    let cosine = cosine.if_less(zero, zero, cosine);
+    one.if_less(cosine, one, cosine)
+}
+
+/// Returns d - 2 (d.N) N.
+#[inline(always)]
+pub(super) fn mirrored<R: Real>(direction: [R; 3], normal: [R; 3]) -> [R; 3] {
+    subtract(direction, times(normal, dot(direction, normal) * 2.0))
+}
+
+#[inline(always)]
+fn squared_ratio<R: Real>(one: R, other: R) -> R {
+    let share = (one - other) / (one + other);
+    share * share
 }
 
 #[cfg(test)]

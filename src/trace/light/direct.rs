@@ -150,7 +150,7 @@ fn arriving(
     limit: ShadowLimit,
 ) -> Option<LightSample> {
     let ShadingPoint { material, normal, .. } = *lit;
-    let length = length(to_light);
+    let length = length::<f64>(to_light.into());
     let cosine = normal.dot(to_light) / length;
     let from_behind = effects.clear_shadows() && cosine < 0.0 && material.refraction.is_some();
     if !(cosine > 0.0 || from_behind) {

@@ -156,8 +156,8 @@ fn target<S: Simd>(
         LightSource::Directional(direction) => Some(LightPosition::Direction(scaled(direction)?.0)),
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            let asked = (lit.surfaces.lanes, sample);
-            lit.places.find(simd, &light.source, &lit.surfaces.points, asked, &mut light_samples.places);
+            let (surfaces, places) = (lit.surfaces, &mut light_samples.places);
+            lit.places.find(simd, &light.source, &surfaces.points, surfaces.lanes, sample, places);
             Some(LightPosition::Places)
         }
     }

@@ -17,6 +17,8 @@ mod secondary;
 mod secondary_packet;
 mod shading;
 mod shading_packet;
+#[cfg(test)]
+mod tests;
 mod transmission;
 
 pub(crate) use area_light_samples::AreaLightSamples;

@@ -3,13 +3,12 @@
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
+use super::dielectric::{Boundary, incidence};
 use super::light_sample_packet::facing_normals;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
-use crate::trace::math::{
-    Double, F64s, LANES, Mask, Numbers, Vectors, add, bits, dot, half_lanes, half_of, lanes, mask, moderate,
-    splat, times,
-};
+use super::shading::{length, over};
+use crate::trace::math::{LANES, Numbers, Vectors, bits, half_lanes, half_of, lanes, mask, moderate, splat};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::{self, PreparedScene};
@@ -145,20 +144,15 @@ impl RefractionPacket {
             }
             let (from, into) = (from.load(simd, half), into.load(simd, half));
             let direction = rays.directions.load(simd, half);
-            let length = dot(direction, direction).sqrt();
-            let unit = [direction[0] / length, direction[1] / length, direction[2] / length];
-            let normal = facing_normals(simd, surfaces, half);
-            let cosine = -dot(unit, normal);
-            let cosine = cosine.simd_lt(zero).select(zero, cosine);
-            let cosine = cosine.simd_gt(one).select(one, cosine);
-            let (bent, passes) = transmitted_cosine(simd, (from, into), cosine);
-            let share = reflectance((from, into), cosine, bent);
+            let (unit, normal) = (over(direction, length(direction)), facing_normals(simd, surfaces, half));
+            let (boundary, cosine) = (Boundary { from, into }, incidence(unit, normal));
+            let (bent, passes) = boundary.refraction(cosine);
+            let share = boundary.partial_reflectance(cosine, bent);
             let by_fresnel = mask(simd, *fresnel, half).select(share, zero);
             // Equal indices mirror nothing; total internal reflection mirrors everything.
             let same = from.simd_eq(into);
             mirrored.store(half, same.select(zero, passes.select(by_fresnel, one)));
-            let ratio = from / into;
-            let refracted = add(times(unit, ratio), times(normal, ratio * cosine - bent));
+            let refracted = boundary.refracted(unit, normal, cosine, bent);
             for axis in 0..3 {
                 let along = same.select(direction[axis], refracted[axis]);
                 self.directions.axis_mut(axis).store(half, along);
@@ -175,32 +169,4 @@ impl RefractionPacket {
         (f32x16::load_array_ref(simd, reflected) + mirrored).store_array(reflected);
         (transmitted * rest[0].narrow(rest[1])).store_array(&mut self.transmitted);
     }
-}
-
-/// Computes `Boundary::transmitted_cosine`, and a mask of the lanes without total internal reflection.
-#[inline(always)]
-fn transmitted_cosine<S: Simd>(
-    simd: S,
-    (from, into): (F64s<S>, F64s<S>),
-    cosine: F64s<S>,
-) -> (F64s<S>, Mask<S>) {
-    let one = Double { high: splat(simd, 1.0), low: splat(simd, 0.0) };
-    let squared_sine = one - Double::product(cosine, cosine);
-    let bent = Double::product(from, from) * squared_sine;
-    let rest = (Double::product(into, into) - bent).high;
-    (rest.sqrt() / into, rest.simd_ge(splat(simd, 0.0)))
-}
-
-/// Computes `Boundary::reflectance` in lanes without total internal reflection. `bent` is the cosine of the angle of refraction.
-#[inline(always)]
-fn reflectance<S: Simd>((from, into): (F64s<S>, F64s<S>), cosine: F64s<S>, bent: F64s<S>) -> F64s<S> {
-    let across = squared_ratio(from * cosine, into * bent);
-    let along = squared_ratio(from * bent, into * cosine);
-    (across + along) * 0.5
-}
-
-#[inline(always)]
-fn squared_ratio<S: Simd>(one: F64s<S>, other: F64s<S>) -> F64s<S> {
-    let share = (one - other) / (one + other);
-    share * share
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::context::RenderContext;
-use super::dielectric::Boundary;
+use super::dielectric::{Boundary, incidence, mirrored};
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::scratch::LightScratch;
 use crate::color::{Rgb, to_f32};
@@ -88,7 +88,7 @@ pub(crate) fn secondary_rays(
 
     let mut branches = SecondaryRays::default();
     if let Some(state) = reaching(arrived, reflected, arrived.medium, 0) {
-        let direction = mirrored(direction, surface.normal);
+        let direction = mirrored::<f64>(direction.into(), surface.normal.into()).into();
         branches.reflected = surface.leave(surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }
     if effects.media()
@@ -134,21 +134,16 @@ impl Refracted {
         }
         let unit = direction / direction.length();
         let normal = surface.facing_normal();
-        let cosine = (-unit.dot(normal)).clamp(0.0, 1.0);
-        let Some(bent) = boundary.transmitted_cosine(cosine) else {
+        let cosine = incidence(unit.into(), normal.into());
+        let (transmitted, passes) = boundary.refraction(cosine);
+        if !passes {
             return Self { reflected: medium.transmitted, transmitted: 0.0, direction: None };
-        };
-        let share = if medium.fresnel { boundary.reflectance(cosine) } else { 0.0 };
-        let ratio = boundary.from / boundary.into;
+        }
+        let share = if medium.fresnel { boundary.partial_reflectance(cosine, transmitted) } else { 0.0 };
         Self {
             reflected: medium.transmitted * to_f32(share),
             transmitted: medium.transmitted * to_f32(1.0 - share),
-            direction: Some(unit * ratio + normal * (ratio * cosine - bent)),
+            direction: Some(boundary.refracted(unit.into(), normal.into(), cosine, transmitted).into()),
         }
     }
-}
-
-/// Returns d - 2 (d.N) N.
-fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
-    direction - normal * (2.0 * direction.dot(normal))
 }

@@ -2,13 +2,12 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
+use super::dielectric::mirrored;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
 use super::refraction_packet::RefractionPacket;
 use super::secondary::TreeRay;
-use crate::trace::math::{
-    F64s3, LANES, Scaled, bits, bits16, dot, finite3, half_of, lanes, scaled_lanes, subtract, times,
-};
+use crate::trace::math::{F64s3, LANES, Scaled, bits, bits16, finite3, half_of, lanes, scaled_lanes};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeIds};
 use crate::trace::scene::PreparedScene;
@@ -42,7 +41,7 @@ pub(crate) fn branch_lanes<S: Simd>(
     (rays, paths): (&RayPacket, &PathPacket),
     (hits, surfaces): (&HitPacket, &SurfacePacket),
     (asked, clear): (u32, u32),
-    (mirrored, refracted): (&mut BranchPacket, Option<&mut BranchPacket>),
+    (reflections, refracted): (&mut BranchPacket, Option<&mut BranchPacket>),
 ) -> u32 {
     let mut unusual = asked & surfaces.tied;
     let mut reflected = reflected_shares(simd, scene, &hits.ids, asked);
@@ -60,15 +59,13 @@ pub(crate) fn branch_lanes<S: Simd>(
         unusual |= sent & !usual;
         depart(surfaces, (sent & usual, !surfaces.from_outside), &mut branches.rays);
     }
-    let sent = carry(simd, paths, (&reflected, &paths.media, 0), asked & !unusual, mirrored);
+    let sent = carry(simd, paths, (&reflected, &paths.media, 0), asked & !unusual, reflections);
     let mut usual = 0;
     for half in (0..2).filter(|half| half_of(sent, *half) != 0) {
         let (direction, normal) = (rays.directions.load(simd, half), surfaces.normals.load(simd, half));
-        let twice = dot(direction, normal) * 2.0;
-        let direction = subtract(direction, times(normal, twice));
-        usual |= start(simd, surfaces, (half, direction), &mut mirrored.rays);
+        usual |= start(simd, surfaces, (half, mirrored(direction, normal)), &mut reflections.rays);
     }
-    depart(surfaces, (sent & usual, surfaces.from_outside), &mut mirrored.rays);
+    depart(surfaces, (sent & usual, surfaces.from_outside), &mut reflections.rays);
     unusual | sent & !usual
 }
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::color::{Rgb, to_f32};
 use crate::trace::effects::Effects;
-use crate::trace::math::pow;
+use crate::trace::math::{Real, add, dot, pow};
 use crate::trace::scene::{LightSource, PreparedLight, PreparedScene, SurfaceMaterial};
 
 /// Computes the ambient term, C_a = k_a c I_a.
@@ -62,18 +62,27 @@ pub(crate) fn specular(
     to_light: DVec3,
     back: DVec3,
 ) -> Rgb {
-    let highlight = pow(half_cosine(normal, to_light, back), f64::from(material.shininess));
+    let cosine = half_cosine(normal.into(), to_light.into(), back.into());
+    let highlight = pow(cosine, f64::from(material.shininess));
     intensity * (material.specular * to_f32(highlight))
 }
 
 /// Computes max(0, N.H), at most 1, for the half vector H between two directions of any length except zero.
-fn half_cosine(normal: DVec3, to_light: DVec3, back: DVec3) -> f64 {
-    let between = to_light / length(to_light) + back / length(back);
-    let cosine = normal.dot(between) / length(between);
-    // Opposite directions have no half vector; the cosine is then NaN.
-    if cosine > 0.0 { cosine.min(1.0) } else { 0.0 }
+#[inline(always)]
+pub(super) fn half_cosine<R: Real>(normal: [R; 3], to_light: [R; 3], back: [R; 3]) -> R {
+    let between = add(over(to_light, length(to_light)), over(back, length(back)));
+    let cosine = dot(normal, between) / length(between);
+    let (zero, one) = (cosine.of(0.0), cosine.of(1.0));
+    // Opposite directions have no half vector: the cosine is then NaN, which becomes 0.
+    R::pick(cosine.greater(zero), cosine.if_less(one, cosine, one), zero)
 }
 
-pub(crate) fn length(vector: DVec3) -> f64 {
-    vector.dot(vector).sqrt()
+#[inline(always)]
+pub(super) fn length<R: Real>(vector: [R; 3]) -> R {
+    dot(vector, vector).sqrt()
+}
+
+#[inline(always)]
+pub(super) fn over<R: Real>([x, y, z]: [R; 3], divisor: R) -> [R; 3] {
+    [x / divisor, y / divisor, z / divisor]
 }

@@ -4,10 +4,11 @@
 use fearless_simd::{f32x16, prelude::*};
 
 use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normals};
+use super::shading::half_cosine;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::math::{F64s, F64s3, LANES, Numbers, dot, half_of, lanes, pow, splat, splat3};
-use crate::trace::scene::{Cone, LightSource, PreparedFalloff, PreparedLight, PreparedScene};
+use crate::trace::math::{F64s, LANES, Numbers, dot, half_of, lanes, negative, pow, splat, splat3};
+use crate::trace::scene::{LightSource, PreparedLight, PreparedScene};
 
 /// Computes the intensity of a light in the lanes of light samples. `lengths` are the lengths of their directions.
 #[inline(always)]
@@ -28,14 +29,14 @@ pub(super) fn intensities<S: Simd>(
         let axis = splat3(simd, cone.axis);
         for half in 0..2 {
             let along = dot(axis, light_samples.rays.directions.load(simd, half));
-            shares.store(half, in_cone(simd, cone, -along / lengths.load(simd, half)));
+            shares.store(half, cone.at(-along / lengths.load(simd, half)));
         }
         intensity = dimmed(simd, intensity, &shares);
     }
     if let Some(falloff) = &light.falloff {
         for half in 0..2 {
             let distance = lengths.load(simd, half) * light_samples.limits.load(simd, half);
-            shares.store(half, after(simd, falloff, distance));
+            shares.store(half, falloff.at(distance));
         }
         intensity = dimmed(simd, intensity, &shares);
     }
@@ -59,24 +60,6 @@ fn dimmed<S: Simd>(simd: S, mut intensity: [f32x16<S>; 3], shares: &Numbers) -> 
 fn at_most<S: Simd>(simd: S, number: F64s<S>) -> F64s<S> {
     let most = splat(simd, f64::from(f32::MAX));
     number.simd_lt(most).select(number, most)
-}
-
-/// Computes [`Cone::at`].
-#[inline(always)]
-fn in_cone<S: Simd>(simd: S, cone: &Cone, cosine: F64s<S>) -> F64s<S> {
-    let x = (cosine - cone.outer) / (cone.inner - cone.outer);
-    let between = x * x * (splat(simd, 3.0) - x * 2.0);
-    let outside = cosine.simd_gt(splat(simd, cone.outer)).select(between, splat(simd, 0.0));
-    cosine.simd_ge(splat(simd, cone.inner)).select(splat(simd, 1.0), outside)
-}
-
-/// Computes [`PreparedFalloff::at`].
-#[inline(always)]
-fn after<S: Simd>(simd: S, falloff: &PreparedFalloff, distance: F64s<S>) -> F64s<S> {
-    let farthest = splat(simd, f64::MAX);
-    let distance = distance.simd_lt(farthest).select(distance, farthest);
-    let weakened = distance * (distance * falloff.quadratic + falloff.linear) + falloff.constant;
-    splat(simd, 1.0) / weakened
 }
 
 /// Adds highlights to the colours of light samples.
@@ -104,9 +87,9 @@ pub(super) fn add_highlights<S: Simd>(
         if half_of(asked, half) == 0 {
             continue;
         }
-        let [x, y, z] = lit.rays.directions.load(simd, half);
+        let back = negative(lit.rays.directions.load(simd, half));
         let to_light = light_samples.rays.directions.load(simd, half);
-        let cosine = half_cosine(simd, facing_normals(simd, lit.surfaces, half), to_light, [-x, -y, -z]);
+        let cosine = half_cosine(facing_normals(simd, lit.surfaces, half), to_light, back);
         shares.store(half, pow(cosine, exponents.load(simd, half)));
     }
     let share = f32x16::load_array_ref(simd, &coefficients) * shares.rounded(simd);
@@ -115,19 +98,4 @@ pub(super) fn add_highlights<S: Simd>(
         *color += intensity * share;
     }
     light_samples.colors.store(colors);
-}
-
-/// Computes max(0, N.H), at most 1, for the half vector H between two directions of any length except zero.
-#[inline(always)]
-fn half_cosine<S: Simd>(simd: S, normal: F64s3<S>, to_light: F64s3<S>, back: F64s3<S>) -> F64s<S> {
-    let (light_length, back_length) = (dot(to_light, to_light).sqrt(), dot(back, back).sqrt());
-    let mut between = to_light;
-    for axis in 0..3 {
-        between[axis] = to_light[axis] / light_length + back[axis] / back_length;
-    }
-    let cosine = dot(normal, between) / dot(between, between).sqrt();
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    // Opposite directions have no half vector: the cosine is then NaN, which becomes 0.
-    let held = cosine.simd_lt(one).select(cosine, one);
-    cosine.simd_gt(zero).select(held, zero)
 }

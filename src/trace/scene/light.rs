@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::math::{Bytes, disc, scaled};
+use crate::trace::math::{Bytes, Real, add, dot, on_disc, pick3, scaled, spread, times};
 use crate::trace::rays::ShapeId;
 
 /// A light in world space.
@@ -36,10 +36,12 @@ pub struct PreparedFalloff {
 
 impl PreparedFalloff {
     /// Returns the share of the intensity that is left at a distance, 0 or more.
-    pub(crate) fn at(&self, distance: f64) -> f64 {
+    #[inline(always)]
+    pub(crate) fn at<R: Real>(&self, distance: R) -> R {
         // A finite distance times a zero coefficient is zero.
-        let distance = distance.min(f64::MAX);
-        1.0 / (self.constant + distance * (self.linear + distance * self.quadratic))
+        let farthest = distance.of(f64::MAX);
+        let distance = distance.if_less(farthest, distance, farthest);
+        distance.of(1.0) / (distance * (distance * self.quadratic + self.linear) + self.constant)
     }
 }
 
@@ -142,30 +144,46 @@ impl LightSource {
                 let Some((towards, _)) = scaled(center - lit) else {
                     return center;
                 };
-                let [x, y] = disc(square);
-                let (right, up) = across(towards.normalize());
-                center + right * (radius * x) + up * (radius * y)
+                on_sphere(center, radius, towards.into(), square).into()
             }
-            Self::Rectangle { center, halves: [right, up] } => {
-                let [x, y] = square.map(|place| 2.0 * place - 1.0);
-                center + right * x + up * y
-            }
+            Self::Rectangle { center, halves } => on_rectangle(center, halves, square).into(),
         }
     }
 }
 
+/// Returns the points of the disc of a sphere that faces points in the direction `towards`, of any length except zero, from them.
+#[inline(always)]
+pub(crate) fn on_sphere<R: Real>(center: DVec3, radius: f64, towards: [R; 3], square: [R; 2]) -> [R; 3] {
+    let [x, y] = on_disc(square);
+    let (right, up) = across(normalized(towards));
+    add(add(spread(x, center), times(right, x * radius)), times(up, y * radius))
+}
+
+/// Returns the points of a parallelogram, given by the vectors from its centre to the midpoints of two adjacent edges.
+#[inline(always)]
+pub(crate) fn on_rectangle<R: Real>(center: DVec3, [right, up]: [DVec3; 2], [x, y]: [R; 2]) -> [R; 3] {
+    let place = add(spread(x, center), times(spread(x, right), x * 2.0 - 1.0));
+    add(place, times(spread(x, up), y * 2.0 - 1.0))
+}
+
+#[inline(always)]
+fn normalized<R: Real>(vector: [R; 3]) -> [R; 3] {
+    times(vector, vector[0].of(1.0) / dot(vector, vector).sqrt())
+}
+
+#[inline(always)]
+fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [a[1] * b[2] - b[1] * a[2], a[2] * b[0] - b[2] * a[0], a[0] * b[1] - b[0] * a[1]]
+}
+
 /// Returns two unit vectors that are perpendicular to a third one and to each other.
-fn across(forward: DVec3) -> (DVec3, DVec3) {
-    let size = forward.abs();
-    let axis = if size.x <= size.y && size.x <= size.z {
-        DVec3::X
-    } else if size.y <= size.z {
-        DVec3::Y
-    } else {
-        DVec3::Z
-    };
-    let right = axis.cross(forward).normalize();
-    (right, forward.cross(right))
+#[inline(always)]
+fn across<R: Real>(forward: [R; 3]) -> ([R; 3], [R; 3]) {
+    let [x, y, z] = [forward[0].abs(), forward[1].abs(), forward[2].abs()];
+    let (along_x, along_y) = (x.less_or_equal(y) & x.less_or_equal(z), y.less_or_equal(z));
+    let other = pick3(along_y, spread(x, DVec3::Y), spread(x, DVec3::Z));
+    let right = normalized(cross(pick3(along_x, spread(x, DVec3::X), other), forward));
+    (right, cross(forward, right))
 }
 
 /// The cone of a spot light.
@@ -182,15 +200,12 @@ pub struct Cone {
 impl Cone {
     /// Returns the share of the light that is emitted in a direction with this cosine to the axis: 3 x^2 - 2 x^3 between the angles, where
     /// x is linear in the cosine.
-    pub(crate) fn at(&self, cosine: f64) -> f64 {
-        if cosine >= self.inner {
-            1.0
-        } else if cosine > self.outer {
-            let x = (cosine - self.outer) / (self.inner - self.outer);
-            x * x * (3.0 - 2.0 * x)
-        } else {
-            0.0
-        }
+    #[inline(always)]
+    pub(crate) fn at<R: Real>(&self, cosine: R) -> R {
+        let x = (cosine - self.outer) / cosine.of(self.inner - self.outer);
+        let between = x * x * (x.of(3.0) - x * 2.0);
+        let outside = R::pick(cosine.greater(x.of(self.outer)), between, x.of(0.0));
+        R::pick(x.of(self.inner).less_or_equal(cosine), x.of(1.0), outside)
     }
 }
 

@@ -28,6 +28,7 @@ pub(crate) use equal_shapes::EqualGroup;
 pub use geometry::{Geometry, PreparedShape};
 pub(crate) use geometry::{ShapeKind, ShapeLocation, ShapeRef};
 pub use light::{Cone, LightSource, PreparedFalloff, PreparedLight};
+pub(crate) use light::{on_rectangle, on_sphere};
 pub use material::{PreparedChecker, Refraction, SurfaceMaterial};
 pub use material_summary::MaterialSummary;
 pub use material_table::MaterialTable;

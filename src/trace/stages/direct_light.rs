@@ -21,7 +21,7 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
             buffers.light_sums.fill(Vectors::splat(DVec3::ZERO));
         }
         if sample.context.effects.extras && light.source.is_extended() {
-            choose_area_light_samples(sample, (*index, light), buffers);
+            choose_area_light_samples(sample, *index, light, buffers);
         }
         for light_sample in 0..light.places() {
             // A light may have thousands of samples.
@@ -43,7 +43,8 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
 /// Chooses the sample points on an area light for each surface point, for all samples of the light.
 fn choose_area_light_samples(
     sample: &Sample<'_>,
-    light: (usize, &PreparedLight),
+    index: usize,
+    light: &PreparedLight,
     buffers: &mut TileBuffers<'_>,
 ) {
     let TileBuffers { wavefront, surfaces, area_light_samples, .. } = buffers;
@@ -54,7 +55,7 @@ fn choose_area_light_samples(
             let samples = PixelSamples::new(sample.context.sampling.seed, i, j);
             (samples, sample.slots.sample(slot), wavefront.paths[packet].places[lane])
         };
-        area_light_samples[packet].choose(light, surfaces[packet].lanes, asker);
+        area_light_samples[packet].choose(index, light, surfaces[packet].lanes, asker);
     }
 }
 

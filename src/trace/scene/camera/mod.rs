@@ -6,8 +6,10 @@ use glam::DVec3;
 
 pub(crate) use packet::{PixelCenters, SIDE, SpreadKeys, Square};
 
-use crate::trace::math::{Bytes, Dimension, Double, PixelSamples, PixelSampling, disc, scaled};
-use crate::trace::rays::PreparedRay;
+use crate::trace::math::{
+    Bytes, Dimension, Double, PixelSamples, PixelSampling, Real, add, disc, scaled, spread, subtract, times,
+};
+use crate::trace::rays::{PreparedRay, Rays};
 use crate::trace::shapes::Bounds;
 
 /// A camera: an eye, and a grid of pixels on a screen in front of it.
@@ -126,24 +128,44 @@ impl PreparedCamera {
     /// Returns the vector from the eye to a point on the screen, given in columns and rows from the centre of the first pixel.
     #[inline]
     pub(crate) fn through(&self, column: f64, row: f64) -> DVec3 {
-        self.right * self.across(column) + self.up * self.upwards(row) + self.forward
+        self.on_screen(column, row).into()
     }
 
-    #[inline]
-    fn across(&self, column: f64) -> f64 {
+    /// Returns the rays through points on the screen, given like those of [`PreparedCamera::through`], and through points on the lens, given
+    /// on the unit disc, if there is a lens. Directions have any length.
+    #[inline(always)]
+    fn rays_through<R: Real>(&self, column: R, row: R, on_lens: Option<[R; 2]>) -> Rays<R> {
+        let (eye, towards) = (spread(column, self.eye), self.on_screen(column, row));
+        let (Some(PreparedLens { radius, focus }), Some([right, up])) = (self.lens, on_lens) else {
+            return Rays { origin: eye, direction: towards };
+        };
+        let place = times(spread(column, self.right), right * radius);
+        let place = add(place, times(spread(column, self.up), up * radius));
+        Rays { origin: add(eye, place), direction: subtract(times(towards, column.of(focus)), place) }
+    }
+
+    #[inline(always)]
+    fn on_screen<R: Real>(&self, column: R, row: R) -> [R; 3] {
+        let right = times(spread(column, self.right), self.across(column));
+        let on_screen = add(right, times(spread(column, self.up), self.upwards(row)));
+        add(on_screen, spread(column, self.forward))
+    }
+
+    #[inline(always)]
+    fn across<R: Real>(&self, column: R) -> R {
         if self.columns > 1 {
-            -0.5 * self.width + self.width * column / f64::from(self.columns - 1)
+            column * self.width / column.of(f64::from(self.columns - 1)) + -0.5 * self.width
         } else {
-            self.width * column
+            column * self.width
         }
     }
 
-    #[inline]
-    fn upwards(&self, row: f64) -> f64 {
+    #[inline(always)]
+    fn upwards<R: Real>(&self, row: R) -> R {
         if self.rows > 1 {
-            0.5 * self.height - self.height * row / f64::from(self.rows - 1)
+            row.of(0.5 * self.height) - row * self.height / row.of(f64::from(self.rows - 1))
         } else {
-            0.0 - self.height * row
+            row.of(0.0) - row * self.height
         }
     }
 
@@ -181,13 +203,10 @@ impl PreparedCamera {
     ) -> Option<PreparedRay> {
         let samples = PixelSamples::new(sampling.seed, i, j);
         let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
-        let towards = self.through(f64::from(i) + right, f64::from(j) + down);
-        let Some(lens) = self.lens else {
-            return PreparedRay::new(self.eye, towards);
-        };
-        let [right, up] = disc(samples.pair(Dimension::Lens, index)).map(|place| lens.radius * place);
-        let place = self.right * right + self.up * up;
-        PreparedRay::new(self.eye + place, towards * lens.focus - place)
+        let on_lens = self.lens.map(|_| disc(samples.pair(Dimension::Lens, index)));
+        let Rays { origin, direction } =
+            self.rays_through(f64::from(i) + right, f64::from(j) + down, on_lens);
+        PreparedRay::new(origin.into(), direction.into())
     }
 
     /// Returns the change of the direction from the eye from one column to the next, and from one row to the next.

@@ -5,10 +5,10 @@ use glam::DVec3;
 
 use super::{PreparedCamera, PreparedLens};
 use crate::trace::math::{
-    Dimension, F64s, F64s3, LANES, Numbers, PixelSamples, PixelSampling, SampleKeys, Scaled, Vectors, add,
-    bits, finite3, half_lanes, lanes, on_disc, scaled_lanes, splat, splat3, subtract, times,
+    Dimension, LANES, Numbers, PixelSamples, PixelSampling, SampleKeys, Scaled, Vectors, add, bits, finite3,
+    half_lanes, lanes, on_disc, scaled_lanes, splat3,
 };
-use crate::trace::rays::{PreparedRay, RayPacket};
+use crate::trace::rays::{PreparedRay, RayPacket, Rays};
 
 /// Side length, in pixels, of the square that a packet's rays pass through.
 pub(crate) const SIDE: u32 = 4;
@@ -165,20 +165,18 @@ impl PreparedCamera {
             return;
         }
         let on_screen = keys.on_screen.pairs(simd, indices);
-        let on_lens = self.lens.map(|lens| (lens, keys.on_lens.pairs(simd, indices)));
+        let on_lens = self.lens.map(|_| keys.on_lens.pairs(simd, indices));
         let mut unusual = 0;
         for half in 0..2 {
             let column = keys.columns.load(simd, half) + (on_screen[0].load(simd, half) - 0.5);
             let row = keys.rows.load(simd, half) + (on_screen[1].load(simd, half) - 0.5);
-            let (mut origin, mut towards) = (splat3(simd, self.eye), self.through_lanes(simd, column, row));
-            if let Some((PreparedLens { radius, focus }, places)) = &on_lens {
-                let [right, up] = on_disc([places[0].load(simd, half), places[1].load(simd, half)]);
-                let right = times(splat3(simd, self.right), right * *radius);
-                let place = add(right, times(splat3(simd, self.up), up * *radius));
-                origin = add(origin, place);
-                towards = subtract(times(towards, splat(simd, *focus)), place);
+            // Not `Option::map`: lanes in its closure might not be inlined, and lose the processor's instructions.
+            let mut places = None;
+            if let Some([x, y]) = &on_lens {
+                places = Some(on_disc([x.load(simd, half), y.load(simd, half)]));
             }
-            let Scaled { direction, usual, .. } = scaled_lanes(simd, towards);
+            let Rays { origin, direction } = self.rays_through(column, row, places);
+            let Scaled { direction, usual, .. } = scaled_lanes(simd, direction);
             unusual |= asked & half_lanes(half) & !bits(usual & finite3(simd, origin), half);
             rays.origins.store(half, origin);
             rays.directions.store(half, direction);
@@ -219,23 +217,6 @@ impl PreparedCamera {
             }
         }
         Some([low, high])
-    }
-
-    /// Computes [`PreparedCamera::through`] for half of the lanes.
-    #[inline(always)]
-    fn through_lanes<S: Simd>(&self, simd: S, column: F64s<S>, row: F64s<S>) -> F64s3<S> {
-        let across = if self.columns > 1 {
-            column * self.width / f64::from(self.columns - 1) + -0.5 * self.width
-        } else {
-            column * self.width
-        };
-        let upwards = if self.rows > 1 {
-            splat(simd, 0.5 * self.height) - row * self.height / f64::from(self.rows - 1)
-        } else {
-            splat(simd, 0.0) - row * self.height
-        };
-        let on_screen = add(times(splat3(simd, self.right), across), times(splat3(simd, self.up), upwards));
-        add(on_screen, splat3(simd, self.forward))
     }
 }
 
