@@ -13,7 +13,7 @@
 //! 2. `stages/camera_rays` generates the first wavefront, with `scene/camera`. The positions of samples come from `math/sampling`, and in
 //!    lanes from `math/sample_keys`.
 //! 3. `stages/closest_hits` finds the closest hit of each ray. Packets with a common origin, such as camera rays of a pinhole, traverse the
-//!    tree together (`packet/bundle`, `bvh/frustum`, `bvh/shaft`). For a lens, the shapes that any sample of a tile can hit are collected once
+//!    tree together (`packet/bundle`, `bvh/frustum`, `bvh/beam`). For a lens, the shapes that any sample of a tile can hit are collected once
 //!    (`packet/lens`, `bvh/beam`). Other packets traverse the tree one after the other (`packet/closest_hit`, `bvh/packet`). Single rays are
 //!    traced by `query/closest_hit`, which traverses the tree (`bvh/traverse`) and intersects the shapes (`query/guaranteed`), which are
 //!    defined in `shapes`.
@@ -24,7 +24,7 @@
 //!    shadow rays, with `packet/occlusion` and, through transparent shapes, `packet/crossings`; single rays with `query/occlusion` and
 //!    `query/crossings`. `stages/clear_shadows` attenuates the light by transparent shapes, `light/transmission` for single rays. The light
 //!    that remains is added. The possible occluders between a tile and a light that is not directional are collected once for all samples of
-//!    the light, by `packet/candidates`, `bvh/shaft` and, for area lights, `bvh/beam`.
+//!    the light, by `packet/candidates` and `bvh/beam`.
 //! 6. `stages/sums` adds the radiance of each ray to its pixel, in the order of the wavefront, after attenuation by fog and media along the
 //!    ray (`light/passage_packet`). A tile's pixels are stored by packet of its camera rays, and light is added to them lane by lane.
 //! 7. `stages/next_rays` spawns reflected and refracted rays, with `light/secondary_packet` and `light/refraction_packet`, and

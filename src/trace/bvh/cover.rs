@@ -11,8 +11,8 @@
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
+use super::beam::{Shaft, ball};
 use super::frustum::LeafBox;
-use super::shaft::{Shaft, ball};
 use super::slopes::{Ends, GROUPS};
 use crate::trace::math::{LANES, bits16};
 
@@ -87,8 +87,8 @@ impl Shaft {
         let splat = |number: f32| f32x16::splat(simd, number);
         let (mut on_near, mut on_far) = (splat(0.0).simd_le(splat(0.0)), splat(0.0).simd_le(splat(0.0)));
         for side in 0..2 {
-            let low = f32x16::load_array_ref(simd, &self.slopes.low[side][group]);
-            let high = f32x16::load_array_ref(simd, &self.slopes.high[side][group]);
+            let low = f32x16::load_array_ref(simd, &self.low[side].slopes[group]);
+            let high = f32x16::load_array_ref(simd, &self.high[side].slopes[group]);
             let (lower, upper) = (splat(seen.low[side]), splat(seen.high[side]));
             on_near &= (low * seen.near).simd_ge(lower) & (high * seen.near).simd_le(upper);
             on_far &= (low * seen.far).simd_ge(lower) & (high * seen.far).simd_le(upper);
@@ -109,9 +109,9 @@ impl Shaft {
         let square = f32x16::splat(simd, radius * radius);
         let load = |numbers: &[[f32; LANES]; GROUPS]| f32x16::load_array_ref(simd, &numbers[group]);
         let mut within = square.simd_gt(f32x16::splat(simd, 0.0));
-        for across in [load(&self.slopes.low[0]), load(&self.slopes.high[0])] {
+        for across in [load(&self.low[0].slopes), load(&self.high[0].slopes)] {
             let beside_u = u - across * depth;
-            for along in [load(&self.slopes.low[1]), load(&self.slopes.high[1])] {
+            for along in [load(&self.low[1].slopes), load(&self.high[1].slopes)] {
                 let beside_v = v - along * depth;
                 let turned = along * beside_u - across * beside_v;
                 let distance = beside_u * beside_u + beside_v * beside_v + turned * turned;

@@ -11,9 +11,9 @@
 //! - [`node`]: a node, which tests eight boxes against one ray.
 //! - [`traverse`]: traversal with one ray from the root to the leaves, nearest first.
 //! - [`packet`]: traversal with sixteen rays.
-//! - [`frustum`]: traversal with all rays from one point whose slopes lie in a range, eight boxes at once. [`shaft`] finds the parts of
-//!   such a bundle that may hit a shape, [`cover`] the parts whose rays all hit it, and [`beam`] the parts of a bundle between a box and
-//!   points. [`slopes`] and [`depth`] compute the data that they share.
+//! - [`frustum`]: traversal with all rays from one point whose slopes lie in a range, eight boxes at once. [`beam`] finds the parts of a
+//!   bundle, between a point or a box and points, that may hit a shape before their [`limits`], and [`cover`] the parts whose rays all hit it.
+//!   [`slopes`] and [`depth`] compute the data that they share.
 
 mod beam;
 mod build;
@@ -23,25 +23,25 @@ mod depth;
 mod frame;
 mod frustum;
 mod index;
+mod limits;
 mod morton;
 mod node;
 mod packet;
 mod ploc;
 mod refit;
-mod shaft;
 mod slopes;
 #[cfg(test)]
 mod tests;
 mod traverse;
 
-pub(crate) use beam::Beam;
+pub(crate) use beam::{Beam, Shaft};
 pub(crate) use build::Builder;
 pub(crate) use depth::Depth;
 pub(crate) use frustum::{FARTHEST, Frustum, FrustumVisitor, LeafBox};
+pub(crate) use limits::Limits;
 pub(crate) use node::LeafId;
 pub(crate) use packet::{FramePacket, PacketStack, PacketVisitor};
 pub(crate) use refit::Refitter;
-pub(crate) use shaft::{Limits, Shaft};
 pub(crate) use slopes::{Ends, PACKETS, PARTS, SlopeRange, Slopes};
 pub(crate) use traverse::Stack;
 

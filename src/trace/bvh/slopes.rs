@@ -1,4 +1,4 @@
-//! Slopes and end depths of the rays of many packets, by part: the data of a [shaft](super::shaft).
+//! Slopes and end depths of the rays of many packets, by part: the data of a [shaft](super::beam::Shaft).
 //!
 //! A part is half a packet. Values are kept per lane until they are known for all packets. Eight packets are then reduced together, pairs
 //! of lanes to one, until each part has one lane.

@@ -50,7 +50,7 @@ fn find<S: Simd>(
     let depth = Depth::along(first.directions.get(first.lanes.trailing_zeros() as usize));
     let directions = rays.iter().map(|packet| (&packet.directions, packet.lanes));
     let Some(slopes) = Slopes::of(simd, (depth, 1.0), directions) else { return false };
-    let Some(shaft) = scene.tree.shaft(simd, origin, depth, slopes) else { return false };
+    let Some(shaft) = scene.tree.shaft(simd, origin, depth, &slopes) else { return false };
     hits.iter_mut().for_each(HitPacket::clear);
     let Scratch { stack, cancelled, .. } = scratch;
     reciprocals.iter_mut().for_each(Reciprocals::forget);

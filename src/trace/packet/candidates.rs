@@ -180,7 +180,7 @@ fn gather<'a, S: Simd>(
     let depth = Depth::along(-first.rays.directions.get(first.lanes.trailing_zeros() as usize));
     let directions = packets.clone().map(|ways| (&ways.rays.directions, ways.lanes));
     let Some(slopes) = Slopes::of(simd, (depth, -1.0), directions) else { return false };
-    let Some(shaft) = scene.tree.shaft(simd, light, depth, slopes) else { return false };
+    let Some(shaft) = scene.tree.shaft(simd, light, depth, &slopes) else { return false };
     let ways = packets.clone().map(|ways| (&ways.rays.directions, ways.limits, ways.lanes));
     let ends = Ends::of(simd, (depth, -1.0), scene.tree.scale(), ways);
     if f64::from(ends.deepest()) > FARTHEST {
@@ -208,7 +208,7 @@ fn gather_all<'a, S: Simd>(
     scratch: (&mut Stack, &AtomicBool),
 ) -> bool {
     let points = packets.clone().map(|lit| (lit.points, lit.lanes));
-    let Some((beam, limits)) = scene.tree.beam(simd, (light.middle, light.reach), points) else {
+    let Some((beam, limits)) = scene.tree.beam(simd, light.middle, light.reach, points) else {
         return false;
     };
     find_beside(simd, scene, light, packets, candidates);

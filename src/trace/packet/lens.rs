@@ -68,9 +68,9 @@ impl LensCandidates {
         let Some(places) = places_beyond(scene, camera, squares) else { return };
         let points = places.iter().map(|(points, lanes)| (points, *lanes));
         let Scratch { stack, cancelled, .. } = scratch;
-        let lens = (camera.position(), camera.lens_reach());
         dispatch!(scene.simd.level(), simd => {
-            let Some((beam, limits)) = scene.tree.beam(simd, lens, points) else { return };
+            let (middle, reach) = (camera.position(), camera.lens_reach());
+            let Some((beam, limits)) = scene.tree.beam(simd, middle, reach, points) else { return };
             self.gather(simd, scene, (beam, limits), (stack, cancelled));
         });
     }
