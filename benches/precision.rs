@@ -14,7 +14,7 @@ use rayreel::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use rayreel::trace::{CastRay, Geometry, Precision, PreparedScene, PreparedShape, SurfaceMaterial};
 use rayreel::{Engine, RenderSettings};
 
-const PRECISIONS: [Precision; 3] = [Precision::TextbookF32, Precision::TextbookF64, Precision::Guaranteed];
+const PRECISIONS: [Precision; 3] = [Precision::NaiveF32, Precision::NaiveF64, Precision::Robust];
 
 fn main() {
     // The measuring thread is the pool's only thread.
@@ -36,9 +36,9 @@ struct At<T> {
 impl<T> fmt::Display for At<T> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let precision = match self.precision {
-            Precision::TextbookF32 => "textbook f32",
-            Precision::TextbookF64 => "textbook f64",
-            Precision::Guaranteed => "guaranteed",
+            Precision::NaiveF32 => "textbook f32",
+            Precision::NaiveF64 => "textbook f64",
+            Precision::Robust => "guaranteed",
         };
         write!(formatter, "{}, {precision}", self.name)
     }

@@ -95,9 +95,9 @@ impl fmt::Display for Subject {
         match self {
             Self::Own => formatter.write_str("the scene's own"),
             Self::Parameter(parameter, value) => write!(formatter, "{} {value}", parameter.name()),
-            Self::Precision(Precision::Guaranteed) => formatter.write_str("guaranteed"),
-            Self::Precision(Precision::TextbookF64) => formatter.write_str("textbook f64"),
-            Self::Precision(Precision::TextbookF32) => formatter.write_str("textbook f32"),
+            Self::Precision(Precision::Robust) => formatter.write_str("guaranteed"),
+            Self::Precision(Precision::NaiveF64) => formatter.write_str("textbook f64"),
+            Self::Precision(Precision::NaiveF32) => formatter.write_str("textbook f32"),
             Self::Size(width, height) => write!(formatter, "size {width}x{height}"),
             Self::Without(effect) => write!(formatter, "without {effect}"),
         }
@@ -145,7 +145,7 @@ pub(super) fn sweep(
         });
         rows.extend(turned);
     }
-    rows.extend([Precision::TextbookF64, Precision::TextbookF32].map(|precision| {
+    rows.extend([Precision::NaiveF64, Precision::NaiveF32].map(|precision| {
         (Subject::Precision(precision), RenderSettings { precision: Some(precision), ..own_settings })
     }));
     rows.extend(sizes.iter().map(|(width, height)| {

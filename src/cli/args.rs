@@ -265,9 +265,9 @@ pub(super) enum PrecisionName {
 impl From<PrecisionName> for Precision {
     fn from(name: PrecisionName) -> Self {
         match name {
-            PrecisionName::Guaranteed => Self::Guaranteed,
-            PrecisionName::TextbookF64 => Self::TextbookF64,
-            PrecisionName::TextbookF32 => Self::TextbookF32,
+            PrecisionName::Guaranteed => Self::Robust,
+            PrecisionName::TextbookF64 => Self::NaiveF64,
+            PrecisionName::TextbookF32 => Self::NaiveF32,
         }
     }
 }

@@ -15,7 +15,7 @@
 //! 3. `stages/closest_hits` finds the closest hit of each ray. Packets with a common origin, such as camera rays of a pinhole, traverse the
 //!    tree together (`packet/bundle`, `bvh/frustum`, `bvh/beam`). For a lens, the shapes that any sample of a tile can hit are collected once
 //!    (`packet/lens`, `bvh/beam`). Other packets traverse the tree one after the other (`packet/closest_hit`, `bvh/packet`). Single rays are
-//!    traced by `query/closest_hit`, which traverses the tree (`bvh/traverse`) and intersects the shapes (`query/guaranteed`), which are
+//!    traced by `query/closest_hit`, which traverses the tree (`bvh/traverse`) and intersects the shapes (`query/robust`), which are
 //!    defined in `shapes`.
 //! 4. `stages/surfaces` refines hits to surface points with `packet/refine`, where lighting, a medium or secondary rays need them, and adds
 //!    ambient light.

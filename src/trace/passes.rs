@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::color::Rgb;
-use crate::trace::query::{Scratch, with_intersector};
+use crate::trace::query::{Naive, Scratch};
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 
 /// A value of each pixel besides its radiance.
@@ -146,33 +146,32 @@ impl PreparedScene {
     pub(crate) fn passes(&self, camera: &PreparedCamera, cancelled: &AtomicBool) -> Option<Vec<PassPixel>> {
         let (columns, rows) = camera.resolution();
         let [_, _, view_axis] = camera.axes();
-        with_intersector!(self, shapes => {
-            let pixel = |scratch: &mut Scratch<'_>, (i, j)| {
-                let ray = camera.ray(i, j)?;
-                scratch.tied_hits.clear();
-                scratch.ties.clear();
-                let closest = self.closest(shapes, &ray, scratch)?;
-                let surface = self.surface(shapes, &ray, &closest, scratch);
-                let (_, albedo) = self.material(surface.hit.id).colors_at(surface.point, surface.normal);
-                // Adding zero turns negative zeros positive.
-                let rounded = |vector: DVec3| (vector + DVec3::ZERO).to_array().map(to_f32);
-                Some(PassPixel {
-                    depth: to_f32(surface.depth(&ray, view_axis)),
-                    distance: to_f32(surface.distance(&ray)),
-                    normal: rounded(surface.facing_normal()),
-                    id: self.order().rank(surface.hit.id).number() + 1,
-                    albedo,
-                    position: rounded(surface.point),
-                })
-            };
-            let row = |scratch: &mut Scratch<'_>, j| {
-                let row = (0..columns).map(|i| pixel(scratch, (i, j)).unwrap_or(PassPixel::NOTHING));
-                (!cancelled.load(Ordering::Relaxed)).then(|| row.collect::<Vec<_>>())
-            };
-            let rows = (0..rows).into_par_iter().map_init(|| Scratch::new(cancelled), row);
-            let rows: Option<Vec<_>> = rows.collect();
-            rows.filter(|_| !cancelled.load(Ordering::Relaxed)).map(|rows| rows.concat())
-        })
+        let naive = Naive::of(self);
+        let pixel = |scratch: &mut Scratch<'_>, (i, j)| {
+            let ray = camera.ray(i, j)?;
+            scratch.tied_hits.clear();
+            scratch.ties.clear();
+            let closest = self.closest(&ray, scratch)?;
+            let surface = self.surface(&ray, &closest, scratch);
+            let (_, albedo) = self.material(surface.hit.id).colors_at(surface.point, surface.normal);
+            // Adding zero turns negative zeros positive.
+            let rounded = |vector: DVec3| (vector + DVec3::ZERO).to_array().map(to_f32);
+            Some(PassPixel {
+                depth: to_f32(surface.depth(&ray, view_axis)),
+                distance: to_f32(surface.distance(&ray)),
+                normal: rounded(surface.facing_normal()),
+                id: self.order().rank(surface.hit.id).number() + 1,
+                albedo,
+                position: rounded(surface.point),
+            })
+        };
+        let row = |scratch: &mut Scratch<'_>, j| {
+            let row = (0..columns).map(|i| pixel(scratch, (i, j)).unwrap_or(PassPixel::NOTHING));
+            (!cancelled.load(Ordering::Relaxed)).then(|| row.collect::<Vec<_>>())
+        };
+        let rows = (0..rows).into_par_iter().map_init(|| Scratch::new(cancelled, naive.as_ref()), row);
+        let rows: Option<Vec<_>> = rows.collect();
+        rows.filter(|_| !cancelled.load(Ordering::Relaxed)).map(|rows| rows.concat())
     }
 }
 

@@ -375,7 +375,7 @@ fn trace(
         let background = scene.background.towards(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
-    let surface = scene.surface(scene.geometry(), &ray.ray, &closest, &mut scratch.search);
+    let surface = scene.surface(&ray.ray, &closest, &mut scratch.search);
     let passage = ray.state.passage(context.effects, scene, &scratch.media, surface.distance(&ray.ray));
     let lit = lit(context, scratch, ray, surface, asker);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
@@ -458,18 +458,17 @@ fn visibility(
 ) -> Result<Rgb, ShapeId> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
     let (scene, are_clear) = (context.scene, context.effects.lighting == Lighting::ClearShadows);
-    let geometry = scene.geometry();
     scratch.search.crossed.clear();
     let hides = |id: &ShapeId| {
-        let Scratch { crossed, escalations, ties, .. } = &mut scratch.search;
+        let Scratch { crossed, intersector, ties, .. } = &mut scratch.search;
         let (ray, look) = (&RayView::new(ray, ties), Look::Whole);
         Some(*id) != own_shape
-            && (scene.hides_or_is_crossed(geometry, *id, (ray, limit), look, crossed, escalations)
+            && (scene.hides_or_is_crossed(*id, (ray, limit), look, crossed, intersector)
                 || !are_clear && !crossed.is_empty())
     };
     match scene.geometry().ids_in_order().find(hides) {
         Some(id) => Err(id),
-        None => Ok(filtered_and_absorbed(scene, geometry, shadow_ray, own_shape, seen, scratch)),
+        None => Ok(filtered_and_absorbed(scene, shadow_ray, own_shape, seen, scratch)),
     }
 }
 

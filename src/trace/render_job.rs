@@ -14,9 +14,9 @@ use crate::trace::effects::Effects;
 use crate::trace::film::{self, Film, RenderedImage};
 use crate::trace::light::RenderContext;
 use crate::trace::math::{Colors, LANES, Numbers, PixelSampling, SimdLevel, Vectors};
-use crate::trace::query::{Intersector, Scratch, Textbook};
+use crate::trace::query::{Naive, Scratch};
 use crate::trace::render_stats::RenderStats;
-use crate::trace::scene::{Precision, PreparedCamera, PreparedScene};
+use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::stages::{PACKETS, Slots, TILE, Tile, TileLanes};
 use crate::trace::tile_accumulator::{NO_SUMS, TileAccumulator, TileSamples, TileSums, means};
 use crate::trace::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
@@ -236,34 +236,21 @@ impl<E: Encoding> RenderJob<E> {
         }
         self.instant = instant;
         let context = RenderContext::new(scene, camera, sampling, effects);
-        let whole = match scene.precision {
-            Precision::Guaranteed => self.add_with(&context, scene.geometry(), signals),
-            // Naive arithmetic, for comparisons.
-            Precision::TextbookF64 => {
-                self.add_with(&context, &Textbook::<f64>::new(scene.geometry()), signals)
-            }
-            Precision::TextbookF32 => {
-                self.add_with(&context, &Textbook::<f32>::new(scene.geometry()), signals)
-            }
-        };
+        let whole = self.add_with(&context, signals);
         if whole {
             self.done.push(instant);
         }
         whole
     }
 
-    fn add_with(
-        &mut self,
-        context: &RenderContext<'_>,
-        shapes: &impl Intersector,
-        signals: Signals<'_>,
-    ) -> bool {
+    fn add_with(&mut self, context: &RenderContext<'_>, signals: Signals<'_>) -> bool {
         let (count, tiles) = (self.tiles.len(), self.tiles.iter_mut());
         let (width, height) = (self.width, self.height);
         let SamplePlan { samples, instants, .. } = self.plan;
+        let naive = Naive::of(context.scene);
         let work = TileWork {
             context,
-            shapes,
+            naive: naive.as_ref(),
             signals,
             everywhere: block(samples, instants, self.instant),
             adaptive: self.adaptive.as_ref(),
@@ -295,7 +282,7 @@ impl<E: Encoding> RenderJob<E> {
             .tiles
             .par_iter()
             .map_init(
-                || (FeatureScratch::default(), Scratch::new(cancelled)),
+                || (FeatureScratch::default(), Scratch::new(cancelled, None)),
                 |(features, search), progress| {
                     let tile = (&progress.tile, adaptive.is_open());
                     (progress.tile, Box::new(visibility::features(scene, camera, tile, (features, search))))

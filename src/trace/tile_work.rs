@@ -9,7 +9,7 @@ use fearless_simd::dispatch;
 
 use super::adaptive::Adaptive;
 use super::light::RenderContext;
-use super::query::Intersector;
+use super::query::Naive;
 use super::render_stats::RenderStats;
 use super::stages::{Portion, Slots, Tile, TileBuffers, render_sample};
 use super::tile_accumulator::{TileAccumulator, TileSamples};
@@ -60,9 +60,9 @@ pub(super) struct TileProgress {
 }
 
 /// Samples to add to tiles.
-pub(super) struct TileWork<'a, I> {
+pub(super) struct TileWork<'a> {
     pub(super) context: &'a RenderContext<'a>,
-    pub(super) shapes: &'a I,
+    pub(super) naive: Option<&'a Naive>,
     pub(super) signals: Signals<'a>,
     /// Samples of every pixel, without adaptive sampling.
     pub(super) everywhere: Range<u32>,
@@ -74,7 +74,7 @@ pub(super) struct TileWork<'a, I> {
 /// The features found, tile by tile.
 pub(super) type FoundFeatures = Vec<(Tile, Box<TileFeatures>)>;
 
-impl<I: Intersector> TileWork<'_, I> {
+impl TileWork<'_> {
     /// Adds samples to all tiles on all threads. Returns render statistics, whether all samples were added, and the features found.
     pub(super) fn add<'t, L: TileAccumulator>(
         &self,
@@ -88,7 +88,8 @@ impl<I: Intersector> TileWork<'_, I> {
             let (mut share, mut memory) = (Vec::new(), None);
             let (mut stats, mut whole, mut found) = (RenderStats::default(), true, FoundFeatures::new());
             while queue.take_share(&mut share) {
-                let memory = memory.get_or_insert_with(|| WorkMemory::new(self.signals.cancelled));
+                let memory =
+                    memory.get_or_insert_with(|| WorkMemory::new(self.signals.cancelled, self.naive));
                 for (progress, mut light) in share.drain(..) {
                     whole &= self.add_to_tile(progress, &mut light, memory, (&mut stats, &mut found));
                 }
@@ -142,7 +143,7 @@ impl<I: Intersector> TileWork<'_, I> {
             if self.signals.cancelled.load(Ordering::Relaxed) || (self.signals.pause)() {
                 return false;
             }
-            let whole = render_sample(context, self.shapes, (tile, slots), buffers);
+            let whole = render_sample(context, (tile, slots), buffers);
             let traced = buffers.take_stats();
             if !whole {
                 return false;
@@ -167,9 +168,9 @@ struct WorkMemory<'a> {
 }
 
 impl<'a> WorkMemory<'a> {
-    fn new(cancelled: &'a AtomicBool) -> Self {
+    fn new(cancelled: &'a AtomicBool, naive: Option<&'a Naive>) -> Self {
         Self {
-            buffers: TileBuffers::new(cancelled),
+            buffers: TileBuffers::new(cancelled, naive),
             slots: Slots::default(),
             portions: Vec::new(),
             features: FeatureScratch::default(),

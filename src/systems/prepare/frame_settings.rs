@@ -66,7 +66,7 @@ pub struct RenderSettings {
     /// True if all other effects are rendered, even those that the scene does not need. This is slower and gives the same bits; it is meant
     /// for comparisons.
     pub all_effects: bool,
-    /// The precision of intersections. `None` is guaranteed precision; the other values are for comparisons with textbook formulas.
+    /// The precision of intersections. `None` is robust precision; the other values are for comparisons with naive formulas.
     pub precision: Option<Precision>,
     /// The SIMD level, for comparisons: images are the same at all levels. `None` is the best level that the processor supports.
     pub simd: Option<SimdLevel>,

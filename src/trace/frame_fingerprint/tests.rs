@@ -85,7 +85,7 @@ fn all_that_reaches_a_picture_changes_it() {
         changed(&|scene| scene.fog.density = 0.1),
         changed(&|scene| scene.depth = 3),
         changed(&|scene| scene.cutoff = 0.1),
-        changed(&|scene| scene.precision = Precision::TextbookF32),
+        changed(&|scene| scene.precision = Precision::NaiveF32),
         changed(&|scene| scene.lights = vec![light(None)]),
         changed(&|scene| scene.lights = vec![light(Some(ids[0]))]),
         changed(&|scene| scene.lights = vec![PreparedLight { casts_shadows: false, ..light(None) }]),

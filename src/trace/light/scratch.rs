@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::filter::Filter;
 use super::medium_stack::MediumStacks;
-use crate::trace::query::Scratch;
+use crate::trace::query::{Naive, Scratch};
 
 /// Buffers that lighting needs in addition to the scene, reused from ray to ray to avoid allocation.
 #[derive(Clone, Debug, Default)]
@@ -19,7 +19,7 @@ pub(crate) struct LightScratch<'a> {
 
 impl<'a> LightScratch<'a> {
     /// Creates empty buffers. `cancelled` is set on cancellation; results are then unspecified.
-    pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
-        Self { search: Scratch::new(cancelled), media: MediumStacks::default(), filters: Vec::new() }
+    pub(crate) fn new(cancelled: &'a AtomicBool, naive: Option<&'a Naive>) -> Self {
+        Self { search: Scratch::new(cancelled, naive), media: MediumStacks::default(), filters: Vec::new() }
     }
 }

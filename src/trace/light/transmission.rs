@@ -10,7 +10,7 @@ use super::scratch::LightScratch;
 use crate::color::Rgb;
 use crate::trace::bvh::LeafId;
 use crate::trace::effects::Effects;
-use crate::trace::query::{Crossed, Crossing, Intersector, Scratch, SurfacePoint};
+use crate::trace::query::{Crossed, Crossing, Scratch, SurfacePoint};
 use crate::trace::rays::{RayView, ShapeId};
 use crate::trace::scene::{PreparedScene, transmittance};
 
@@ -22,34 +22,31 @@ use crate::trace::scene::{PreparedScene, transmittance};
 pub(crate) fn visibility(
     effects: Effects,
     scene: &PreparedScene,
-    shapes: &impl Intersector,
     shadow_ray: &ShadowRay,
     (own_shape, last_occluder, candidates): (Option<ShapeId>, &mut Option<ShapeId>, Option<&[LeafId]>),
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
 ) -> Option<Rgb> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
-    let Scratch { escalations, ties, .. } = &mut scratch.search;
+    let Scratch { intersector, ties, .. } = &mut scratch.search;
     if let Some(id) = *last_occluder
         && Some(id) != own_shape
-        && shapes.occludes(id, &RayView::new(ray, ties), limit, escalations)
+        && intersector.occludes(scene.geometry(), id, &RayView::new(ray, ties), limit)
     {
         return None;
     }
     if !effects.clear_shadows() {
-        *last_occluder = scene.occluder(shapes, ray, limit, (own_shape, candidates), &mut scratch.search);
+        *last_occluder = scene.occluder(ray, limit, (own_shape, candidates), &mut scratch.search);
         return last_occluder.is_none().then_some(Rgb::ONE);
     }
-    *last_occluder =
-        scene.occluder_or_crossed(shapes, ray, limit, (own_shape, candidates), &mut scratch.search);
+    *last_occluder = scene.occluder_or_crossed(ray, limit, (own_shape, candidates), &mut scratch.search);
     let visible = last_occluder.is_none();
-    visible.then(|| filtered(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch))
+    visible.then(|| filtered(scene, shadow_ray, own_shape, (surface, medium), scratch))
 }
 
 /// Computes the transmittance of the transparent shapes along the ray, which are in `scratch.search.crossed`.
 fn filtered(
     scene: &PreparedScene,
-    shapes: &impl Intersector,
     shadow_ray: &ShadowRay,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
@@ -71,22 +68,21 @@ fn filtered(
             || scratch.media.solids(medium).any(absorbs)
             || behind.any(|first_equal| scene.media_at(&first_equal).iter().copied().any(absorbs)));
     if absorbed {
-        filtered_and_absorbed(scene, shapes, shadow_ray, own_shape, (surface, medium), scratch)
+        filtered_and_absorbed(scene, shadow_ray, own_shape, (surface, medium), scratch)
     } else {
-        filtered_alone(scene, shapes, shadow_ray, own_shape, surface, scratch)
+        filtered_alone(scene, shadow_ray, own_shape, surface, scratch)
     }
 }
 
 /// Computes [`filtered_and_absorbed`] without absorption, for which the positions of the crossings do not matter.
 fn filtered_alone(
     scene: &PreparedScene,
-    shapes: &impl Intersector,
     ShadowRay { ray, limit, from_behind }: &ShadowRay,
     own_shape: Option<ShapeId>,
     surface: &SurfacePoint,
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
-    let Scratch { crossed, crossings, escalations, ties, .. } = &mut scratch.search;
+    let Scratch { crossed, crossings, intersector, ties, .. } = &mut scratch.search;
     let ray = &RayView::new(ray, ties);
     if *from_behind && Some(surface.hit.id) != own_shape {
         crossed.push(Crossed::Times(surface.hit.id, 1));
@@ -99,7 +95,7 @@ fn filtered_alone(
             *times
         } else {
             crossings.clear();
-            crossed.cross(scene, shapes, (ray, limit), crossings, escalations);
+            crossed.cross(scene, (ray, limit), crossings, intersector);
             if crossings.len() > 1 { 2 } else { 1 }
         };
         for _ in 0..times {
@@ -113,18 +109,17 @@ fn filtered_alone(
 /// crossing and of the transmittances between crossings, shape by shape in document order.
 pub(crate) fn filtered_and_absorbed(
     scene: &PreparedScene,
-    shapes: &impl Intersector,
     shadow_ray: &ShadowRay,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
-    let Scratch { crossed, crossings, escalations, ties, .. } = &mut scratch.search;
+    let Scratch { crossed, crossings, intersector, ties, .. } = &mut scratch.search;
     let ShadowRay { ray, limit, .. } = shadow_ray;
     let ray = &RayView::new(ray, ties);
     crossings.clear();
     for crossed in crossed.iter() {
-        crossed.cross(scene, shapes, (ray, limit), crossings, escalations);
+        crossed.cross(scene, (ray, limit), crossings, intersector);
     }
     let way = WayToLight { direction: ray.direction(), limit: *limit, from_behind: shadow_ray.from_behind };
     absorbed_along(scene, &way, own_shape, (surface, medium), scratch)

@@ -121,7 +121,7 @@ fn agree(
     for lane in lanes(decided) {
         let ray = packet.get(lane);
         scratch.tied_hits.clear();
-        let single = scene.closest(scene.geometry(), &ray, &mut scratch);
+        let single = scene.closest(&ray, &mut scratch);
         let place = |hit: ShapeHit| (hit.root.t(), hit.id, hit.far);
         prop_assert_eq!(
             hits.get(lane).map(|found| place(found.hit)),
@@ -132,7 +132,7 @@ fn agree(
         );
         let found = surfaces.get(lane, hits).filter(|_| surfaces.lanes & (1 << lane) != 0);
         if let (Some(closest), Some(found)) = (single, found) {
-            let point = scene.surface(scene.geometry(), &ray, &closest, &mut scratch);
+            let point = scene.surface(&ray, &closest, &mut scratch);
             let place = |point: &SurfacePoint| (point.t, point.point, point.normal, point.from_outside);
             prop_assert_eq!(place(&found), place(&point), "{} {:?}", name, ray);
         }

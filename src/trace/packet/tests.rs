@@ -115,10 +115,10 @@ pub(super) fn compare(
     for lane in lanes(decided) {
         let ray = rays.get(lane);
         scratch.tied_hits.clear();
-        let single = scene.closest(scene.geometry(), &ray, &mut scratch);
+        let single = scene.closest(&ray, &mut scratch);
         prop_assert_eq!(hits.get(lane), single, "{} {:?}", name, ray);
         if let (Some(closest), true) = (single, surfaces.lanes & (1 << lane) != 0) {
-            let point = scene.surface(scene.geometry(), &ray, &closest, &mut scratch);
+            let point = scene.surface(&ray, &closest, &mut scratch);
             prop_assert_eq!(surfaces.get(lane, hits), Some(point), "{} {:?}", name, ray);
         }
     }
@@ -176,8 +176,8 @@ fn secondary(scene: &PreparedScene, camera: &PreparedCamera, inwards: bool) -> (
         let mut packet = RayPacket::EMPTY;
         for (lane, ray) in rays.iter().enumerate() {
             scratch.tied_hits.clear();
-            let Some(closest) = scene.closest(scene.geometry(), ray, &mut scratch) else { continue };
-            let surface = scene.surface(scene.geometry(), ray, &closest, &mut scratch);
+            let Some(closest) = scene.closest(ray, &mut scratch) else { continue };
+            let surface = scene.surface(ray, &closest, &mut scratch);
             let direction = ray.direction();
             let mirrored = direction - 2.0 * direction.dot(surface.normal) * surface.normal;
             let left = if inwards {
@@ -361,17 +361,16 @@ fn hidden(
     clear: bool,
     scratch: &mut Scratch<'_>,
 ) -> (bool, Crossings) {
-    let shapes = scene.geometry();
     if !clear {
-        return (scene.occluder(shapes, ray, limit, occluders, scratch).is_some(), Vec::new());
+        return (scene.occluder(ray, limit, occluders, scratch).is_some(), Vec::new());
     }
-    if scene.occluder_or_crossed(shapes, ray, limit, occluders, scratch).is_some() {
+    if scene.occluder_or_crossed(ray, limit, occluders, scratch).is_some() {
         return (true, Vec::new());
     }
-    let Scratch { crossed, crossings, escalations, ties, .. } = scratch;
+    let Scratch { crossed, crossings, intersector, ties, .. } = scratch;
     crossings.clear();
     let ray = &RayView::new(ray, ties);
-    crossed.iter().for_each(|crossed| crossed.cross(scene, shapes, (ray, limit), crossings, escalations));
+    crossed.iter().for_each(|crossed| crossed.cross(scene, (ray, limit), crossings, intersector));
     (false, sorted(crossings.drain(..)))
 }
 
@@ -410,8 +409,8 @@ fn shadow_rays(
         let (mut packet, mut limits) = (RayPacket::EMPTY, Numbers::splat(0.0));
         for (lane, ray) in rays.iter().enumerate() {
             scratch.tied_hits.clear();
-            let Some(closest) = scene.closest(scene.geometry(), ray, &mut scratch) else { continue };
-            let surface = scene.surface(scene.geometry(), ray, &closest, &mut scratch);
+            let Some(closest) = scene.closest(ray, &mut scratch) else { continue };
+            let surface = scene.surface(ray, &closest, &mut scratch);
             let Some((direction, scale)) = scaled(light - surface.point) else { continue };
             let outward = direction.dot(surface.normal) > 0.0;
             if let Some(ray) = surface.leave(outward, direction) {
@@ -483,7 +482,7 @@ fn from_however_far_the_nearest_is_found() {
         for far in [1e38, 3e38, 4e38, 6e38, 1e39, 1e45] {
             let origin = DVec3::Z * (-far / scene.tree.scale());
             let ray = PreparedRay::new(origin, DVec3::Z * 1.9).unwrap();
-            let found = scene.closest(scene.geometry(), &ray, &mut Scratch::default());
+            let found = scene.closest(&ray, &mut Scratch::default());
             assert_eq!(found.map(|closest| closest.hit.id), Some(nearest), "{far:e} {places:?}");
             let mut rays = RayPacket::EMPTY;
             (0..16).for_each(|lane| rays.set(lane, &ray));

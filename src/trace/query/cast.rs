@@ -5,9 +5,8 @@ use std::ops::Deref;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::closest_hit::with_intersector;
 use super::hit::SurfacePoint;
-use super::intersector::Intersector;
+use super::naive::Naive;
 use super::scratch::Scratch;
 use crate::trace::rays::{PreparedRay, ShapeId, TieLists};
 use crate::trace::scene::PreparedScene;
@@ -64,30 +63,22 @@ impl PreparedScene {
     /// Returns the closest hit of the ray, by the renderer's own code path.
     #[must_use]
     pub fn cast(&self, ray: &CastRay) -> Option<CastHit> {
-        with_intersector!(self, shapes => self.cast_at(shapes, ray, &mut Scratch::default()))
+        self.cast_at(ray, &mut Scratch::uncancelled(Naive::of(self).as_ref()))
     }
 
     /// Casts many rays, on the current rayon pool's threads.
     #[must_use]
     pub fn cast_all(&self, rays: &[Option<CastRay>]) -> Vec<Option<CastHit>> {
-        with_intersector!(self, shapes => {
-            let cast = |scratch: &mut Scratch<'_>, ray: &Option<CastRay>| {
-                self.cast_at(shapes, ray.as_ref()?, scratch)
-            };
-            rays.par_iter().map_init(Scratch::default, cast).collect()
-        })
+        let naive = Naive::of(self);
+        let cast = |scratch: &mut Scratch<'_>, ray: &Option<CastRay>| self.cast_at(ray.as_ref()?, scratch);
+        rays.par_iter().map_init(|| Scratch::uncancelled(naive.as_ref()), cast).collect()
     }
 
-    fn cast_at(
-        &self,
-        shapes: &impl Intersector,
-        CastRay { ray, ties }: &CastRay,
-        scratch: &mut Scratch<'_>,
-    ) -> Option<CastHit> {
+    fn cast_at(&self, CastRay { ray, ties }: &CastRay, scratch: &mut Scratch<'_>) -> Option<CastHit> {
         scratch.tied_hits.clear();
         scratch.ties.clone_from(ties);
-        let closest = self.closest(shapes, ray, scratch)?;
-        let mut surface = self.surface(shapes, ray, &closest, scratch);
+        let closest = self.closest(ray, scratch)?;
+        let mut surface = self.surface(ray, &closest, scratch);
         // Rays that leave the hit do not need the list of the surfaces that this ray left.
         scratch.ties.keep(std::iter::once(&mut surface.ties));
         Some(CastHit { surface, ties: scratch.ties.clone() })

@@ -2,58 +2,30 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use super::escalations::Escalations;
 use super::hit::{ClosestHit, ShapeHit, SurfacePoint};
 use super::intersector::Intersector;
 use super::nearest::Nearest;
 use super::scratch::Scratch;
 use crate::trace::rays::{CoincidentHits, PreparedRay, RayView, ShapeId, Tie};
-use crate::trace::scene::PreparedScene;
+use crate::trace::scene::{Geometry, PreparedScene};
 use crate::trace::shapes::RefinedHit;
-
-/// Evaluates an expression with `$shapes` bound to the intersector of a scene's precision.
-macro_rules! with_intersector {
-    ($scene:expr, $shapes:ident => $work:expr) => {
-        match $scene.precision {
-            $crate::trace::Precision::Guaranteed => {
-                let $shapes = $scene.geometry();
-                $work
-            }
-            $crate::trace::Precision::TextbookF64 => {
-                let $shapes = &$crate::trace::query::Textbook::<f64>::new($scene.geometry());
-                $work
-            }
-            $crate::trace::Precision::TextbookF32 => {
-                let $shapes = &$crate::trace::query::Textbook::<f32>::new($scene.geometry());
-                $work
-            }
-        }
-    };
-}
-
-pub(crate) use with_intersector;
 
 impl PreparedScene {
     /// Returns the closest hit of the ray. Of several hits at the same `t`, it is the first in document order.
     #[must_use]
-    pub(crate) fn closest(
-        &self,
-        shapes: &impl Intersector,
-        ray: &PreparedRay,
-        scratch: &mut Scratch<'_>,
-    ) -> Option<ClosestHit> {
-        let Scratch { stack, escalations, ties, tied_hits, cancelled, .. } = scratch;
+    pub(crate) fn closest(&self, ray: &PreparedRay, scratch: &mut Scratch<'_>) -> Option<ClosestHit> {
+        let Scratch { stack, intersector, ties, tied_hits, cancelled, .. } = scratch;
         let ray = &RayView::new(ray, ties);
-        let mut nearest = Nearest::new(self.order(), tied_hits);
+        let mut nearest = Nearest::new(&self.geometry, tied_hits);
         let mut limit = f64::INFINITY;
         for id in &self.unbounded {
             if cancelled.load(Relaxed) {
                 return None;
             }
-            limit = nearest.meet(*id, shapes, ray, escalations);
+            limit = nearest.meet(*id, ray, intersector);
         }
         self.tree.visit_nearest(ray, limit, stack, cancelled, |leaf| {
-            nearest.meet(self.leaves.id(leaf), shapes, ray, escalations)
+            nearest.meet(self.leaves.id(leaf), ray, intersector)
         });
         nearest.closest()
     }
@@ -65,25 +37,24 @@ impl PreparedScene {
     #[inline]
     pub(crate) fn surface(
         &self,
-        shapes: &impl Intersector,
         ray: &PreparedRay,
         closest: &ClosestHit,
         scratch: &mut Scratch<'_>,
     ) -> SurfacePoint {
         let ClosestHit { hit, tied } = *closest;
         if tied.is_empty() && self.equal_shapes.group(hit.id).is_none() {
-            return surface_at(shapes, ray, hit, (hit.id, CoincidentHits::NONE), &mut scratch.escalations);
+            let intersector = &mut scratch.intersector;
+            return surface_at(&self.geometry, ray, hit, hit.id, CoincidentHits::NONE, intersector);
         }
-        self.tied_surface(shapes, ray, closest, scratch)
+        self.tied_surface(ray, closest, scratch)
     }
 
     #[cold]
     fn tied_surface(
         &self,
-        shapes: &impl Intersector,
         ray: &PreparedRay,
         closest: &ClosestHit,
-        Scratch { escalations, ties, tied_hits, .. }: &mut Scratch<'_>,
+        Scratch { intersector, ties, tied_hits, .. }: &mut Scratch<'_>,
     ) -> SurfacePoint {
         let mut met: Vec<ShapeHit> = tied_hits
             .of(closest.tied)
@@ -96,11 +67,11 @@ impl PreparedScene {
         let mut seen_as = |hit: ShapeHit| {
             let first_equal = self.first_equal(hit.id);
             let others = met.iter().filter(|other| other.id != first_equal).map(|tied| {
-                let normal = shapes.refine(ray, tied, escalations).normal;
+                let normal = intersector.refine(&self.geometry, ray, tied).normal;
                 Tie { id: tied.id, normal }
             });
             let ties = ties.add(others);
-            surface_at(shapes, ray, hit, (first_equal, ties), escalations)
+            surface_at(&self.geometry, ray, hit, first_equal, ties, intersector)
         };
         let seen = seen_as(closest.hit);
         if seen.from_outside || self.material(closest.hit.id).refraction.is_none() {
@@ -121,13 +92,14 @@ impl PreparedScene {
 
 #[inline(always)]
 fn surface_at(
-    shapes: &impl Intersector,
+    geometry: &Geometry,
     ray: &PreparedRay,
     hit: ShapeHit,
-    (first_equal, ties): (ShapeId, CoincidentHits),
-    escalations: &mut Escalations,
+    first_equal: ShapeId,
+    ties: CoincidentHits,
+    intersector: &mut Intersector<'_>,
 ) -> SurfacePoint {
-    let RefinedHit { t, point, normal } = shapes.refine(ray, &hit, escalations);
+    let RefinedHit { t, point, normal } = intersector.refine(geometry, ray, &hit);
     // A far side is always hit from inside, whatever the rounding errors of a grazing ray.
     let from_outside = !hit.far && ray.direction().dot(normal) <= 0.0;
     SurfacePoint { hit, first_equal, ties, t, point, normal, from_outside }

@@ -1,10 +1,9 @@
 //! Crossings of shadow rays with the surfaces of transparent shapes.
 
-use super::escalations::Escalations;
 use super::hit::ShapeHit;
 use super::intersector::Intersector;
 use crate::trace::rays::{RayView, ShadowLimit, ShapeId};
-use crate::trace::scene::PreparedScene;
+use crate::trace::scene::{Geometry, PreparedScene};
 use crate::trace::shapes::RefinedHit;
 
 /// A transparent shape on the path of a shadow ray.
@@ -37,19 +36,20 @@ impl Crossed {
     /// Queries a transparent shape. `None` if the ray does not hit it before the limit.
     #[inline]
     pub(crate) fn new(
-        shapes: &impl Intersector,
+        geometry: &Geometry,
         id: ShapeId,
         (ray, limit): (&RayView<'_>, &ShadowLimit),
         look: Look,
-        escalations: &mut Escalations,
+        intersector: &mut Intersector<'_>,
     ) -> Option<Self> {
-        let certain = if look == Look::Glance { shapes.certain_crossings(id, ray, limit) } else { None };
+        let certain =
+            if look == Look::Glance { intersector.certain_crossings(geometry, id, ray, limit) } else { None };
         match certain {
             Some(0) => None,
             Some(times) => Some(Self::Times(id, times)),
             None => {
-                let hit = shapes.intersect(id, ray, escalations)?;
-                shapes.is_before(&hit, ray, limit, escalations).then_some(Self::At(hit))
+                let hit = intersector.intersect(geometry, id, ray)?;
+                intersector.is_before(geometry, &hit, ray, limit).then_some(Self::At(hit))
             }
         }
     }
@@ -73,20 +73,19 @@ impl Crossed {
     pub(crate) fn cross(
         &self,
         scene: &PreparedScene,
-        shapes: &impl Intersector,
         (ray, limit): (&RayView<'_>, &ShadowLimit),
         crossings: &mut Vec<Crossing>,
-        escalations: &mut Escalations,
+        intersector: &mut Intersector<'_>,
     ) {
         let hit = match self {
             Self::At(hit) => Some(*hit),
             // The ray refers to equal shapes by the first of them.
-            Self::Times(id, _) => shapes
-                .intersect(scene.first_equal(*id), ray, escalations)
+            Self::Times(id, _) => intersector
+                .intersect(scene.geometry(), scene.first_equal(*id), ray)
                 .map(|hit| ShapeHit { id: *id, ..hit }),
         };
         let Some(hit) = hit else { return };
-        let RefinedHit { t, point, normal } = shapes.refine(ray, &hit, escalations);
+        let RefinedHit { t, point, normal } = intersector.refine(scene.geometry(), ray, &hit);
         let (t, id) = (t.rounded(), hit.id);
         let entering = !hit.far && ray.direction().dot(normal) < 0.0;
         crossings.push(Crossing { t, id, entering });
@@ -108,7 +107,7 @@ mod tests {
     use crate::trace::math::scaled;
     use crate::trace::query::{CastRay, SurfacePoint};
     use crate::trace::rays::PreparedRay;
-    use crate::trace::scene::{Geometry, PreparedShape, SurfaceMaterial};
+    use crate::trace::scene::{PreparedShape, SurfaceMaterial};
     use crate::trace::shapes::Sphere;
 
     /// Generates coordinates that often coincide, so that rays graze surfaces, start on them and end on them.
@@ -135,13 +134,13 @@ mod tests {
 
     /// Returns the number of times that the ray crosses the ball: the fast count, if certain, and the exact one.
     fn crossings(scene: &PreparedScene, ray: &PreparedRay, limit: &ShadowLimit) -> (Option<u32>, usize) {
-        let (shapes, id, escalations) = (scene.geometry(), ShapeId(0), &mut Escalations::default());
+        let (geometry, id, intersector) = (scene.geometry(), ShapeId(0), &mut Intersector::default());
         let ray = &RayView::alone(ray);
         let mut crossings = Vec::new();
-        if let Some(met) = Crossed::new(shapes, id, (ray, limit), Look::Whole, escalations) {
-            met.cross(scene, shapes, (ray, limit), &mut crossings, escalations);
+        if let Some(met) = Crossed::new(geometry, id, (ray, limit), Look::Whole, intersector) {
+            met.cross(scene, (ray, limit), &mut crossings, intersector);
         }
-        (shapes.certain_crossings(id, ray, limit), crossings.len())
+        (intersector.certain_crossings(geometry, id, ray, limit), crossings.len())
     }
 
     proptest! {

@@ -1,7 +1,6 @@
 //! The closest hit by a test of every shape: the oracle of the tree.
 
 use super::hit::{ClosestHit, ShapeHit};
-use super::intersector::Intersector;
 use super::nearest::Nearest;
 use super::scratch::Scratch;
 use crate::trace::rays::{PreparedRay, RayView};
@@ -15,13 +14,13 @@ pub(crate) fn closest(
     scratch: &mut Scratch<'_>,
 ) -> Option<ClosestHit> {
     let geometry = scene.geometry();
-    let Scratch { escalations, ties, tied_hits, .. } = scratch;
+    let Scratch { intersector, ties, tied_hits, .. } = scratch;
     let ray = &RayView::new(ray, ties);
-    let mut nearest = Nearest::new(scene.order(), tied_hits);
+    let mut nearest = Nearest::new(geometry, tied_hits);
     for id in geometry.ids() {
         // A ray that leaves a shape also leaves all shapes equal to it.
-        if let Some(hit) = geometry.intersect(scene.first_equal(id), ray, escalations) {
-            nearest.consider(ShapeHit { id, ..hit }, geometry, ray, escalations);
+        if let Some(hit) = intersector.intersect(geometry, scene.first_equal(id), ray) {
+            nearest.consider(ShapeHit { id, ..hit }, ray, intersector);
         }
     }
     nearest.closest()

@@ -2,11 +2,10 @@
 
 use std::cmp::Ordering;
 
-use super::escalations::Escalations;
 use super::hit::{ClosestHit, ShapeHit, TiedHits};
 use super::intersector::Intersector;
 use crate::trace::rays::{RayView, ShapeId};
-use crate::trace::scene::DocumentOrder;
+use crate::trace::scene::Geometry;
 
 /// Lists of the hits at the same `t` as the closest hits of rays, one list after another.
 #[derive(Clone, Debug, Default)]
@@ -15,7 +14,7 @@ pub(crate) struct TiedHitLists(Vec<ShapeHit>);
 /// The closest hit of one ray so far. Other hits at the same `t` are at the end of the lists.
 pub(crate) struct Nearest<'a> {
     best: Option<ShapeHit>,
-    order: &'a DocumentOrder,
+    geometry: &'a Geometry,
     lists: &'a mut TiedHitLists,
     start: usize,
 }
@@ -34,46 +33,35 @@ impl TiedHitLists {
 
 impl<'a> Nearest<'a> {
     #[inline]
-    pub(crate) fn new(order: &'a DocumentOrder, lists: &'a mut TiedHitLists) -> Self {
+    pub(crate) fn new(geometry: &'a Geometry, lists: &'a mut TiedHitLists) -> Self {
         let start = lists.0.len();
-        Self { best: None, order, lists, start }
+        Self { best: None, geometry, lists, start }
     }
 
     /// Intersects another shape, and returns the `t` beyond which hits no longer matter.
     #[inline(always)]
-    pub(crate) fn meet(
-        &mut self,
-        id: ShapeId,
-        shapes: &impl Intersector,
-        ray: &RayView<'_>,
-        escalations: &mut Escalations,
-    ) -> f64 {
-        if let Some(hit) = shapes.intersect(id, ray, escalations) {
-            self.consider(hit, shapes, ray, escalations);
+    pub(crate) fn meet(&mut self, id: ShapeId, ray: &RayView<'_>, intersector: &mut Intersector<'_>) -> f64 {
+        if let Some(hit) = intersector.intersect(self.geometry, id, ray) {
+            self.consider(hit, ray, intersector);
         }
         self.best.as_ref().map_or(f64::INFINITY, |best| best.root.latest())
     }
 
     /// Takes another hit of the ray into account.
     #[inline(always)]
-    pub(crate) fn consider(
-        &mut self,
-        hit: ShapeHit,
-        shapes: &impl Intersector,
-        ray: &RayView<'_>,
-        escalations: &mut Escalations,
-    ) {
+    pub(crate) fn consider(&mut self, hit: ShapeHit, ray: &RayView<'_>, intersector: &mut Intersector<'_>) {
         let Some(best) = &mut self.best else {
             self.best = Some(hit);
             return;
         };
-        match shapes.compare(ray, &hit, best, escalations) {
+        match intersector.compare(self.geometry, ray, &hit, best) {
             Ordering::Less => {
                 *best = hit;
                 self.lists.0.truncate(self.start);
             }
             Ordering::Equal => {
-                let comes_first = self.order.rank(hit.id) < self.order.rank(best.id);
+                let order = self.geometry.order();
+                let comes_first = order.rank(hit.id) < order.rank(best.id);
                 let (first, second) = if comes_first { (hit, *best) } else { (*best, hit) };
                 *best = first;
                 self.lists.0.push(second);

@@ -3,7 +3,6 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use super::crossings::{Crossed, Look};
-use super::escalations::Escalations;
 use super::intersector::Intersector;
 use super::scratch::Scratch;
 use crate::trace::bvh::LeafId;
@@ -16,17 +15,16 @@ impl PreparedScene {
     #[must_use]
     pub(crate) fn occluder(
         &self,
-        shapes: &impl Intersector,
         ray: &PreparedRay,
         limit: &ShadowLimit,
         (except, candidates): (Option<ShapeId>, Option<&[LeafId]>),
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
-        let Scratch { stack, escalations, ties, cancelled, .. } = scratch;
+        let Scratch { stack, intersector, ties, cancelled, .. } = scratch;
         let ray = &RayView::new(ray, ties);
         // Of several equal shapes, at least one is not `except`.
         let counts = |id: ShapeId| Some(id) != except || self.equal_shapes.group(id).is_some();
-        let mut hides = |id: ShapeId| counts(id) && shapes.occludes(id, ray, limit, escalations);
+        let mut hides = |id: ShapeId| counts(id) && intersector.occludes(&self.geometry, id, ray, limit);
         let mut unbounded = self.unbounded.iter().copied();
         let unbounded = unbounded.find(|id| cancelled.load(Relaxed) || hides(*id));
         unbounded.or_else(|| match candidates {
@@ -44,21 +42,18 @@ impl PreparedScene {
     #[must_use]
     pub(crate) fn occluder_or_crossed(
         &self,
-        shapes: &impl Intersector,
         ray: &PreparedRay,
         limit: &ShadowLimit,
         (except, candidates): (Option<ShapeId>, Option<&[LeafId]>),
         scratch: &mut Scratch<'_>,
     ) -> Option<ShapeId> {
-        let Scratch { stack, escalations, ties, crossed, cancelled, .. } = scratch;
+        let Scratch { stack, intersector, ties, crossed, cancelled, .. } = scratch;
         let ray = &RayView::new(ray, ties);
         crossed.clear();
         let mut hides = |id: ShapeId| match self.equal_shapes.group(id) {
-            Some(group) => {
-                self.group_hides_or_is_crossed(shapes, group, ray, (limit, except), crossed, escalations)
-            }
+            Some(group) => self.group_hides_or_is_crossed(group, ray, (limit, except), crossed, intersector),
             None if Some(id) == except => false,
-            None => self.hides_or_is_crossed(shapes, id, (ray, limit), Look::Glance, crossed, escalations),
+            None => self.hides_or_is_crossed(id, (ray, limit), Look::Glance, crossed, intersector),
         };
         let mut unbounded = self.unbounded.iter().copied();
         let unbounded = unbounded.find(|id| cancelled.load(Relaxed) || hides(*id));
@@ -76,19 +71,20 @@ impl PreparedScene {
     #[inline]
     pub(crate) fn hides_or_is_crossed(
         &self,
-        shapes: &impl Intersector,
         id: ShapeId,
         (ray, limit): (&RayView<'_>, &ShadowLimit),
         look: Look,
         crossed: &mut Vec<Crossed>,
-        escalations: &mut Escalations,
+        intersector: &mut Intersector<'_>,
     ) -> bool {
         // A ray that leaves a shape also leaves all shapes equal to it.
         let asked = self.first_equal(id);
         if self.material(id).refraction.is_none() {
-            return shapes.occludes(asked, ray, limit, escalations);
+            return intersector.occludes(&self.geometry, asked, ray, limit);
         }
-        crossed.extend(Crossed::new(shapes, asked, (ray, limit), look, escalations).map(|met| met.by(id)));
+        crossed.extend(
+            Crossed::new(&self.geometry, asked, (ray, limit), look, intersector).map(|met| met.by(id)),
+        );
         false
     }
 
@@ -96,27 +92,19 @@ impl PreparedScene {
     #[cold]
     fn group_hides_or_is_crossed(
         &self,
-        shapes: &impl Intersector,
         group: &EqualGroup,
         ray: &RayView<'_>,
         (limit, except): (&ShadowLimit, Option<ShapeId>),
         crossed: &mut Vec<Crossed>,
-        escalations: &mut Escalations,
+        intersector: &mut Intersector<'_>,
     ) -> bool {
         if let Some(opaque) = group.opaque(except) {
-            return self.hides_or_is_crossed(
-                shapes,
-                opaque,
-                (ray, limit),
-                Look::Glance,
-                crossed,
-                escalations,
-            );
+            return self.hides_or_is_crossed(opaque, (ray, limit), Look::Glance, crossed, intersector);
         }
         let mut clear = group.clear().iter().copied().filter(|id| Some(*id) != except);
         if let Some(first) = clear.next() {
             let from = crossed.len();
-            self.hides_or_is_crossed(shapes, first, (ray, limit), Look::Glance, crossed, escalations);
+            self.hides_or_is_crossed(first, (ray, limit), Look::Glance, crossed, intersector);
             if let Some(met) = crossed.get(from).copied() {
                 crossed.extend(clear.map(|id| met.by(id)));
             }

@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::crossings::{Crossed, Crossing};
-use super::escalations::Escalations;
+use super::intersector::Intersector;
+use super::naive::Naive;
 use super::nearest::TiedHitLists;
 use crate::trace::bvh::Stack;
 use crate::trace::rays::TieLists;
@@ -14,7 +15,7 @@ pub(crate) struct Scratch<'a> {
     /// Set on cancellation; results are then unspecified.
     pub(crate) cancelled: &'a AtomicBool,
     pub(crate) stack: Stack,
-    pub(crate) escalations: Escalations,
+    pub(crate) intersector: Intersector<'a>,
     /// The coincident shapes at the surface points that rays of this tile have found.
     pub(crate) ties: TieLists,
     /// The other hits at the same `t` as closest hits.
@@ -29,16 +30,22 @@ pub(crate) struct Scratch<'a> {
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl<'a> Scratch<'a> {
-    pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
+    /// Creates the memory of robust queries or, with naive shapes, of naive ones.
+    pub(crate) fn new(cancelled: &'a AtomicBool, naive: Option<&'a Naive>) -> Self {
         Self {
             cancelled,
             stack: Stack::default(),
-            escalations: Escalations::default(),
+            intersector: Intersector::new(naive),
             ties: TieLists::default(),
             tied_hits: TiedHitLists::default(),
             crossed: Vec::new(),
             crossings: Vec::new(),
         }
+    }
+
+    /// Creates the memory of queries that are never cancelled.
+    pub(super) fn uncancelled(naive: Option<&'a Naive>) -> Self {
+        Self::new(&NEVER, naive)
     }
 
     /// Returns whether queries are cancelled.
@@ -49,8 +56,8 @@ impl<'a> Scratch<'a> {
 }
 
 impl Default for Scratch<'_> {
-    /// Creates the memory of queries that are never cancelled.
+    /// Creates the memory of robust queries that are never cancelled.
     fn default() -> Self {
-        Self::new(&NEVER)
+        Self::uncancelled(None)
     }
 }

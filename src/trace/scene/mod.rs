@@ -21,7 +21,6 @@ pub use camera::PreparedCamera;
 pub(crate) use camera::{PixelCenters, SIDE, SpreadKeys, Square};
 pub use changes::{BvhUpdate, SceneChanges, ShapeChange};
 pub use checker::CheckerPattern;
-pub(crate) use document_order::DocumentOrder;
 pub(crate) use environment::transmittance;
 pub use environment::{Attenuation, PreparedBackground, PreparedFog};
 pub(crate) use equal_shapes::EqualGroup;

@@ -5,9 +5,9 @@
 pub enum Precision {
     /// Every decision and every digit is correct.
     #[default]
-    Guaranteed,
-    /// Textbook formulas in `f64`; rays leave surfaces 1e-9 ahead. Shows the cost of the guarantees, and the errors that they avoid.
-    TextbookF64,
-    /// Textbook formulas in `f32`; rays leave surfaces 1e-4 ahead.
-    TextbookF32,
+    Robust,
+    /// Naive formulas in `f64`; rays leave surfaces 1e-9 ahead. Shows the cost of robustness, and the errors that it avoids.
+    NaiveF64,
+    /// Naive formulas in `f32`; rays leave surfaces 1e-4 ahead.
+    NaiveF32,
 }

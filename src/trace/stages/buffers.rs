@@ -14,7 +14,7 @@ use crate::color::Rgb;
 use crate::trace::light::{AreaLightSamples, ErrorBudget, LightSamplePacket, LightScratch, RenderContext};
 use crate::trace::math::{Colors, Vectors};
 use crate::trace::packet::{Candidates, PacketScratch};
-use crate::trace::query::{HitPacket, Scratch, SurfacePacket};
+use crate::trace::query::{HitPacket, Naive, Scratch, SurfacePacket};
 use crate::trace::rays::ShapeId;
 use crate::trace::render_stats::{RayCounts, RenderStats, StageCounts, TreeEnds};
 
@@ -68,7 +68,7 @@ pub(crate) struct TileBuffers<'a> {
 
 impl<'a> TileBuffers<'a> {
     /// Creates empty buffers. Once `cancelled` is true, their contents are unspecified.
-    pub(crate) fn new(cancelled: &'a AtomicBool) -> Self {
+    pub(crate) fn new(cancelled: &'a AtomicBool, naive: Option<&'a Naive>) -> Self {
         Self {
             wavefront: Wavefront::new(),
             hits: Box::new([const { HitPacket::EMPTY }; PACKETS]),
@@ -87,7 +87,7 @@ impl<'a> TileBuffers<'a> {
             beyond: Vec::new(),
             trees: Trees::default(),
             spread: TileSampler::default(),
-            scratch: LightScratch::new(cancelled),
+            scratch: LightScratch::new(cancelled, naive),
             packet_scratch: PacketScratch::default(),
             pixels: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
             covered: None,
@@ -152,7 +152,7 @@ impl<'a> TileBuffers<'a> {
             rays: std::mem::take(&mut self.rays_traced),
             ends: std::mem::take(&mut self.trees_ended),
             stages: std::mem::take(&mut self.stage_runs),
-            escalations: std::mem::take(&mut self.scratch.search.escalations),
+            escalations: std::mem::take(&mut self.scratch.search.intersector.escalations),
         }
     }
 }

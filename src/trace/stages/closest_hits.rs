@@ -6,16 +6,11 @@ use super::wavefront::RayOrigin;
 use crate::trace::light::RenderContext;
 use crate::trace::math::lanes;
 use crate::trace::packet::{bundle_hits, closest_hits as packet_hits, lens_hits};
-use crate::trace::query::Intersector;
 use crate::trace::scene::Precision;
 
 /// Finds the closest hits of the wavefront. Rays that start at one point or on a lens are traced together, others packet by packet. Lanes that
 /// remain undecided are traced as single rays, with the same result.
-pub(super) fn closest_hits(
-    context: &RenderContext<'_>,
-    shapes: &impl Intersector,
-    buffers: &mut TileBuffers<'_>,
-) {
+pub(super) fn closest_hits(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.closest_hits += 1;
     let TileBuffers { wavefront, hits, spread, scratch, packet_scratch, .. } = buffers;
     let (scene, search) = (context.scene, &mut scratch.search);
@@ -23,7 +18,7 @@ pub(super) fn closest_hits(
     // Camera rays use all packets of a tile, though some may be empty.
     let count = if matches!(wavefront.start, RayOrigin::Anywhere) { wavefront.count } else { PACKETS };
     let (rays, hits) = (&wavefront.rays[..count], &mut hits[..count]);
-    if scene.precision != Precision::Guaranteed {
+    if scene.precision != Precision::Robust {
         for (rays, hits) in rays.iter().zip(&mut *hits) {
             hits.clear();
             hits.open = rays.lanes;
@@ -39,7 +34,7 @@ pub(super) fn closest_hits(
     }
     for (rays, hits) in rays.iter().zip(hits) {
         for lane in lanes(hits.open) {
-            hits.set(lane, scene.closest(shapes, &rays.get(lane), search));
+            hits.set(lane, scene.closest(&rays.get(lane), search));
         }
     }
 }

@@ -9,11 +9,10 @@ use super::shadows::shadows;
 use super::slots::Sample;
 use crate::trace::light::{LightSamplePacket, SampleId, ShadingPacket, sample_light_lanes};
 use crate::trace::math::{Colors, PixelSamples, Vectors, mask, mask16};
-use crate::trace::query::Intersector;
 use crate::trace::scene::PreparedLight;
 
 /// Adds the light of each source that the wavefront's surface points scatter back along their rays.
-pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
+pub(super) fn direct_light(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.direct_light += 1;
     let lights = &sample.context.lights;
     for (place, (index, light)) in lights.iter().enumerate() {
@@ -30,7 +29,7 @@ pub(super) fn direct_light(sample: &Sample<'_>, shapes: &impl Intersector, buffe
             }
             sample_lights(sample, (*index, light), light_sample, buffers);
             if sample.context.effects.shadows() {
-                shadows(sample, shapes, (place, light, light_sample), buffers);
+                shadows(sample, (place, light, light_sample), buffers);
             }
             add(sample, light, buffers);
         }

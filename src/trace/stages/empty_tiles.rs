@@ -45,7 +45,7 @@ pub(super) fn fill_empty_tile(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>
 fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
     let scene = context.scene;
     let alike = context.sampling.samples <= 1
-        && scene.precision == Precision::Guaranteed
+        && scene.precision == Precision::Robust
         && scene.unbounded.is_empty()
         && scene.fog.density == 0.0
         && !context.may_start_inside();
@@ -125,7 +125,7 @@ mod tests {
         let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default(); spheres.len()]);
         let context = RenderContext::new(&scene, camera, PixelSampling::default(), EFFECTS);
         let never = AtomicBool::new(false);
-        Tile::all(SIZE).filter(|tile| is_empty(&context, tile, &mut Scratch::new(&never))).collect()
+        Tile::all(SIZE).filter(|tile| is_empty(&context, tile, &mut Scratch::new(&never, None))).collect()
     }
 
     #[test]

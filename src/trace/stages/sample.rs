@@ -13,7 +13,6 @@ use super::slots::{Sample, Slots};
 use super::surfaces::surfaces;
 use super::tile::Tile;
 use crate::trace::light::RenderContext;
-use crate::trace::query::Intersector;
 
 /// Traces the samples in a tile's slots into `buffers`. Returns `false` if cancelled; the buffers are then incomplete. All searches and long
 /// stages check for cancellation.
@@ -21,7 +20,6 @@ use crate::trace::query::Intersector;
 /// The rays of all slots are traced, and their light is summed, bounce by bounce, without recursion. Stages that no effect needs are skipped.
 pub(crate) fn render_sample(
     context: &RenderContext<'_>,
-    shapes: &impl Intersector,
     (tile, slots): (Tile, &Slots),
     buffers: &mut TileBuffers<'_>,
 ) -> bool {
@@ -31,16 +29,16 @@ pub(crate) fn render_sample(
         return !buffers.is_cancelled();
     }
     camera_rays(&sample, buffers);
-    closest_hits(context, shapes, buffers);
+    closest_hits(context, buffers);
     note_coverage(context, buffers);
-    shade_wave(&sample, shapes, buffers);
+    shade_wave(&sample, buffers);
     let mut generations = context.generations() - 1;
     while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
         select(context, generations, buffers);
         generations = generations.saturating_sub(1);
         while !buffers.is_cancelled() && fill_wave(buffers) {
-            closest_hits(context, shapes, buffers);
-            shade_wave(&sample, shapes, buffers);
+            closest_hits(context, buffers);
+            shade_wave(&sample, buffers);
         }
     }
     if context.effects.mirrors() {
@@ -50,11 +48,11 @@ pub(crate) fn render_sample(
 }
 
 /// Runs the other stages on the wavefront and its hits.
-fn shade_wave(sample: &Sample<'_>, shapes: &impl Intersector, buffers: &mut TileBuffers<'_>) {
+fn shade_wave(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     let context = sample.context;
-    surfaces(context, shapes, buffers);
+    surfaces(context, buffers);
     if context.effects.lights() {
-        direct_light(sample, shapes, buffers);
+        direct_light(sample, buffers);
     }
     if buffers.is_cancelled() {
         return;
@@ -116,14 +114,14 @@ mod tests {
         let effects = Effects { lighting: Lighting::Shadows, paths: Paths::Straight, extras: false };
         let context = RenderContext::new(&scene, &camera, PixelSampling::default(), effects);
         let cancelled = AtomicBool::new(false);
-        let mut buffers = TileBuffers::new(&cancelled);
+        let mut buffers = TileBuffers::new(&cancelled, None);
         let tile = Tile { i: 0, j: 0, width: 8, height: 8 };
         let mut slots = Slots::default();
         slots.set_everywhere(&tile, 0);
-        assert!(render_sample(&context, scene.geometry(), (tile, &slots), &mut buffers));
+        assert!(render_sample(&context, (tile, &slots), &mut buffers));
         assert!(buffers.wavefront.count > 0);
         cancelled.store(true, Ordering::Relaxed);
-        assert!(!render_sample(&context, scene.geometry(), (tile, &slots), &mut buffers));
+        assert!(!render_sample(&context, (tile, &slots), &mut buffers));
         assert_eq!(buffers.wavefront.count, 0);
     }
 

@@ -8,14 +8,12 @@ use super::slots::Sample;
 use crate::trace::light::visibility;
 use crate::trace::math::{HALF, lanes};
 use crate::trace::packet::{LightBox, LitPoints, Occluders, Occlusion, ShadowPacket, WaysToLight, occluded};
-use crate::trace::query::Intersector;
 use crate::trace::scene::{LightSource, Precision, PreparedLight};
 
 /// Traces the shadow rays of a light sample. Drops occluded contributions, and attenuates those that pass through transparent shapes. `place`
 /// is the index of the light among the enabled lights.
 pub(super) fn shadows(
     sample: &Sample<'_>,
-    shapes: &impl Intersector,
     (place, light, light_sample): (usize, &PreparedLight, u32),
     buffers: &mut TileBuffers<'_>,
 ) {
@@ -50,7 +48,7 @@ pub(super) fn shadows(
         if sample.context.effects.clear_shadows() {
             weaken(sample, light, packet, asking & !hidden & !open, buffers);
         }
-        follow(sample, shapes, (place, light), (packet, listed), open & !hidden, buffers);
+        follow(sample, (place, light), (packet, listed), open & !hidden, buffers);
     }
 }
 
@@ -71,7 +69,7 @@ fn occlusion(
     let scene = sample.context.scene;
     let TileBuffers { light_samples, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
     let light_samples = &light_samples[packet];
-    if scene.precision != Precision::Guaranteed {
+    if scene.precision != Precision::Robust {
         return Occlusion { hidden: 0, open: light_samples.asking };
     }
     let shadow = ShadowPacket {
@@ -89,7 +87,6 @@ fn occlusion(
 /// Traces the shadow rays in the lanes `open` of a packet one by one.
 fn follow(
     sample: &Sample<'_>,
-    shapes: &impl Intersector,
     (place, light): (usize, &PreparedLight),
     (packet, listed): (usize, bool),
     open: u32,
@@ -105,7 +102,7 @@ fn follow(
         let seen = (&point, wavefront.paths[packet].media[lane]);
         let candidates = if listed { candidates.of(packet, lane / HALF) } else { None };
         let occluders = (light.own_shape, &mut last_occluders[place], candidates);
-        match visibility(effects, scene, shapes, shadow_ray, occluders, seen, scratch) {
+        match visibility(effects, scene, shadow_ray, occluders, seen, scratch) {
             Some(share) if effects.clear_shadows() => {
                 light_samples.colors.set(lane, light_samples.colors.get(lane) * share);
             }
@@ -131,8 +128,8 @@ fn place_of(light: &PreparedLight) -> Option<DVec3> {
 /// Collects the possible occluders between a light and the surface points: for an area light, those on the way to any point of it. Returns
 /// `false` if there are no candidate lists. Directional lights never have any, as their rays form no bundle.
 fn find_candidates(sample: &Sample<'_>, light: &PreparedLight, buffers: &mut TileBuffers<'_>) -> bool {
-    // Textbook shapes accept rays that miss them by more than the tolerance of bundles.
-    if sample.context.scene.precision != Precision::Guaranteed {
+    // Naive shapes accept rays that miss them by more than the tolerance of bundles.
+    if sample.context.scene.precision != Precision::Robust {
         return false;
     }
     let TileBuffers { wavefront, surfaces, light_samples, candidates, scratch, .. } = buffers;

@@ -9,16 +9,12 @@ use super::wavefront::Wavefront;
 use crate::trace::light::{MediumStack, RenderContext, ambient};
 use crate::trace::math::{Colors, lanes};
 use crate::trace::packet::refine;
-use crate::trace::query::{HitPacket, Intersector, SurfacePacket, SurfacePoint};
+use crate::trace::query::{HitPacket, SurfacePacket, SurfacePoint};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::{PreparedBackground, SurfaceMaterial};
 
 /// Computes the surface points of the wavefront's hits, and the radiance that does not come from light sources: background and ambient light.
-pub(super) fn surfaces(
-    context: &RenderContext<'_>,
-    shapes: &impl Intersector,
-    buffers: &mut TileBuffers<'_>,
-) {
+pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.surfaces += 1;
     let TileBuffers { wavefront, hits, surfaces, answers, radiance, scratch, .. } = buffers;
     let mut special = [0; PACKETS];
@@ -37,7 +33,7 @@ pub(super) fn surfaces(
                 return;
             }
             let Some(closest) = hits.get(lane) else { continue };
-            let point = context.scene.surface(shapes, &rays.get(lane), &closest, &mut scratch.search);
+            let point = context.scene.surface(&rays.get(lane), &closest, &mut scratch.search);
             surfaces.set(lane, &point, hits);
             // Among coincident surfaces, the visible one can differ from the first one hit.
             let material = context.scene.material(point.hit.id);

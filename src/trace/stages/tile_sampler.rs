@@ -50,7 +50,7 @@ impl TileSampler {
         for (keys, (pixels, lanes)) in self.keys.iter_mut().zip(packets) {
             keys.find(seed, (&pixels.map(|pixel| tile.pixel(pixel)), lanes), has_lens);
         }
-        if has_lens && context.scene.precision == Precision::Guaranteed {
+        if has_lens && context.scene.precision == Precision::Robust {
             let squares = std::array::from_fn(|packet| tile.square(packet));
             self.candidates.find(context.scene, context.camera, &squares, search);
             if !slots.in_place {

@@ -17,7 +17,7 @@ type Surface = Option<(ShapeId, [i8; 3])>;
 
 fn surface(scene: &PreparedScene, ray: &PreparedRay, search: &mut Scratch<'_>) -> Surface {
     let hit = closest(scene, ray, search)?;
-    let point = scene.surface(scene.geometry(), ray, &hit, search);
+    let point = scene.surface(ray, &hit, search);
     let is_box = matches!(scene.geometry().shape(point.hit.id), crate::trace::scene::ShapeRef::AlignedBox(_));
     #[expect(clippy::cast_possible_truncation, reason = "-1, 0 or 1")]
     let face = if is_box { point.normal.to_array().map(|part| part.round() as i8) } else { [0; 3] };

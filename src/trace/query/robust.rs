@@ -6,7 +6,6 @@ use glam::DVec3;
 
 use super::escalations::Escalations;
 use super::hit::ShapeHit;
-use super::intersector::Intersector;
 use crate::trace::math::{BoundedT, Compensated, Double, Double3, Exact3};
 use crate::trace::rays::{FAR, PreparedRay, RayView, ShadowLimit, ShapeId};
 use crate::trace::scene::{Geometry, ShapeRef};
@@ -35,11 +34,16 @@ macro_rules! ask {
     }};
 }
 
-impl Intersector for Geometry {
-    /// Excludes the shape that the ray leaves, except for its far side, which the ray can hit from inside. The same applies to every other
-    /// shape whose surface coincides with it at the ray's origin, each with its own orientation.
+impl Geometry {
+    /// Returns the first hit of the ray with the shape. Excludes the shape that the ray leaves, except for its far side, which the ray can hit
+    /// from inside. The same applies to every other shape whose surface coincides with it at the ray's origin, each with its own orientation.
     #[inline]
-    fn intersect(&self, id: ShapeId, ray: &RayView<'_>, escalations: &mut Escalations) -> Option<ShapeHit> {
+    pub(super) fn intersect(
+        &self,
+        id: ShapeId,
+        ray: &RayView<'_>,
+        escalations: &mut Escalations,
+    ) -> Option<ShapeHit> {
         if let Some(exclusion) = ray.exclusion() {
             if id == exclusion.id {
                 return if exclusion.outward { None } else { self.exit(id, ray, escalations) };
@@ -55,8 +59,9 @@ impl Intersector for Geometry {
         self.near_hit(id, ray, escalations)
     }
 
+    /// Compares the distances of two hits of a ray.
     #[inline]
-    fn compare(
+    pub(super) fn compare(
         &self,
         ray: &PreparedRay,
         hit: &ShapeHit,
@@ -76,8 +81,9 @@ impl Intersector for Geometry {
         }
     }
 
+    /// Returns whether the hit is nearer than `limit`.
     #[inline]
-    fn is_before(
+    pub(super) fn is_before(
         &self,
         hit: &ShapeHit,
         ray: &PreparedRay,
@@ -92,8 +98,14 @@ impl Intersector for Geometry {
         self.exactly_before(hit, ray, limit)
     }
 
+    /// Computes the accurate `t`, point and normal of a hit.
     #[inline(always)]
-    fn refine(&self, ray: &PreparedRay, hit: &ShapeHit, escalations: &mut Escalations) -> RefinedHit {
+    pub(super) fn refine(
+        &self,
+        ray: &PreparedRay,
+        hit: &ShapeHit,
+        escalations: &mut Escalations,
+    ) -> RefinedHit {
         let (origin, direction, t) = (ray.origin(), ray.direction(), hit.root.t());
         if t < FAR
             && !hit.root.is_rounded()
@@ -105,13 +117,6 @@ impl Intersector for Geometry {
         self.refine_specially(ray, hit, escalations)
     }
 
-    #[inline]
-    fn certain_crossings(&self, id: ShapeId, ray: &RayView<'_>, limit: &ShadowLimit) -> Option<u32> {
-        self.crossings_at_a_glance(id, ray, limit)
-    }
-}
-
-impl Geometry {
     /// Refines a hit whose `t` has more than a few rounding errors, or that is near an edge.
     #[cold]
     fn refine_specially(

@@ -3,17 +3,14 @@
 //!
 //! It exists for comparison: `tests/kernel/oracle` measures its errors, `benches/precision.rs` its cost.
 
-use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::escalations::Escalations;
 use super::hit::ShapeHit;
-use super::intersector::Intersector;
 use crate::trace::math::{BoundedT, Double};
-use crate::trace::rays::{FAR, PreparedRay, RayView, ShadowLimit, ShapeId};
-use crate::trace::scene::{Geometry, ShapeKind, ShapeLocation};
+use crate::trace::rays::{FAR, PreparedRay, RayView, ShapeId};
+use crate::trace::scene::{Geometry, Precision, PreparedScene, ShapeKind, ShapeLocation};
 use crate::trace::shapes::RefinedHit;
 
 /// `f64` or `f32`.
@@ -71,7 +68,7 @@ impl Number for f32 {
     }
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Vector<T>([T; 3]);
 
 impl<T: Number> Vector<T> {
@@ -100,6 +97,7 @@ impl<T: Number> Vector<T> {
 }
 
 /// The inverse of a shape's transform, to its own space.
+#[derive(Debug)]
 struct Back<T> {
     translation: Vector<T>,
     rows: [Vector<T>; 3],
@@ -128,8 +126,43 @@ impl<T: Number> Back<T> {
     }
 }
 
+/// All shapes of a scene, in the number type of its precision.
+#[derive(Debug)]
+pub(crate) enum Naive {
+    Double(NaiveShapes<f64>),
+    Single(NaiveShapes<f32>),
+}
+
+impl Naive {
+    /// Converts the shapes of a scene; `None` if its precision is robust.
+    pub(crate) fn of(scene: &PreparedScene) -> Option<Self> {
+        match scene.precision {
+            Precision::Robust => None,
+            Precision::NaiveF64 => Some(Self::Double(NaiveShapes::new(scene.geometry()))),
+            Precision::NaiveF32 => Some(Self::Single(NaiveShapes::new(scene.geometry()))),
+        }
+    }
+
+    /// Returns the first hit of the ray with the shape.
+    pub(super) fn intersect(&self, id: ShapeId, ray: &RayView<'_>) -> Option<ShapeHit> {
+        match self {
+            Self::Double(shapes) => shapes.intersect(id, ray),
+            Self::Single(shapes) => shapes.intersect(id, ray),
+        }
+    }
+
+    /// Computes the point and normal of a hit.
+    pub(super) fn refine(&self, ray: &PreparedRay, hit: &ShapeHit) -> RefinedHit {
+        match self {
+            Self::Double(shapes) => shapes.refine(ray, hit),
+            Self::Single(shapes) => shapes.refine(ray, hit),
+        }
+    }
+}
+
 /// All shapes of a scene, in one number type.
-pub(crate) struct Textbook<T> {
+#[derive(Debug)]
+pub(crate) struct NaiveShapes<T> {
     locations: Vec<ShapeLocation>,
     spheres: Vec<(Vector<T>, T)>,
     planes: Vec<(Vector<T>, Vector<T>)>,
@@ -138,8 +171,8 @@ pub(crate) struct Textbook<T> {
     box_images: Vec<(Back<T>, [Vector<T>; 2])>,
 }
 
-impl<T: Number> Textbook<T> {
-    pub(crate) fn new(geometry: &Geometry) -> Self {
+impl<T: Number> NaiveShapes<T> {
+    fn new(geometry: &Geometry) -> Self {
         let vector = Vector::<T>::new;
         Self {
             locations: geometry.locations.clone(),
@@ -239,9 +272,8 @@ fn face_normal(min: DVec3, max: DVec3, point: DVec3) -> DVec3 {
     axis * from_center.dot(axis).signum()
 }
 
-impl<T: Number> Intersector for Textbook<T> {
-    #[inline]
-    fn intersect(&self, id: ShapeId, ray: &RayView<'_>, _guards: &mut Escalations) -> Option<ShapeHit> {
+impl<T: Number> NaiveShapes<T> {
+    fn intersect(&self, id: ShapeId, ray: &RayView<'_>) -> Option<ShapeHit> {
         let (origin, direction) = (Vector::<T>::new(ray.origin()), Vector::<T>::new(ray.direction()));
         let least = if ray.exclusion().is_some() { T::AHEAD } else { T::ZERO };
         let ShapeLocation { kind, index } = self.locations[id.index()];
@@ -280,30 +312,7 @@ impl<T: Number> Intersector for Textbook<T> {
         })
     }
 
-    #[inline]
-    fn compare(
-        &self,
-        _ray: &PreparedRay,
-        hit: &ShapeHit,
-        other: &ShapeHit,
-        _guards: &mut Escalations,
-    ) -> Ordering {
-        hit.root.t().total_cmp(&other.root.t())
-    }
-
-    #[inline]
-    fn is_before(
-        &self,
-        hit: &ShapeHit,
-        _ray: &PreparedRay,
-        limit: &ShadowLimit,
-        _guards: &mut Escalations,
-    ) -> bool {
-        hit.root.t() < limit.t()
-    }
-
-    #[inline]
-    fn refine(&self, ray: &PreparedRay, hit: &ShapeHit, _guards: &mut Escalations) -> RefinedHit {
+    fn refine(&self, ray: &PreparedRay, hit: &ShapeHit) -> RefinedHit {
         let t = hit.root.t();
         let point = Vector::<T>::new(ray.origin()).along(Vector::new(ray.direction()), T::new(t));
         let ShapeLocation { kind, index } = self.locations[hit.id.index()];
