@@ -191,7 +191,12 @@ impl Frame {
         const FARTHEST: f64 = 1e300;
         let shifted = subtract(origins.load(simd, half), splat3(simd, self.origin()));
         let farthest = splat(simd, FARTHEST);
-        times(shifted, splat(simd, self.scale())).map(|place| place.min(farthest).max(-farthest))
+        let mut places = times(shifted, splat(simd, self.scale()));
+        // Not `map`: lanes in its closure might not be inlined, and lose the processor's instructions.
+        for place in &mut places {
+            *place = place.min(farthest).max(-farthest);
+        }
+        places
     }
 }
 
