@@ -34,15 +34,16 @@ const AT_MOST: Duration = Duration::from_secs(60);
 /// Number of scene versions, used in turns so that the resources they need stay the same.
 const VERSIONS: usize = 30;
 
-/// The text of a scene, and the files that it includes.
-type Files = (String, [(&'static str, String); 2]);
+/// The texts of the files that a scene includes.
+type Included = [(&'static str, String); 2];
 
 #[test]
 fn a_long_session_grows_in_nothing_and_stays_right() {
     let edits = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(400);
     let folder = tempfile::tempdir().unwrap();
     let versions = versions(folder.path());
-    write(folder.path(), &versions[0]);
+    let (text, files) = &versions[0];
+    write(folder.path(), text, files);
     let (sender, events) = channel();
     let scene = folder.path().join("scene.ron");
     let session = Session::start(
@@ -68,7 +69,7 @@ fn a_long_session_grows_in_nothing_and_stays_right() {
         // A comment makes every text different from the previous one.
         let text = format!("{text}\n// edit {edit}");
         let breaks = edit % 10 == 5;
-        write(folder.path(), &(if breaks { text[..text.len() / 2].to_owned() } else { text }, files.clone()));
+        write(folder.path(), if breaks { &text[..text.len() / 2] } else { &text }, files);
         assert_eq!(is_read(&events), !breaks, "edit {edit}");
         broken += u64::from(breaks);
         if edit % 10 == 0 {
@@ -93,18 +94,18 @@ fn a_long_session_grows_in_nothing_and_stays_right() {
 }
 
 /// Returns random valid versions of a scene.
-fn versions(folder: &Path) -> Vec<Files> {
+fn versions(folder: &Path) -> Vec<(String, Included)> {
     let random = &mut Random(6);
     let mut versions = Vec::new();
     let mut model = Model::new(random);
     while versions.len() < VERSIONS {
         let mut edited = model.clone();
         edited.edit(random);
-        let files = edited.files();
-        write(folder, &files);
+        let (text, files) = edited.files();
+        write(folder, &text, &files);
         let loaded = Scene::load(&folder.join("scene.ron"));
         if loaded.is_ok_and(|scene| Engine::from_scene(scene).render_frame(3).is_ok()) {
-            versions.push(files);
+            versions.push((text, files));
             model = edited;
         }
     }
@@ -112,8 +113,8 @@ fn versions(folder: &Path) -> Vec<Files> {
 }
 
 /// Replaces the files, each atomically.
-fn write(folder: &Path, (text, files): &Files) {
-    let all = files.iter().map(|(name, text)| (*name, text)).chain([("scene.ron", text)]);
+fn write(folder: &Path, text: &str, files: &Included) {
+    let all = files.iter().map(|(name, text)| (*name, text.as_str())).chain([("scene.ron", text)]);
     for (name, text) in all {
         fs::write(folder.join("new"), text).unwrap();
         fs::rename(folder.join("new"), folder.join(name)).unwrap();

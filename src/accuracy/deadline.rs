@@ -218,7 +218,7 @@ impl Deadline {
     }
 
     /// Returns the target level of error and the largest sample count of the next round; `None` to end the frame.
-    fn next(&mut self, own: &Demand, (samples, error): (f64, f64), now: f64) -> Option<(f64, f64)> {
+    fn next(&mut self, own: &Demand, samples: f64, error: f64, now: f64) -> Option<(f64, f64)> {
         if self.frame.asked.is_none() {
             self.before.add(now - self.frame.begun);
         }
@@ -249,7 +249,7 @@ impl Deadline {
 impl RoundPolicy for Deadline {
     fn least_gain(&mut self, outlook: &Outlook<'_>) -> Option<u32> {
         let own = Demand::of(outlook);
-        let (level, most) = self.next(&own, (outlook.samples(), outlook.error().value), self.now())?;
+        let (level, most) = self.next(&own, outlook.samples(), outlook.error().value, self.now())?;
         Some(outlook.least_gain_for(Demand::error(level)).max(outlook.least_gain_within(most)))
     }
 }
@@ -377,8 +377,7 @@ mod tests {
                 let mut samples = PIXELS;
                 loop {
                     let error = (hardness / samples).sqrt();
-                    let Some((level, most)) =
-                        deadline.next(&demand(*hardness, samples), (samples, error), now)
+                    let Some((level, most)) = deadline.next(&demand(*hardness, samples), samples, error, now)
                     else {
                         break;
                     };

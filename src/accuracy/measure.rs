@@ -142,7 +142,7 @@ impl Measurer<'_> {
         let rows = sweep(&plan, own, reach, &request.sizes);
         self.foresee(&rows, own, rounds, reach.most.saturating_mul(pictures));
         let truth = self.truth(own, reach.most, pictures)?;
-        let mut rows = self.rows(rows, &truth, (own, reach))?;
+        let mut rows = self.rows(rows, &truth, own, reach)?;
         self.time(&mut rows, rounds)?;
         let mut report = Report {
             frames: request.frames.clone(),
@@ -166,16 +166,16 @@ impl Measurer<'_> {
         let as_it_is = self.render(&RenderSettings::default(), None)?;
         let deeper = self.render(&deep, None)?;
         let is_deep = self.error(&as_it_is.films, &deeper.films).max < f64::from(NO_CUTOFF);
-        let seeds = (pictures, own.sampling.seed, samples);
+        let seed = own.sampling.seed;
         let start = Instant::now();
-        let reference = self.converged(if is_deep { shallow } else { deep }, seeds)?;
+        let reference = self.converged(if is_deep { shallow } else { deep }, pictures, seed, samples)?;
         let told = ReferenceInfo::of(&reference, samples.saturating_mul(pictures), pictures, start.elapsed());
         let films = films_of(reference);
         let own = if is_deep {
             films.clone()
         } else {
             self.work.all += f64::from(told.samples);
-            films_of(self.converged(shallow, seeds)?)
+            films_of(self.converged(shallow, pictures, seed, samples)?)
         };
         Ok(ReferenceSet { told, films, own })
     }
@@ -185,7 +185,8 @@ impl Measurer<'_> {
         &mut self,
         rows: Vec<(Subject, RenderSettings)>,
         truth: &ReferenceSet,
-        (own, reach): (OwnSettings, SweepRange),
+        own: OwnSettings,
+        reach: SweepRange,
     ) -> Result<Vec<Row>, StopReason> {
         let mut compared: Vec<Row> = Vec::with_capacity(rows.len());
         let mut best: Option<(RenderSettings, Vec<Film>)> = None;
@@ -293,7 +294,9 @@ impl Measurer<'_> {
     fn converged(
         &mut self,
         settings: RenderSettings,
-        (pictures, seed, samples): (u32, u64, u32),
+        pictures: u32,
+        seed: u64,
+        samples: u32,
     ) -> Result<Vec<ReferenceImage>, StopReason> {
         /// The distance between seeds, 2^64 divided by the golden ratio. The resulting seeds are unlikely in scenes.
         const APART: u64 = 0x9e37_79b9_7f4a_7c15;

@@ -87,7 +87,8 @@ impl SampleSelection {
         arguments: &RenderArguments,
         engine: &mut Engine,
         settings: &OutputSettings,
-        (start, cancelled): (Instant, &AtomicBool),
+        start: Instant,
+        cancelled: &AtomicBool,
     ) -> Result<Option<Self>, Failure> {
         ensure_unset(arguments)?;
         let record = match arguments.max_error.is_some() || arguments.deadline.is_some() {
@@ -99,13 +100,8 @@ impl SampleSelection {
             By::Error(FrameSamples::for_error(error, samples))
         } else if let (Some(within), Some(record)) = (arguments.deadline, &record) {
             let known = &record.settings;
-            match Paced::new(
-                engine,
-                (settings, known),
-                arguments.movie.as_deref(),
-                (start, within),
-                cancelled,
-            )? {
+            let movie = arguments.movie.as_deref();
+            match Paced::new(engine, settings, known, movie, start, within, cancelled)? {
                 Some(paced) => By::Deadline(paced),
                 None => return Ok(None),
             }

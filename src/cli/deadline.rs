@@ -46,15 +46,17 @@ impl Paced {
     /// If the time does not suffice for one sample per pixel.
     pub(super) fn new(
         engine: &mut Engine,
-        (settings, known): (&OutputSettings, &SettingsFile),
+        settings: &OutputSettings,
+        known: &SettingsFile,
         movie: Option<&Path>,
-        (start, within): (Instant, Duration),
+        start: Instant,
+        within: Duration,
         cancelled: &AtomicBool,
     ) -> Result<Option<Self>, Failure> {
         let shots: Vec<FrameRequest> = settings.shots().collect();
         let (mut used, mut wanted, mut kept) = (0.0, Vec::new(), Vec::new());
         for (place, shot) in shots.iter().enumerate() {
-            match kept_seconds(engine, shot, (settings, known), within)? {
+            match kept_seconds(engine, shot, settings, known, within)? {
                 Some(seconds) => {
                     used += seconds;
                     kept.push(place);
@@ -67,7 +69,7 @@ impl Paced {
         kept.into_iter().for_each(|place| deadline.keep(place));
         let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
         let Surveyed { files, quickest } =
-            survey(engine, (&shots, &wanted), (settings, folder.path()), &mut deadline, cancelled)?;
+            survey(engine, &shots, &wanted, settings, folder.path(), &mut deadline, cancelled)?;
         let least = if files.is_empty() { 0.0 } else { quickest * wanted.len() as f64 };
         require_time(least, wanted.len(), within, start.elapsed())?;
         if let Some(movie) = movie.filter(|_| !files.is_empty()) {
@@ -75,7 +77,7 @@ impl Paced {
             let encode = |count: usize| {
                 let (begun, files) = (Instant::now(), files[..count].to_vec());
                 let rate = engine.timeline().rate;
-                movie::make_of(&trial, (files, settings.sequence.format()), rate, cancelled)?;
+                movie::make_of(&trial, files, settings.sequence.format(), rate, cancelled)?;
                 anyhow::Ok(begun.elapsed().as_secs_f64())
             };
             let one = encode(1)?;
@@ -138,14 +140,15 @@ impl Paced {
 fn kept_seconds(
     engine: &mut Engine,
     shot: &FrameRequest,
-    (settings, known): (&OutputSettings, &SettingsFile),
+    settings: &OutputSettings,
+    known: &SettingsFile,
     within: Duration,
 ) -> Result<Option<f64>, Failure> {
     let known = known.of_deadline(shot, within.as_secs_f64()).filter(|_| settings.are_frames());
     let Some((samples, seconds)) = known else { return Ok(None) };
     samples.set_up(engine);
-    let sequence = (&settings.sequence, settings.existing);
-    let verdict = frame_verdict(engine, shot, &shot.file(&settings.sequence), sequence)?;
+    let OutputSettings { sequence, existing, .. } = settings;
+    let verdict = frame_verdict(engine, shot, &shot.file(sequence), sequence, *existing)?;
     Ok((verdict == FrameVerdict::Whole).then_some(seconds))
 }
 
@@ -160,8 +163,10 @@ struct Surveyed {
 /// folder in the format of the sequence.
 fn survey(
     engine: &mut Engine,
-    (shots, wanted): (&[FrameRequest], &[usize]),
-    (settings, folder): (&OutputSettings, &Path),
+    shots: &[FrameRequest],
+    wanted: &[usize],
+    settings: &OutputSettings,
+    folder: &Path,
     deadline: &mut Deadline,
     cancelled: &AtomicBool,
 ) -> Result<Surveyed, Failure> {
@@ -182,7 +187,8 @@ fn survey(
         render_frames(
             engine,
             std::iter::once(shot),
-            (&sequence, Existing::Overwrite),
+            &sequence,
+            Existing::Overwrite,
             cancelled,
             &mut surveyor,
         )?;

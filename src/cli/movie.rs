@@ -167,13 +167,14 @@ pub(super) fn make(
 ) -> anyhow::Result<bool> {
     let frames: Vec<u32> = settings.ascending().filter_map(|shot| shot.frame).collect();
     let files = settings.ascending().map(|shot| shot.file(&settings.sequence)).collect();
-    make_of(movie, (files, settings.sequence.format()), played(rate, &frames), cancelled)
+    make_of(movie, files, settings.sequence.format(), played(rate, &frames), cancelled)
 }
 
 /// Makes a movie of these files. Returns `false` on cancellation; no file is left then.
 pub(super) fn make_of(
     movie: &Path,
-    (files, format): (Vec<PathBuf>, FrameFormat),
+    files: Vec<PathBuf>,
+    format: FrameFormat,
     rate: FrameRate,
     cancelled: &AtomicBool,
 ) -> anyhow::Result<bool> {
@@ -194,7 +195,7 @@ pub(super) fn make_of(
             let context = unwritable.clone();
             let encoded = unless_cancelled(cancelled, move || -> anyhow::Result<()> {
                 let mut out = BufWriter::new(file);
-                let mut writer = LoopWriter::new(&mut out, format, size, (count, rate))?;
+                let mut writer = LoopWriter::new(&mut out, format, size, count, rate)?;
                 for film in frames {
                     writer.add(&film?).with_context(|| context.clone())?;
                 }

@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         .build()
         .context("cannot start the rendering threads")?;
     let chosen =
-        pool.install(|| SampleSelection::new(arguments, &mut engine, &settings, (start, cancelled)))?;
+        pool.install(|| SampleSelection::new(arguments, &mut engine, &settings, start, cancelled))?;
     let Some(mut choice) = chosen else { return Err(interruption.failure()) };
     // A scene from a stream cannot be read again, so that `verify` has no use for a manifest.
     if settings.are_frames() && !is_stream(&arguments.scene) {
@@ -60,13 +60,11 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     }
     let mut report = RenderReport::new(arguments, &engine, loaded, pool.current_num_threads());
     let rendered = pool.install(|| match (sheet, settings.stream) {
-        (Some(sheet), _) => {
-            sheet::render(&mut engine, (&settings, &mut choice), sheet, cancelled, &mut report)
-        }
+        (Some(sheet), _) => sheet::render(&mut engine, &settings, &mut choice, sheet, cancelled, &mut report),
         (None, Some(format)) => {
-            stream::render(&mut engine, (&settings, &mut choice), format, cancelled, &mut report)
+            stream::render(&mut engine, &settings, &mut choice, format, cancelled, &mut report)
         }
-        (None, None) => render_all(&mut engine, (&settings, &mut choice), cancelled, &mut report),
+        (None, None) => render_all(&mut engine, &settings, &mut choice, cancelled, &mut report),
     });
     // Ctrl-C after the last frame is not an interruption. A closed pipe counts as complete, unless the same Ctrl-C ended its reader.
     let unread = report.unread && !cancelled.load(Ordering::Relaxed);
@@ -201,7 +199,8 @@ fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sou
 /// Renders every shot whose file cannot be kept. After a failure, the frames rendered so far are still written.
 fn render_all(
     engine: &mut Engine,
-    (settings, choice): (&OutputSettings, &mut SampleSelection),
+    settings: &OutputSettings,
+    choice: &mut SampleSelection,
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
@@ -209,8 +208,8 @@ fn render_all(
     let unwritten = VecDeque::new();
     let mut reporter =
         Reporter { settings, choice, report, progress, unwritten, noted: Ok(()), refused: None };
-    let sequence = (&settings.sequence, settings.existing);
-    let rendered = render_frames(engine, settings.shots(), sequence, cancelled, &mut reporter);
+    let (shots, OutputSettings { sequence, existing, .. }) = (settings.shots(), settings);
+    let rendered = render_frames(engine, shots, sequence, *existing, cancelled, &mut reporter);
     let Reporter { progress, noted, refused, .. } = reporter;
     drop(progress);
     let rendered = rendered.map_err(Failure::from).and(noted.map_err(Failure::from));

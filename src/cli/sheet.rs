@@ -22,7 +22,8 @@ pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::
 /// Renders every shot onto the sheet and then writes it. Writes nothing on cancellation.
 pub(super) fn render(
     engine: &mut Engine,
-    (settings, choice): (&OutputSettings, &mut SampleSelection),
+    settings: &OutputSettings,
+    choice: &mut SampleSelection,
     mut sheet: Sheet,
     cancelled: &AtomicBool,
     report: &mut RenderReport,

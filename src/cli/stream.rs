@@ -19,7 +19,8 @@ use super::settings::OutputSettings;
 /// Renders and writes every shot, until cancellation or until the reader closes the pipe, which is not a failure.
 pub(super) fn render(
     engine: &mut Engine,
-    (settings, choice): (&OutputSettings, &mut SampleSelection),
+    settings: &OutputSettings,
+    choice: &mut SampleSelection,
     format: VideoFormat,
     cancelled: &AtomicBool,
     report: &mut RenderReport,

@@ -66,7 +66,8 @@ impl<W: Write> LoopWriter<W> {
         out: W,
         format: LoopFormat,
         size @ (width, height): (u32, u32),
-        (count, rate): (u32, FrameRate),
+        count: u32,
+        rate: FrameRate,
     ) -> Result<Self, LoopError> {
         let encoder = match format {
             LoopFormat::Apng => {
@@ -187,7 +188,7 @@ mod tests {
     fn animations_without_all_frames_are_errors() {
         for format in [LoopFormat::Apng, LoopFormat::Gif] {
             let (mut out, rate) = (Vec::new(), FrameRate::new(24, 1).unwrap());
-            let mut writer = LoopWriter::new(&mut out, format, (4, 3), (3, rate)).unwrap();
+            let mut writer = LoopWriter::new(&mut out, format, (4, 3), 3, rate).unwrap();
             writer.add(&film(1)).unwrap();
             let error = writer.finish().unwrap_err();
             assert_eq!(error.to_string(), "it has 1 of 3 frames", "{format:?}");
@@ -196,7 +197,7 @@ mod tests {
 
     fn written(format: LoopFormat, rate: FrameRate) -> Vec<u8> {
         let mut out = Vec::new();
-        let mut writer = LoopWriter::new(&mut out, format, (4, 3), (3, rate)).unwrap();
+        let mut writer = LoopWriter::new(&mut out, format, (4, 3), 3, rate).unwrap();
         for seed in [1, 3, 7] {
             writer.add(&film(seed)).unwrap();
         }
@@ -265,7 +266,7 @@ mod tests {
     #[test]
     fn a_gif_at_60_frames_per_second_lasts_as_long_as_its_timeline() {
         let (rate, mut bytes) = (FrameRate::new(60, 1).unwrap(), Vec::new());
-        let mut writer = LoopWriter::new(&mut bytes, LoopFormat::Gif, (4, 3), (60, rate)).unwrap();
+        let mut writer = LoopWriter::new(&mut bytes, LoopFormat::Gif, (4, 3), 60, rate).unwrap();
         (0..60).for_each(|seed| writer.add(&film(seed)).unwrap());
         assert!(writer.add(&film(1)).is_err());
         writer.finish().unwrap();

@@ -44,7 +44,7 @@ fn names_of(pass: Pass) -> &'static [&'static str] {
 }
 
 /// Returns the names of all channels in file order.
-fn names((channels, passes): (Channels, Passes)) -> Vec<&'static str> {
+fn names(channels: Channels, passes: Passes) -> Vec<&'static str> {
     let passes = Pass::ALL.into_iter().filter(|pass| passes.contains(*pass));
     let alpha = (channels == Channels::Rgba).then_some(ALPHA);
     let mut names: Vec<_> =
@@ -70,7 +70,7 @@ fn samples_of(pass: Pass, pixels: &[PassPixel]) -> impl Iterator<Item = (&'stati
 }
 
 /// Returns the names and samples of a frame's channels in file order.
-fn samples(frame: &LinearFrame, (channels, passes): (Channels, Passes)) -> Vec<(&'static str, FlatSamples)> {
+fn samples(frame: &LinearFrame, channels: Channels, passes: Passes) -> Vec<(&'static str, FlatSamples)> {
     let light = LIGHT.into_iter().enumerate().map(|(channel, name)| {
         (name, FlatSamples::F32(frame.film.pixels().iter().map(|pixel| pixel[channel]).collect()))
     });
@@ -85,11 +85,12 @@ fn samples(frame: &LinearFrame, (channels, passes): (Channels, Passes)) -> Vec<(
 /// Encodes a frame as a file. If `fingerprint` is given, the file contains its provenance.
 pub(super) fn encode(
     frame: &LinearFrame,
-    kind: (Channels, Passes),
+    channels: Channels,
+    passes: Passes,
     fingerprint: Option<FrameFingerprint>,
 ) -> Result<Vec<u8>, String> {
     let (width, height) = (frame.film.width(), frame.film.height());
-    let channels = samples(frame, kind);
+    let channels = samples(frame, channels, passes);
     let provenance = fingerprint.map(|frame| {
         let samples = channels.iter().map(|(_, samples)| samples);
         Provenance { frame, pixels: PixelFingerprint::of(&bytes_of(samples), (width, height)) }
@@ -103,7 +104,7 @@ pub(super) fn encode(
     let size = Vec2(width as usize, height as usize);
     let mut attributes =
         LayerAttributes { software_name: Some(Text::from("rayreel")), ..LayerAttributes::default() };
-    if kind.1.contains(Pass::Depth) {
+    if passes.contains(Pass::Depth) {
         attributes.comments = Some(Text::from(DEPTH));
     }
     let attribute = |name, text: &str| (Text::from(name), AttributeValue::Text(Text::from(text)));
@@ -130,10 +131,10 @@ pub(super) fn encode(
 }
 
 /// Decodes a file completely. Returns the reason if the file is not valid.
-pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<StoredPicture, String> {
+pub(super) fn decode(bytes: &[u8], channels: Channels, passes: Passes) -> Result<StoredPicture, String> {
     let layer = layer(bytes)?;
     let list = &layer.channel_data.list;
-    let (found, expected) = (list.iter().map(|channel| channel.name.to_string()), names(kind));
+    let (found, expected) = (list.iter().map(|channel| channel.name.to_string()), names(channels, passes));
     if !found.eq(expected.iter().copied()) {
         return Err(format!("it does not have the channels {}", expected.join(", ")));
     }
@@ -141,7 +142,7 @@ pub(super) fn decode(bytes: &[u8], kind: (Channels, Passes)) -> Result<StoredPic
         Some(AttributeValue::Text(text)) => Some(text.to_string()),
         _ => None,
     };
-    if kind.1.contains(Pass::Depth) && layer.attributes.comments != Some(Text::from(DEPTH)) {
+    if passes.contains(Pass::Depth) && layer.attributes.comments != Some(Text::from(DEPTH)) {
         return Err("an earlier version wrote it, with distances along rays in its channel Z".to_owned());
     }
     let provenance = attribute(Provenance::KEYWORD);
@@ -240,14 +241,16 @@ mod tests {
         let film = Film::from_pixels(2, 1, [Rgb::ZERO; 2].into_iter());
         let passes = vec![PassPixel::NOTHING; 2];
         let frame = LinearFrame { film, alpha: None, transfer: Transfer::Classic, passes };
-        let kind = (Channels::Rgb, Passes::from_iter([Pass::Depth]));
-        let mut bytes = encode(&frame, kind, None).unwrap();
-        assert!(decode(&bytes, kind).is_ok());
+        let (channels, passes) = (Channels::Rgb, Passes::from_iter([Pass::Depth]));
+        let mut bytes = encode(&frame, channels, passes, None).unwrap();
+        assert!(decode(&bytes, channels, passes).is_ok());
         let attribute = after(&bytes, &[DEPTH.as_bytes()]).unwrap();
         bytes[attribute - 1] = b'X';
         let place = after(&bytes, &DIGEST_BEGINS).unwrap();
         let digest = digest(&bytes, place);
         bytes[place..][..digest.len()].copy_from_slice(&digest);
-        assert!(decode(&bytes, kind).err().is_some_and(|error| error.contains("earlier version")));
+        assert!(
+            decode(&bytes, channels, passes).err().is_some_and(|error| error.contains("earlier version"))
+        );
     }
 }

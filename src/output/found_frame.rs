@@ -99,13 +99,13 @@ pub fn read_frame(path: &Path, format: FrameFormat) -> Result<EncodedFilm, Strin
 
 fn decode(bytes: &[u8], format: FrameFormat) -> Result<StoredPicture, String> {
     match format {
-        FrameFormat::Png(channels) => png_file::decode(&mut Cursor::new(bytes), (channels, BitDepth::Eight)),
+        FrameFormat::Png(channels) => png_file::decode(&mut Cursor::new(bytes), channels, BitDepth::Eight),
         FrameFormat::Png16(channels) => {
-            png_file::decode(&mut Cursor::new(bytes), (channels, BitDepth::Sixteen))
+            png_file::decode(&mut Cursor::new(bytes), channels, BitDepth::Sixteen)
         }
         FrameFormat::Ppm => ppm_file::decode(bytes),
         FrameFormat::Pfm => pfm_file::decode(bytes),
-        FrameFormat::Exr(channels, passes) => exr_file::decode(bytes, (channels, passes)),
+        FrameFormat::Exr(channels, passes) => exr_file::decode(bytes, channels, passes),
         FrameFormat::Hdr => hdr_file::decode(bytes),
     }
 }

@@ -156,15 +156,16 @@ pub(super) fn encode_frame(
     let told =
         |bytes: &[u8]| frame.map(|frame| Provenance { frame, pixels: PixelFingerprint::of(bytes, size) });
     let light = || pixels.linear().ok_or(EncodeError::NoLight);
-    let png = |bytes: &[u8], kind| png_file::encode(bytes, kind, size, told(bytes).as_ref());
+    let png =
+        |bytes: &[u8], channels, depth| png_file::encode(bytes, channels, depth, size, told(bytes).as_ref());
     let whole = |bytes: Vec<u8>| [bytes.into(), Cow::default(), Cow::default()];
     Ok(match format {
-        FrameFormat::Png(Channels::Rgb) => whole(png(&pixels.encoded(), (Channels::Rgb, BitDepth::Eight))?),
+        FrameFormat::Png(Channels::Rgb) => whole(png(&pixels.encoded(), Channels::Rgb, BitDepth::Eight)?),
         FrameFormat::Png(Channels::Rgba) => {
-            whole(png(&light()?.encoded_with_alpha(), (Channels::Rgba, BitDepth::Eight))?)
+            whole(png(&light()?.encoded_with_alpha(), Channels::Rgba, BitDepth::Eight)?)
         }
         FrameFormat::Png16(channels) => {
-            whole(png(&light()?.encoded_16(channels), (channels, BitDepth::Sixteen))?)
+            whole(png(&light()?.encoded_16(channels), channels, BitDepth::Sixteen)?)
         }
         FrameFormat::Ppm => {
             let bytes = pixels.encoded();
@@ -181,7 +182,7 @@ pub(super) fn encode_frame(
             [hdr_file::SIGNATURE.into(), comment.into_bytes().into(), body.into()]
         }
         FrameFormat::Exr(channels, passes) => {
-            whole(exr_file::encode(light()?, (channels, passes), frame).map_err(EncodeError::Exr)?)
+            whole(exr_file::encode(light()?, channels, passes, frame).map_err(EncodeError::Exr)?)
         }
     })
 }

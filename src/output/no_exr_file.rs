@@ -9,13 +9,14 @@ const REJECTION: &str = "this build of rayreel has no OpenEXR files: build it wi
 
 pub(super) fn encode(
     _frame: &LinearFrame,
-    _kind: (Channels, Passes),
+    _channels: Channels,
+    _passes: Passes,
     _fingerprint: Option<FrameFingerprint>,
 ) -> Result<Vec<u8>, String> {
     Err(REJECTION.to_owned())
 }
 
-pub(super) fn decode(_bytes: &[u8], _kind: (Channels, Passes)) -> Result<StoredPicture, String> {
+pub(super) fn decode(_bytes: &[u8], _channels: Channels, _passes: Passes) -> Result<StoredPicture, String> {
     Err(REJECTION.to_owned())
 }
 

@@ -19,7 +19,8 @@ const GAMMA: u32 = 45_455;
 /// colours.
 pub(super) fn encode(
     bytes_of_channels: &[u8],
-    (channels, depth): (Channels, BitDepth),
+    channels: Channels,
+    depth: BitDepth,
     (width, height): (u32, u32),
     provenance: Option<&Provenance>,
 ) -> Result<Vec<u8>, png::EncodingError> {
@@ -50,7 +51,8 @@ fn color_type(channels: Channels) -> ColorType {
 /// Decodes a file completely and verifies all bytes. Returns the reason if the file is not valid.
 pub(super) fn decode(
     file: &mut (impl BufRead + Seek),
-    (channels, depth): (Channels, BitDepth),
+    channels: Channels,
+    depth: BitDepth,
 ) -> Result<StoredPicture, String> {
     let mut reader = checking(&mut *file).read_info().map_err(in_words)?;
     if reader.output_color_type() != (color_type(channels), depth) {

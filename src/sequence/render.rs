@@ -141,7 +141,7 @@ pub fn render_sequence(
     let timeline = engine.timeline();
     let shots = FrameRequest::frames(&frames, timeline);
     let never = AtomicBool::new(false);
-    render_frames(engine, shots, (sequence, Existing::Keep), &never, &mut counted)?;
+    render_frames(engine, shots, sequence, Existing::Keep, &never, &mut counted)?;
     counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
 }
 
@@ -154,7 +154,8 @@ pub fn render_sequence(
 pub fn render_frames(
     engine: &mut Engine,
     shots: impl Iterator<Item = FrameRequest>,
-    (sequence, existing): (&Sequence, Existing),
+    sequence: &Sequence,
+    existing: Existing,
     cancelled: &AtomicBool,
     observer: &mut dyn SequenceObserver,
 ) -> Result<(), EngineError> {
@@ -176,7 +177,7 @@ pub fn render_frames(
         }
         observer.begin(engine, &shot);
         let path = shot.file(sequence);
-        match frame_verdict(engine, &shot, &path, (sequence, existing)) {
+        match frame_verdict(engine, &shot, &path, sequence, existing) {
             Ok(FrameVerdict::Missing) => {}
             Ok(FrameVerdict::Whole) => {
                 if observer.kept(engine, &shot).is_break() {
@@ -285,7 +286,8 @@ pub fn frame_verdict(
     engine: &mut Engine,
     shot: &FrameRequest,
     path: &Path,
-    (sequence, existing): (&Sequence, Existing),
+    sequence: &Sequence,
+    existing: Existing,
 ) -> Result<FrameVerdict, EngineError> {
     match existing {
         Existing::Overwrite => Ok(FrameVerdict::Missing),

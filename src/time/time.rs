@@ -48,7 +48,7 @@ impl Time {
 
     /// Returns this time plus `numerator / denominator` seconds, but not before the start. Returns `None` outside the range of
     /// [`Time::from_ratio`].
-    pub(crate) fn moved(self, (numerator, denominator): (i128, u64)) -> Option<Self> {
+    pub(crate) fn moved(self, numerator: i128, denominator: u64) -> Option<Self> {
         let way = numerator.checked_mul(i128::from(self.denominator))?;
         let sum = i128::from(self.numerator).checked_mul(i128::from(denominator))?.checked_add(way)?;
         let sum = u128::try_from(sum.max(0)).ok()?;
@@ -160,8 +160,8 @@ mod tests {
     #[test]
     fn moments_are_moved_exactly_and_not_before_the_start() {
         let half = Time::from_ratio(1, 2).unwrap();
-        assert_eq!(half.moved((-1, 3)), Time::from_ratio(1, 6));
-        assert_eq!(half.moved((-2, 3)), Some(Time::ZERO));
+        assert_eq!(half.moved(-1, 3), Time::from_ratio(1, 6));
+        assert_eq!(half.moved(-2, 3), Some(Time::ZERO));
     }
 
     #[test]

@@ -70,9 +70,9 @@ impl Timeline {
         let parts = (2_000_000 * u64::from(count)).saturating_mul(frames.into());
         let offset = |index: u32| {
             let middle = 2 * i128::from(index) + 1 - i128::from(count);
-            (middle * open * i128::from(seconds), parts)
+            middle * open * i128::from(seconds)
         };
-        (0..count).map(|index| time.moved(offset(index)).unwrap_or(time)).collect()
+        (0..count).map(|index| time.moved(offset(index), parts).unwrap_or(time)).collect()
     }
 
     /// Returns the time of frame `index`.

@@ -57,7 +57,7 @@ fn spheres(seed: u64, count: u32, radius: f64, material: &str) -> String {
 }
 
 /// Returns boxes much longer than they are thick, upright or at random angles.
-fn needles(seed: u64, count: u32, (thickness, length): (f64, f64), turned: bool) -> String {
+fn needles(seed: u64, count: u32, thickness: f64, length: f64, turned: bool) -> String {
     let mut random = Random(seed);
     let mut text = String::new();
     for _ in 0..count {
@@ -125,9 +125,9 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
         plain("stars", &spheres(1, 200, PIXEL / 2.0, "white")),
         plain("dust", &spheres(2, 400, PIXEL / 6.0, "white")),
         with("bright dust", &strong, glossy, &spheres(3, 200, PIXEL / 15.0, "hot")),
-        plain("wires", &needles(4, 40, (0.1 * PIXEL, 14.0), false)),
-        plain("thick wires", &needles(5, 40, (0.2 * PIXEL, 14.0), false)),
-        plain("needles", &needles(6, 120, (0.1 * PIXEL, 3.0), true)),
+        plain("wires", &needles(4, 40, 0.1 * PIXEL, 14.0, false)),
+        plain("thick wires", &needles(5, 40, 0.2 * PIXEL, 14.0, false)),
+        plain("needles", &needles(6, 120, 0.1 * PIXEL, 3.0, true)),
         with(
             "sparks on grey",
             &format!("{strong}background: (127, 127, 127),"),
@@ -177,9 +177,6 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
             alpha: true,
             text: scene(&strong, glossy, &spheres(11, 60, 3.0 * PIXEL, "black")),
         },
-        plain(
-            "busy",
-            &(spheres(12, 150, 2.0 * PIXEL, "white") + needles(13, 60, (PIXEL, 4.0), true).as_str()),
-        ),
+        plain("busy", &(spheres(12, 150, 2.0 * PIXEL, "white") + needles(13, 60, PIXEL, 4.0, true).as_str())),
     ]
 }

@@ -34,8 +34,8 @@ impl Files {
         let scene = parts.next().map(|(document, includes)| (document, flat(includes)));
         let parts: Vec<ParsedPart> = parts.map(|(document, includes)| (document, flat(includes))).collect();
         let (merged, runs) = match scene {
-            Some(scene) => Merger::new(&parts).merge(scene),
-            None => Merger::new(&[]).merge((SceneDocument::default(), Vec::new())),
+            Some((scene, includes)) => Merger::new(&parts).merge(scene, &includes),
+            None => Merger::new(&[]).merge(SceneDocument::default(), &[]),
         };
         let cameras = merged.document.cameras.0.iter().map(|(name, _)| name.clone()).collect();
         (merged, Sources::new(texts, runs, cameras))
@@ -80,8 +80,8 @@ impl<'a> Merger<'a> {
         }
     }
 
-    fn merge(mut self, (mut scene, includes): ParsedPart) -> (Merged, Vec<Run>) {
-        self.add_includes(0, &scene.include, &includes, "", None);
+    fn merge(mut self, mut scene: SceneDocument, includes: &[usize]) -> (Merged, Vec<Run>) {
+        self.add_includes(0, &scene.include, includes, "", None);
         self.start_run(0, "entities", 0);
         if !includes.is_empty() {
             self.materials.append(&mut scene.materials.0);

@@ -107,8 +107,8 @@ fn camera(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     let position_good = check::vector(document.position, &at.field("position"), problems);
     let up_good = check::direction(document.up, "up", &at.field("up"), problems);
     let view = view(document, position_good, at, problems);
-    if let Some(view) = view.filter(|_| up_good) {
-        across(document.up, view, at, problems);
+    if let Some((view, name)) = view.filter(|_| up_good) {
+        across(document.up, view, name, at, problems);
     }
     check::number(document.roll, &at.field("roll"), problems);
     projection(document, at, problems);
@@ -171,7 +171,7 @@ fn view(
 }
 
 /// Reports an up direction that is parallel to the view direction.
-fn across(up: Triple, (view, name): (DVec3, &str), at: &At<'_>, problems: &mut Problems) {
+fn across(up: Triple, view: DVec3, name: &str, at: &At<'_>, problems: &mut Problems) {
     let up = DVec3::from(up);
     // Both vectors are scaled by their largest components, so that the cross product does not overflow.
     let across = (up / up.abs().max_element()).cross(view / view.abs().max_element());

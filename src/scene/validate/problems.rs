@@ -21,13 +21,22 @@ pub(in crate::scene) struct Problems {
     spawned: SpawnCalls,
 }
 
+/// A call of `spawn` in a script.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SpawnCall {
+    /// The script's index in the list.
+    script: u32,
+    /// The byte offset of the call in the script's text.
+    byte: u32,
+}
+
 /// The origins of the entities that scripts spawned, which are not in the file.
 #[derive(Debug, Default)]
 struct SpawnCalls {
     /// The document index of the first spawned entity.
     first: usize,
-    /// The call that spawned each entity: the script's index in the list, and the byte offset of the call in its text.
-    calls: Vec<(u32, u32)>,
+    /// The call that spawned each entity.
+    calls: Vec<SpawnCall>,
     /// The script files, by the script's index in the list.
     files: BTreeMap<u32, Arc<Source>>,
 }
@@ -43,8 +52,7 @@ struct Inside {
 /// The identity of an error in a spawned entity, which one call in a loop may repeat many times.
 #[derive(Debug, PartialEq)]
 struct Repeatable {
-    /// The script, and the byte offset of the call in its text.
-    call: (u32, u32),
+    call: SpawnCall,
     /// The path of the value within the entity.
     value: Vec<PathStep>,
     label: String,
@@ -132,7 +140,7 @@ impl Problems {
         }
         let help = Some(help.into());
         let (path, inside) = match &repeatable {
-            Some(Repeatable { call, .. }) => (SpawnCalls::path(*call), Some(self.spawned.inside(*call))),
+            Some(Repeatable { call, .. }) => (call.path(), Some(self.spawned.inside(*call))),
             None => (path, None),
         };
         self.listed.push(Problem { path, inside, message, label, help, repeatable, times: 1, more: 0 });
@@ -187,7 +195,7 @@ impl Problems {
         if let Some(source) = source {
             self.spawned.files.entry(index(script)).or_insert_with(|| Arc::clone(source));
         }
-        self.spawned.calls.push((index(script), index(byte)));
+        self.spawned.calls.push(SpawnCall { script: index(script), byte: index(byte) });
     }
 
     /// Adds the error for an unknown name. The known names are collected only if the error is listed.
@@ -258,6 +266,13 @@ impl Problems {
     }
 }
 
+impl SpawnCall {
+    /// Returns the path of the script.
+    fn path(self) -> Vec<PathStep> {
+        vec![PathStep::Field("spawn"), PathStep::Index(self.script as usize), PathStep::Index(0)]
+    }
+}
+
 impl SpawnCalls {
     /// Returns the identity of an error, given its path; `None` if it is not in a spawned entity.
     fn repeatable(&self, path: &[PathStep], label: &str) -> Option<Repeatable> {
@@ -266,14 +281,9 @@ impl SpawnCalls {
         Some(Repeatable { call, value: value.to_vec(), label: label.to_owned() })
     }
 
-    /// Returns the path of a call's script.
-    fn path((script, _): (u32, u32)) -> Vec<PathStep> {
-        vec![PathStep::Field("spawn"), PathStep::Index(script as usize), PathStep::Index(0)]
-    }
-
-    fn inside(&self, (script, byte): (u32, u32)) -> Inside {
-        let start = byte as usize;
-        Inside { source: self.files.get(&script).cloned(), span: start..start + "spawn".len() }
+    fn inside(&self, call: SpawnCall) -> Inside {
+        let start = call.byte as usize;
+        Inside { source: self.files.get(&call.script).cloned(), span: start..start + "spawn".len() }
     }
 }
 

@@ -60,7 +60,7 @@ fn signal_group(leader: u32, name: &str) -> bool {
 }
 
 /// Interrupts a movie, by signals to the process and to its group, as soon as `is_under_way` returns true.
-fn assert_interruptible(folder: &Path, (movie, frames): (&str, &str), is_under_way: impl Fn() -> bool) {
+fn assert_interruptible(folder: &Path, movie: &str, frames: &str, is_under_way: impl Fn() -> bool) {
     for ((name, code), to_group) in
         [(interruption(), false), (interruption(), true), (("TERM", 143), false), (("TERM", 143), true)]
     {
@@ -90,7 +90,7 @@ fn interrupted_loops_end_at_once_and_leave_nothing() {
     let folder = folder_with("exit 1", MANY);
     let folder = folder.path();
     for movie in ["a.gif", "a.apng"] {
-        assert_interruptible(folder, (movie, MANY), || !files(&folder.join("movie")).is_empty());
+        assert_interruptible(folder, movie, MANY, || !files(&folder.join("movie")).is_empty());
     }
 }
 
@@ -104,7 +104,7 @@ fn interrupted_ffmpegs_end_at_once_and_leave_nothing() {
     ] {
         let folder = folder_with(hangs, FEW);
         let folder = folder.path();
-        assert_interruptible(folder, ("a.mp4", FEW), || folder.join("started").exists());
+        assert_interruptible(folder, "a.mp4", FEW, || folder.join("started").exists());
     }
 }
 

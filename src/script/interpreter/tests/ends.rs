@@ -95,7 +95,7 @@ const SCRIPTS: &[(&str, &str)] = &[
 ];
 
 /// Returns a script that runs the setup statements once and the loop body forever.
-fn endless((before, turn): &(&str, &str)) -> String {
+fn endless(before: &str, turn: &str) -> String {
     match turn.split_once(" fn ") {
         Some((turn, function)) => format!("fn {function} {before} loop {{ {turn} }}"),
         None => format!("{before} loop {{ {turn} }}"),
@@ -119,7 +119,7 @@ fn oversized() -> [(String, &'static str); 5] {
 #[test]
 fn whatever_a_script_does_it_ends_soon() {
     let written = SCRIPTS.iter().map(|(text, message)| ((*text).to_owned(), *message));
-    let endless = TURNS.iter().map(|turn| (endless(turn), LONG));
+    let endless = TURNS.iter().map(|(before, turn)| (endless(before, turn), LONG));
     let mut wrong = Vec::new();
     for (text, message) in written.chain(oversized()).chain(endless) {
         let start = Instant::now();
