@@ -1,6 +1,7 @@
 //! Definitions of the command-line arguments. Their doc comments are the text of `--help`.
 
 mod measuring;
+mod overrides;
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -9,20 +10,20 @@ use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+use rayreel::Time;
 use rayreel::live::HostName;
 use rayreel::output::FrameNames;
-use rayreel::scene::Override;
 use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
 use rayreel::trace::{Passes, Precision};
-use rayreel::{Effect, EffectSet, Time};
 
 use super::values::{
-    parse_cutoff, parse_depth, parse_duration, parse_effect, parse_index, parse_max_error, parse_min_samples,
-    parse_movie, parse_norm, parse_pixel, parse_samples, parse_sheet, parse_size, parse_threads,
+    parse_cutoff, parse_duration, parse_index, parse_max_error, parse_movie, parse_pixel, parse_sheet,
+    parse_size, parse_threads,
 };
 
 pub(super) use measuring::{AccuracyArguments, CompareArguments};
+pub(super) use overrides::OverrideArguments;
 
 /// Ray-traced animation from plain text scenes: exact, reproducible frame sequences.
 #[derive(Debug, Parser)]
@@ -201,55 +202,6 @@ pub(super) struct RenderArguments {
     pub(super) json: bool,
     #[command(flatten)]
     pub(super) overrides: OverrideArguments,
-}
-
-/// Overrides of scene values for one run.
-#[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Scene overrides")]
-pub(super) struct OverrideArguments {
-    /// Override a scene value, in the syntax of the scene file: camera.fov=40, entities.ball.shape.radius=2, film.transfer=Classic
-    /// or 'materials.clay.color=(255, 0, 0)'. List indices start at 0, as in camera.position.1=3; missing fields are added
-    /// [can be repeated]
-    #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
-    values: Vec<Override>,
-    /// Samples per pixel; same as --set sampling.samples=COUNT
-    #[arg(long, value_name = "COUNT", value_parser = parse_samples, allow_hyphen_values = true)]
-    samples: Option<Override>,
-    /// Minimum number of samples per pixel with an error target; same as --set sampling.min_samples=COUNT
-    #[arg(long, value_name = "COUNT", value_parser = parse_min_samples, allow_hyphen_values = true)]
-    min_samples: Option<Override>,
-    /// Norm of an error target: rms, max or p99 (99th percentile); same as --set sampling.norm=Rms
-    #[arg(long, value_name = "NORM", value_parser = parse_norm)]
-    norm: Option<Override>,
-    /// Maximum ray depth, 1 for camera rays only; same as --set quality.depth=COUNT
-    #[arg(long, value_name = "COUNT", value_parser = parse_depth, allow_hyphen_values = true)]
-    depth: Option<Override>,
-    /// Disable an effect that the scene uses, as in --without shadows [can be repeated]
-    #[arg(long, value_name = "EFFECT", value_parser = parse_effect)]
-    pub(super) without: Vec<Effect>,
-}
-
-impl OverrideArguments {
-    /// Returns the samples per pixel, if an override sets that value itself.
-    pub(super) fn samples(&self) -> Option<u32> {
-        self.last("sampling.samples")?.value().parse().ok()
-    }
-
-    /// Returns the disabled effects.
-    pub(super) fn without(&self) -> EffectSet {
-        self.without.iter().copied().collect()
-    }
-
-    /// Returns the last override of a value, which is the effective one.
-    pub(super) fn last(&self, path: &str) -> Option<Override> {
-        self.all().into_iter().rfind(|value| value.path().iter().map(String::as_str).eq(path.split('.')))
-    }
-
-    /// Returns all overrides in the order of application.
-    pub(super) fn all(&self) -> Vec<Override> {
-        let counts = self.samples.iter().chain(&self.min_samples).chain(&self.norm).chain(&self.depth);
-        counts.chain(&self.values).cloned().collect()
-    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

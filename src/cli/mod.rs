@@ -20,6 +20,7 @@ mod interrupt;
 mod man;
 mod manifest;
 mod movie;
+mod movie_format;
 mod new;
 mod overrides;
 mod print;

@@ -17,46 +17,12 @@ use rayreel::time::{FrameRate, Timeline};
 use rayreel::trace::EncodedFilm;
 
 use super::interrupt::{POLL_INTERVAL, unless_cancelled};
+use super::movie_format::MovieFormat;
 use super::settings::OutputSettings;
-
-/// Encoder of a movie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Maker {
-    Loop(LoopFormat),
-    Ffmpeg {
-        /// Container format, as named by ffmpeg.
-        container: &'static str,
-        /// Arguments for the codec.
-        codec: &'static [&'static str],
-    },
-}
-
-/// H.264 at visually lossless quality. The file plays everywhere, even while it is still loading.
-const H264: &[&str] = &["-c:v", "libx264", "-crf", "17", "-movflags", "+faststart"];
-const VP9: &[&str] = &["-c:v", "libvpx-vp9", "-crf", "20", "-b:v", "0"];
-
-impl Maker {
-    /// Returns the encoder for the extension of a file name, or a message that lists the valid ones.
-    pub(super) fn of(movie: &Path) -> Result<Self, String> {
-        let ending = movie.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-        match ending.to_ascii_lowercase().as_str() {
-            "gif" => Ok(Self::Loop(LoopFormat::Gif)),
-            "apng" => Ok(Self::Loop(LoopFormat::Apng)),
-            "mp4" => Ok(Self::Ffmpeg { container: "mp4", codec: H264 }),
-            "mov" => Ok(Self::Ffmpeg { container: "mov", codec: H264 }),
-            "mkv" => Ok(Self::Ffmpeg { container: "matroska", codec: H264 }),
-            "webm" => Ok(Self::Ffmpeg { container: "webm", codec: VP9 }),
-            _ => {
-                Err("a movie ends in .mp4, .mov, .mkv or .webm, made by ffmpeg, or in .gif or .apng"
-                    .to_owned())
-            }
-        }
-    }
-}
 
 /// Returns an error, before anything is rendered, if the movie cannot be made. Removes leftover files of killed processes from its folder.
 pub(super) fn ensure_possible(movie: &Path) -> anyhow::Result<()> {
-    let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
+    let format = MovieFormat::of(movie).map_err(|message| anyhow!(message))?;
     let folder = folder_of(movie);
     ensure!(
         folder.is_dir(),
@@ -65,7 +31,7 @@ pub(super) fn ensure_possible(movie: &Path) -> anyhow::Result<()> {
         folder.display()
     );
     remove_leftovers(folder);
-    if matches!(maker, Maker::Ffmpeg { .. }) {
+    if matches!(format, MovieFormat::Ffmpeg { .. }) {
         let mut version = Command::new("ffmpeg");
         version.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         version.status().with_context(|| {
@@ -109,8 +75,8 @@ impl Remarks {
     ) -> Self {
         let frames: Vec<u32> = frames.collect();
         let mut remarks = Self::default();
-        match Maker::of(movie) {
-            Ok(Maker::Loop(LoopFormat::Gif)) => {
+        match MovieFormat::of(movie) {
+            Ok(MovieFormat::Loop(LoopFormat::Gif)) => {
                 let count = u32::try_from(frames.len()).unwrap_or(u32::MAX);
                 let delays = gif_delays(played(timeline.rate, &frames), count);
                 let omitted = delays.iter().filter(|delay| **delay == 0).count();
@@ -120,7 +86,7 @@ impl Remarks {
                     ));
                 }
             }
-            Ok(Maker::Ffmpeg { .. }) if size != even(size) => {
+            Ok(MovieFormat::Ffmpeg { .. }) if size != even(size) => {
                 let (width, height) = even(size);
                 remarks.notes.push(format!(
                     "the movie is {width}x{height}, not {}x{}: its pixel format requires even sides, so the last column or row is repeated",
@@ -178,7 +144,7 @@ pub(super) fn make_of(
     rate: FrameRate,
     cancelled: &AtomicBool,
 ) -> anyhow::Result<bool> {
-    let maker = Maker::of(movie).map_err(|message| anyhow!(message))?;
+    let movie_format = MovieFormat::of(movie).map_err(|message| anyhow!(message))?;
     let unwritable = format!("cannot write `{}`", movie.display());
     let count = u32::try_from(files.len()).context("there are too many frames")?;
     let read = move |file: &PathBuf| {
@@ -188,8 +154,8 @@ pub(super) fn make_of(
     let Some(first) = files.first().map(read).transpose()? else { bail!("there are no frames for a movie") };
     let frames = files.into_iter().map(move |file| read(&file));
     let partial = PartialFile::create(folder_of(movie)).with_context(|| unwritable.clone())?;
-    let is_whole = match maker {
-        Maker::Loop(format) => {
+    let is_whole = match movie_format {
+        MovieFormat::Loop(format) => {
             let size = (first.width(), first.height());
             let file = partial.file().try_clone().with_context(|| unwritable.clone())?;
             let context = unwritable.clone();
@@ -204,7 +170,7 @@ pub(super) fn make_of(
             });
             encoded.transpose()?.is_some()
         }
-        Maker::Ffmpeg { container, codec } => {
+        MovieFormat::Ffmpeg { container, codec } => {
             let mut command = Command::new("ffmpeg");
             command.args(arguments(codec, &first, rate)).args(["-f", container]);
             // Without this prefix, ffmpeg would read a colon as the end of a protocol and a leading hyphen as an option.
@@ -321,14 +287,8 @@ fn feed(
 mod tests {
     use rayreel::time::FrameList;
 
+    use super::super::movie_format::H264;
     use super::*;
-
-    #[test]
-    fn endings_tell_who_makes_a_movie() {
-        assert_eq!(Maker::of(Path::new("a.GIF")), Ok(Maker::Loop(LoopFormat::Gif)));
-        assert_eq!(Maker::of(Path::new("a.b.webm")), Ok(Maker::Ffmpeg { container: "webm", codec: VP9 }));
-        assert!(Maker::of(Path::new("mp4")).is_err());
-    }
 
     #[test]
     fn movies_of_every_nth_frame_last_as_long_as_their_timeline() {

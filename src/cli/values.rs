@@ -8,7 +8,7 @@ use rayreel::components::{FilmSettings, Quality, Sampling};
 use rayreel::output::Sheet;
 use rayreel::scene::{Override, OverrideError};
 
-use super::movie::Maker;
+use super::movie_format::MovieFormat;
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (most, area) = (FilmSettings::LARGEST_SIDE, FilmSettings::LARGEST_AREA);
@@ -30,7 +30,7 @@ pub(super) fn parse_sheet(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub(super) fn parse_movie(text: &str) -> Result<PathBuf, String> {
-    Maker::of(Path::new(text)).map(|_| PathBuf::from(text))
+    MovieFormat::of(Path::new(text)).map(|_| PathBuf::from(text))
 }
 
 pub(super) fn parse_threads(text: &str) -> Result<u16, String> {

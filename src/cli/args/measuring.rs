@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use rayreel::color::Transfer;
 use rayreel::time::FrameList;
 
-use super::OverrideArguments;
+use super::overrides::OverrideArguments;
 use crate::cli::values::{parse_size, parse_threads, parse_tolerance};
 
 #[derive(Debug, Args)]

@@ -23,6 +23,8 @@ struct Modules {
     uses: BTreeMap<Module, Vec<Use>>,
     /// Paths in the code itself.
     paths: BTreeMap<Module, Vec<Vec<String>>>,
+    /// Modules in files named `mod.rs` or `lib.rs`, which re-export from their folders.
+    facades: BTreeSet<Module>,
 }
 
 /// Expands the alternatives of a `use`: `a::{b, c::d as e}` has two.
@@ -68,11 +70,12 @@ impl Modules {
         for path in files_in(folder, "rs") {
             let relative = path.strip_prefix(folder).unwrap().with_extension("");
             let mut module: Module = relative.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
-            if module.first().is_some_and(|first| ["cli", "main"].contains(&first.as_str())) {
+            if module.first().is_some_and(|first| first == "main") {
                 continue;
             }
             if ["mod", "lib"].contains(&module.last().unwrap().as_str()) {
                 module.pop();
+                modules.facades.insert(module.clone());
             }
             modules.add(module, &fs::read_to_string(path).unwrap());
         }
@@ -145,13 +148,8 @@ impl Modules {
         module
     }
 
-    /// Returns the other files from which each file imports. Files that only re-export are excluded.
+    /// Returns the other files from which each file imports. Facades are excluded.
     fn imports(&self) -> BTreeMap<Module, BTreeSet<Module>> {
-        let passes_on = |module: &Module| {
-            let parent_of_another =
-                |other: &Module| other.len() == module.len() + 1 && other.starts_with(module);
-            self.uses.keys().any(parent_of_another)
-        };
         let imports = |module: &Module| {
             let used = self.uses[module].iter().map(|used| &used.path);
             let named = used.chain(&self.paths[module]);
@@ -160,7 +158,7 @@ impl Modules {
         };
         self.uses
             .keys()
-            .filter(|module| !passes_on(module))
+            .filter(|module| !self.facades.contains(*module))
             .map(|module| (module.clone(), imports(module)))
             .collect()
     }
