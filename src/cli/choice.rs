@@ -238,7 +238,7 @@ impl Record {
         });
     }
 
-    /// Returns the recorded samples of a shot, if they were selected for the same deadline.
+    /// Returns the recorded samples of a frame, if they were selected for the same deadline.
     fn of_deadline(&self, shot: &FrameRequest) -> Option<FrameSamples> {
         Some(self.settings.of_deadline(shot, self.deadline?)?.0)
     }

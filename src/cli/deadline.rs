@@ -22,10 +22,10 @@ use super::movie;
 use super::settings::OutputSettings;
 use super::settings_file::SettingsFile;
 
-/// Frames that are rendered within a time limit, in the order of the shots.
+/// Frames that are rendered within a time limit, in the order of the requests.
 pub(super) struct Paced {
     deadline: Arc<Mutex<Deadline>>,
-    /// Index of the current or next frame among the shots.
+    /// Index of the current or next frame among the requests.
     place: usize,
     /// Time limit of this run, less the time that kept frames took.
     within: Duration,
@@ -136,7 +136,7 @@ impl Paced {
     }
 }
 
-/// Returns the seconds that a shot took, if its file is valid and its samples were selected for the same deadline.
+/// Returns the seconds that a frame took, if its file is valid and its samples were selected for the same deadline.
 fn kept_seconds(
     engine: &mut Engine,
     shot: &FrameRequest,

@@ -77,7 +77,7 @@ impl Progress {
         progress
     }
 
-    /// Reports a shot whose file was kept.
+    /// Reports a frame whose file was kept.
     pub(super) fn kept(&mut self, shot: &FrameRequest, file: &Path) {
         self.times.done += 1;
         let FrameTimes { total, done, .. } = self.times;
@@ -103,7 +103,7 @@ impl Progress {
         }
     }
 
-    /// Reports the progress of a slow shot.
+    /// Reports the progress of a slow frame.
     pub(super) fn rendering(&mut self, shot: &FrameRequest, progress: RenderProgress) {
         let now = Instant::now();
         let begun = self.slow.filter(|slow| slow.shot == *shot).map_or(now, |slow| slow.begun);
@@ -126,7 +126,7 @@ impl Progress {
         }
     }
 
-    /// Reports a finished shot.
+    /// Reports a finished frame.
     pub(super) fn done(&mut self, report: &ShotReport) {
         self.times.note(report.seconds());
         self.slow = self.slow.filter(|slow| !report.is_of(&slow.shot));

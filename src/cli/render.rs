@@ -196,7 +196,7 @@ fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sou
     Scene::load_overridden(&arguments.scene, &arguments.overrides.all()).ok().map(|(_, sources)| sources)
 }
 
-/// Renders every shot whose file cannot be kept. After a failure, the frames rendered so far are still written.
+/// Renders every frame whose file cannot be kept. After a failure, the frames rendered so far are still written.
 fn render_all(
     engine: &mut Engine,
     settings: &OutputSettings,
@@ -216,13 +216,13 @@ fn render_all(
     outcome(refused.map(|error| Failure::Other(error.into())), rendered)
 }
 
-/// Observer of the sequence: configures the engine for each shot, reports its result and shows the progress.
+/// Observer of the sequence: configures the engine for each frame, reports its result and shows the progress.
 struct Reporter<'a> {
     settings: &'a OutputSettings,
     choice: &'a mut SampleSelection,
     report: &'a mut RenderReport,
     progress: Progress,
-    /// Rendered shots that are not yet written, in the order in which they are written.
+    /// Rendered frames that are not yet written, in the order in which they are written.
     unwritten: VecDeque<ShotReport>,
     /// Result of recording the selected samples.
     noted: anyhow::Result<()>,

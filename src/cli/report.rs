@@ -24,9 +24,9 @@ pub(super) struct RenderReport {
     size: (u32, u32),
     threads: usize,
     load: Duration,
-    /// The shots that were written or added to the sheet, in order.
+    /// The frames that were written or added to the sheet, in order.
     pub(super) shots: Vec<ShotReport>,
-    /// The shots whose files were kept: frame numbers, or `None` for a moment that is not a frame.
+    /// The pictures whose files were kept: frame numbers, or `None` for a moment that is not a frame.
     pub(super) kept: Vec<Option<u32>>,
     /// The sheet, once it is written.
     pub(super) sheet: Option<SheetReport>,
@@ -108,7 +108,7 @@ impl RenderReport {
         report
     }
 
-    /// Returns the number of finished shots, including kept ones.
+    /// Returns the number of finished frames, including kept ones.
     pub(super) fn done(&self) -> usize {
         self.shots.len() + self.kept.len()
     }
@@ -201,7 +201,7 @@ impl ShotReport {
         }
     }
 
-    /// Returns whether this is the report of a shot.
+    /// Returns whether this is the report of the requested frame.
     pub(super) fn is_of(&self, shot: &FrameRequest) -> bool {
         (self.frame, self.cost.time) == (shot.frame, shot.time)
     }

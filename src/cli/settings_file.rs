@@ -86,13 +86,13 @@ impl SettingsFile {
         Ok(Self { frames: content.frames.into_iter().map(|frame| (frame.picture(), frame)).collect() })
     }
 
-    /// Returns the samples of a shot.
+    /// Returns the samples of a frame.
     pub(super) fn samples_of(&self, shot: &FrameRequest) -> Option<FrameSamples> {
         let FrameRecord { samples, max_error, rounds, .. } = self.frames.get(&PictureKey::of_shot(shot))?;
         Some(FrameSamples { samples: *samples, max_error: *max_error, rounds: rounds.clone() })
     }
 
-    /// Returns the samples that were selected for a shot under this deadline, and the seconds that it took.
+    /// Returns the samples that were selected for a frame under this deadline, and the seconds that it took.
     pub(super) fn of_deadline(&self, shot: &FrameRequest, deadline: f64) -> Option<(FrameSamples, f64)> {
         let frame = self.frames.get(&PictureKey::of_shot(shot))?;
         let is_it = frame.deadline_seconds == Some(deadline);
@@ -127,7 +127,7 @@ impl FrameRecord {
 }
 
 impl PictureKey {
-    /// Returns the key of a shot.
+    /// Returns the key of a frame request.
     pub(super) fn of_shot(shot: &FrameRequest) -> Self {
         Self::of(shot.frame, shot.time.seconds())
     }

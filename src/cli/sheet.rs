@@ -19,7 +19,7 @@ pub(super) fn empty((columns, rows): (u32, u32), film: FilmSettings) -> anyhow::
     Ok(Sheet::new(columns, rows, (film.width, film.height))?)
 }
 
-/// Renders every shot onto the sheet and then writes it. Writes nothing on cancellation.
+/// Renders every frame onto the sheet and then writes it. Writes nothing on cancellation.
 pub(super) fn render(
     engine: &mut Engine,
     settings: &OutputSettings,

@@ -16,7 +16,7 @@ use super::progress::Progress;
 use super::report::{RenderReport, ShotReport};
 use super::settings::OutputSettings;
 
-/// Renders and writes every shot, until cancellation or until the reader closes the pipe, which is not a failure.
+/// Renders and writes every frame, until cancellation or until the reader closes the pipe, which is not a failure.
 pub(super) fn render(
     engine: &mut Engine,
     settings: &OutputSettings,

@@ -1,11 +1,11 @@
-//! Single pictures of a sequence.
+//! Requests for single pictures of a sequence.
 
 use std::path::PathBuf;
 
 use crate::output::Sequence;
 use crate::time::{FrameList, Time, Timeline};
 
-/// A picture to be rendered.
+/// A picture to be rendered: a frame, or a moment between frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameRequest {
     /// Index of the frame; `None` for a moment that is not a frame.
@@ -15,13 +15,13 @@ pub struct FrameRequest {
 }
 
 impl FrameRequest {
-    /// Returns the shot of a frame of a timeline.
+    /// Returns the request for a frame of a timeline.
     #[must_use]
     pub fn frame(index: u32, timeline: Timeline) -> Self {
         Self { frame: Some(index), time: timeline.time_of(index) }
     }
 
-    /// Returns the shots of frames of a timeline, in ascending order.
+    /// Returns the requests for frames of a timeline, in ascending order.
     pub fn frames(frames: &FrameList, timeline: Timeline) -> impl Iterator<Item = Self> {
         frames.frames().map(move |index| Self::frame(index, timeline))
     }

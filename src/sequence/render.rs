@@ -28,35 +28,35 @@ pub enum Existing {
     Overwrite,
 }
 
-/// An observer of the rendering of shots.
+/// An observer of the rendering of frames.
 pub trait SequenceObserver {
-    /// Called before the file of a shot is checked. Settings that affect how the shot is rendered may be set here.
+    /// Called before the file of a frame is checked. Settings that affect how the frame is rendered may be set here.
     fn begin(&mut self, _: &mut Engine, _: &FrameRequest) {}
 
-    /// Called for a shot that is already done, with the engine at its moment. `Break` ends the sequence.
+    /// Called for a frame that is already done, with the engine at its moment. `Break` ends the sequence.
     fn kept(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {
         Continue(())
     }
 
-    /// Called for a shot whose file cannot be kept, with the verdict on the file.
+    /// Called for a frame whose file cannot be kept, with the verdict on the file.
     fn rejected(&mut self, _: &FrameRequest, _: &FrameVerdict) {}
 
-    /// Called before a shot is rendered. Settings that affect how the shot is rendered may be set here.
+    /// Called before a frame is rendered. Settings that affect how the frame is rendered may be set here.
     fn render(&mut self, _: &mut Engine, _: &FrameRequest) {}
 
-    /// Called once a second with the progress of a shot that takes longer than a second.
+    /// Called once a second with the progress of a frame that takes longer than a second.
     fn rendering(&mut self, _: &FrameRequest, _: RenderProgress) {}
 
-    /// Called when a shot is rendered and before it is written in parallel. The engine's report describes the shot. `Break` ends the
-    /// sequence after this shot.
+    /// Called when a frame is rendered and before it is written in parallel. The engine's report describes the frame. `Break` ends the
+    /// sequence after this frame.
     fn rendered(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {
         Continue(())
     }
 
-    /// Called when the file of a shot is complete, with the time for encoding and writing.
+    /// Called when the file of a frame is complete, with the time for encoding and writing.
     fn written(&mut self, _: &FrameRequest, _: Duration) {}
 
-    /// Called if the file of a shot could not be written. The sequence ends.
+    /// Called if the file of a frame could not be written. The sequence ends.
     fn refused(&mut self, error: WriteError);
 }
 
@@ -145,8 +145,8 @@ pub fn render_sequence(
     counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
 }
 
-/// Renders shots into the folder of a sequence, which must exist, until a file cannot be written, the observer breaks, or `cancelled`
-/// becomes true. Shots that were rendered before an error are written.
+/// Renders frames into the folder of a sequence, which must exist, until a file cannot be written, the observer breaks, or `cancelled`
+/// becomes true. Frames that were rendered before an error are written.
 ///
 /// # Errors
 ///
@@ -160,7 +160,7 @@ pub fn render_frames(
     observer: &mut dyn SequenceObserver,
 ) -> Result<(), EngineError> {
     let writer = FrameWriter::start();
-    // Shots submitted to the writer, indexed by ticket.
+    // Requests of the frames submitted to the writer, indexed by ticket.
     let mut submitted: Vec<FrameRequest> = Vec::new();
     let settle = |written: WrittenFrame, submitted: &[FrameRequest], observer: &mut dyn SequenceObserver| {
         let is_good = written.result.is_ok();
@@ -223,7 +223,7 @@ pub fn render_frames(
     rendered
 }
 
-/// Renders a shot as output bytes. Returns `None` if `cancelled` becomes true during rendering. Reports the progress to `tell` once a
+/// Renders a frame as output bytes. Returns `None` if `cancelled` becomes true during rendering. Reports the progress to `tell` once a
 /// second.
 ///
 /// # Errors
@@ -246,7 +246,7 @@ pub fn render_encoded(
     })
 }
 
-/// Renders a shot's pixels for a format, with cancellation and progress reports as in [`render_encoded`].
+/// Renders the pixels of a frame for a format, with cancellation and progress reports as in [`render_encoded`].
 fn render_pixels(
     engine: &mut Engine,
     shot: &FrameRequest,
@@ -277,7 +277,7 @@ fn render_pixels(
     Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))
 }
 
-/// Returns the state of a shot's file. Files to be overwritten count as missing.
+/// Returns the state of a frame's file. Files to be overwritten count as missing.
 ///
 /// # Errors
 ///

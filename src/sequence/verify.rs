@@ -113,7 +113,7 @@ pub fn verify_sequence(
     Ok(verdict)
 }
 
-/// Compares the file found for a shot with the frame that would be rendered now.
+/// Compares the file found for a frame with the frame that would be rendered now.
 pub(super) fn judge(
     engine: &mut Engine,
     shot: &FrameRequest,

@@ -1,5 +1,5 @@
 "use strict";
-// What samples are worth: the frame's error against its time, on logarithmic axes.
+// The error curve: the frame's error against its time, on logarithmic axes.
 
 const steps = error => error < 0.095 ? error.toPrecision(1) : error < 9.5 ? error.toFixed(1) : error.toFixed(0);
 const samplesOf = place => place.samples === null ? "as many samples as it takes" : place.samples === 1 ? "1 sample" : `${place.samples} samples`;

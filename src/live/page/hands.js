@@ -7,7 +7,7 @@ const setLoop = () => { view.loop = !view.loop; keep(); draw(); };
 const setWipe = () => { if (!at("wipe").disabled) compare({ wipe: view.wipe === null ? 0.5 : null, swap: false }); };
 const setSwap = () => { if (!at("swap").disabled) compare({ swap: !view.swap }); };
 const moveEdge = by => { if (view.wipe !== null) compare({ wipe: Math.max(0, Math.min(1, view.wipe + by)) }); };
-// Another pixel, as seen from the one that is marked, or from the middle.
+// Moves the mark to a pixel relative to the marked one, or to the centre.
 function moveSpot(right, down) {
   const [width, height] = film(), [i, j] = view.spot ?? [width >> 1, height >> 1];
   const inside = (place, count) => Math.max(0, Math.min(count - 1, place));
@@ -68,7 +68,7 @@ document.onkeydown = event => {
     event.preventDefault();
     return;
   }
-  // Lists, buttons and texts have keys of their own.
+  // Lists, buttons and text fields handle their own keys.
   if (tag === "SELECT" || (key === " " && ["BUTTON", "SUMMARY"].includes(tag)) || (tag === "PRE" && key.length > 1)) return;
   if (!keys[key]) return;
   keys[key](event);

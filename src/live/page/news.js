@@ -1,6 +1,6 @@
 "use strict";
-// What becomes of the session, for all pages of a browser together: it opens six connections to a server at most, and every page
-// that listened by itself would keep one for good.
+// The event stream of the session, shared by all pages of a browser: a browser opens at most six connections to a server, and every
+// page with its own stream would occupy one.
 
 const pages = new Set();
 let latest = null;  // { text, away }
@@ -15,7 +15,7 @@ function listen() {
   events.onmessage = event => tell({ text: event.data, away: false });
   events.onerror = () => {
     tell({ away: true });
-    // A browser gives up on a server that refuses; a server that starts again is found.
+    // A browser stops reconnecting when the server refuses; this finds a restarted server.
     if (events.readyState === EventSource.CLOSED) setTimeout(listen, 1000);
   };
 }
@@ -25,7 +25,7 @@ onconnect = event => {
   page.onmessage = ({ data }) => {
     if (data === "leave") { pages.delete(page); return; }
     pages.add(page);
-    // A page that comes late sees what the others see.
+    // A page opened later gets the last event.
     if (latest) page.postMessage(latest);
   };
 };

@@ -1,5 +1,5 @@
 "use strict";
-// What all parts of the page share, and what it hears of the session.
+// The state shared by all parts of the page, and the events of the session.
 
 const at = id => document.getElementById(id);
 const element = (name, text, attributes = {}) => {
@@ -8,27 +8,27 @@ const element = (name, text, attributes = {}) => {
   return made;
 };
 
-// What the person looks at: it survives reloads of the scene, of the page, and of the server.
+// The view: it survives reloads of the scene, of the page, and of the server.
 const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, spot: null, wipe: null, swap: false, scene: null };
 const storage = "rayreel" + location.host;
-try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* as it is */ }
+try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* keep the defaults */ }
 const keep = () => { try { sessionStorage.setItem(storage, JSON.stringify(view)); } catch { /* not kept */ } };
 
-let state = null;      // of the session, as last told
-let away = false;      // is the server out of reach?
+let state = null;      // of the session, as of the last event
+let away = false;      // true if the server is unreachable
 let shown = null;      // the picture on the screen
 let loading = null;    // the picture that is being fetched
 let compared = null;   // the picture from before the edit that is loaded
-let asked = null;      // the frame that was asked for and has not come yet
+let asked = null;      // the requested frame that has not arrived yet
 let playing = null;    // { since, from }
 
 const post = (path, body) => fetch(path, { method: "POST", body: JSON.stringify(body) });
-// One after the other, so that the last one asked for is the last one heard.
+// Requests are sent one after the other, so that the last one takes effect.
 let asking = Promise.resolve();
 const ask = what => asking = asking.then(() => post("view", what)).then(answer => { if (!answer.ok) asked = null; }, () => { asked = null; });
 
-// All pages of a browser hear of the session together, as it keeps few connections to one server. Where they cannot, each
-// listens for itself while it is seen.
+// All pages of a browser share an event stream, because a browser opens few connections to one server. Without shared workers, each
+// page has its own stream while it is visible.
 function connect() {
   let news;
   try { news = new SharedWorker("news.js"); } catch { listen(); return; }
@@ -49,7 +49,7 @@ function listen() {
     events.onmessage = event => receive({ text: event.data, away: false });
     events.onerror = () => {
       receive({ away: true });
-      // A browser gives up on a server that refuses; a server that starts again is found.
+      // A browser stops reconnecting when the server refuses; this finds a restarted server.
       if (events?.readyState === EventSource.CLOSED) setTimeout(open, 1000);
     };
   };
@@ -66,26 +66,26 @@ function receive(news) {
 function hear(told) {
   const other = state === null || state.session !== told.session;
   state = told;
-  // Frames and pixels of another scene mean nothing in this one.
+  // Frames and pixels of another scene are meaningless in this one.
   if (view.scene !== state.scene) Object.assign(view, { scene: state.scene, frame: null, spot: null });
   if (other) { shown = compared = loading = asked = null; }
   if (view.frame === null) view.frame = state.frame;
   if (other && view.detail && view.detail !== state.detail) ask({ detail: view.detail });
-  // What was left coarse when nobody looked on any more is asked for again.
+  // Requests the picture again that stayed coarse while no page was visible.
   const left = state.picture && state.picture.coarse && !state.rendering;
   if (other && (view.frame !== state.frame || left)) scrubbed = view.frame;
   if (!other && asked === null && playing === null && scrubbed === null) view.frame = state.frame;
-  // It will not come: it cannot be made, or another page has asked for another one.
+  // The frame will not arrive: it cannot be rendered, or another page has requested another one.
   const rests = !state.rendering && (!state.picture || state.picture.frame === state.frame);
   if (asked !== null && (state.frame_mistakes || rests && state.frame !== Math.min(asked, state.frames - 1))) asked = null;
-  // What could not be made is not asked for again.
+  // A frame that could not be rendered is not requested again.
   if (state.frame_mistakes) playing = null;
   follow();
   fetchPicture();
   draw();
 }
 
-// Written only if it is another one: what is written is read aloud.
+// Written only if it differs, because screen readers read every change aloud.
 function write(place, text) {
   if (place.textContent !== text) place.textContent = text;
 }

@@ -1,5 +1,5 @@
 "use strict";
-// What there is to read: a pixel, mistakes, times and the plan.
+// The text panels: the pixel, mistakes, times and the plan.
 
 function pixelOf(event) {
   const box = at("film").getBoundingClientRect(), [width, height] = film();
@@ -72,7 +72,7 @@ function drawMistakes(wrong) {
 
 let wrongText = null;  // that is shown
 
-// Words wrap; lines of files, which have numbers and bars before them, are scrolled by themselves.
+// Prose wraps; quoted lines of files, which have line numbers and bars, scroll on their own.
 function messages(text) {
   const parts = [];
   for (const line of text.split("\n")) {
@@ -84,7 +84,7 @@ function messages(text) {
   return parts.filter(({ lines }) => lines.some(line => line.trim())).map(made);
 }
 
-// How far to the right the first caret stands, if it is out of sight.
+// Returns the horizontal offset of the first caret, if it is out of sight.
 function caretLeft(text) {
   const lines = text.textContent.split("\n"), carets = lines.find(line => line.includes("^")) ?? "";
   const left = text.scrollWidth * carets.indexOf("^") / Math.max(...lines.map(line => line.length));

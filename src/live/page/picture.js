@@ -5,7 +5,7 @@ const address = picture => `picture/${state.session}/${picture.id}`;
 
 async function fetchPicture() {
   const { picture, session } = state;
-  // Pages that nobody sees leave the connections, and the time, to those that are seen.
+  // Hidden pages leave the connections and the time to visible ones.
   if (!picture || document.hidden || loading !== null || (shown && shown.id === picture.id)) return;
   loading = picture.id;
   const image = new Image();
@@ -19,7 +19,7 @@ async function fetchPicture() {
   if (good && !(shown && shown.id > picture.id)) {
     Object.assign(image, { id: "now", draggable: false, alt: `Frame ${picture.frame}` });
     at("now").replaceWith(image);
-    // For whoever measures; only the latest pictures, as a film has many.
+    // For measurements; only the latest pictures, because playback has many.
     if (playing || !shown || shown.reloads !== picture.reloads) performance.clearMarks("picture");
     performance.mark("picture", { detail: picture });
     shown = picture;
@@ -31,7 +31,7 @@ async function fetchPicture() {
   if (state.picture && state.picture.id !== picture.id) fetchPicture();
 }
 
-// Width and height of the film that the picture is of.
+// Width and height of the film of the picture.
 const film = () => shown ? shown.film : state.film;
 
 function scale() {
@@ -89,7 +89,7 @@ function drawComparison() {
   }
 }
 
-// As large as there is room for it over the picture.
+// As large as fits over the picture.
 function keepShape(image, [width, height]) {
   const [across, down] = film(), scale = Math.min(across / width, down / height);
   image.style.width = 100 * scale * width / across + "%";

@@ -1,5 +1,5 @@
 "use strict";
-// The timeline, and what is asked of the session.
+// The timeline, and the requests to the session.
 
 let scrubbed = null;   // where the person has moved to while a frame was still asked for
 
@@ -11,7 +11,7 @@ function seek(frame) {
   draw();
 }
 
-// One frame is asked for at a time, so that every one that was asked for is seen.
+// One frame is requested at a time, so that every requested one is shown.
 function follow() {
   if (scrubbed === null || asked !== null) return;
   const frame = scrubbed;
@@ -22,7 +22,7 @@ function follow() {
   ask({ seek: { frame, playing: playing !== null } });
 }
 
-// What was asked for has come, or, in a scene that is shorter now, its last frame.
+// The requested frame has arrived, or, in a scene that is shorter now, its last frame.
 function arrive(frame) {
   if (asked === null || frame !== Math.min(asked, state.frames - 1)) return;
   asked = null;
@@ -40,7 +40,7 @@ function play() {
 function pause() {
   if (!playing) return;
   playing = null;
-  // The picture of one that is stopped at is the full one.
+  // The frame at which playback stops gets a full picture.
   asked = null;
   seek(view.frame);
 }
@@ -57,7 +57,7 @@ function advance(now) {
   requestAnimationFrame(advance);
 }
 
-// A change of the speed goes on from here.
+// After a change of the speed, playback continues from here.
 function setSpeed(speed) {
   view.speed = speed;
   keep();
