@@ -110,7 +110,7 @@ pub(super) struct RenderArguments {
     /// Only these frames: numbers, ranges and ranges with a stride, as in 10-20,30,40-80x5,90-
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<FrameList>,
-    /// Render only this instant, in seconds, as in 1.5s; it can lie between frames
+    /// Render only this moment, in seconds, as in 1.5s; it can lie between frames
     #[arg(long, value_name = "SECONDS", conflicts_with = "frames", allow_hyphen_values = true)]
     pub(super) at: Option<Time>,
     /// Render one of several disjoint parts of the frames, one per machine: its index, from 0, and their count, as in 0/4
@@ -151,18 +151,18 @@ pub(super) struct RenderArguments {
     /// Precision of ray-shape intersections
     #[arg(long, value_enum, default_value_t = PrecisionName::Guaranteed)]
     pub(super) precision: PrecisionName,
-    /// Skip faint rays: those whose total contribution to a pixel is certainly less than this many 8-bit levels; 0 traces all
-    /// rays [default: the scene's value]
-    #[arg(long, value_name = "STEPS", value_parser = parse_cutoff, allow_hyphen_values = true)]
+    /// Skip faint rays, whose total contribution to a pixel is certainly less than this many 8-bit levels; 0 traces all rays
+    /// [default: the scene's value]
+    #[arg(long, value_name = "LEVELS", value_parser = parse_cutoff, allow_hyphen_values = true)]
     pub(super) cutoff: Option<f32>,
     /// Add samples per pixel until the estimated error of each frame is at most this many 8-bit levels, RMS or as set by --norm.
     /// Frames are independent of each other. --samples is the maximum per pixel [default maximum: 65536]
-    #[arg(long, value_name = "STEPS", value_parser = parse_max_error, allow_hyphen_values = true, conflicts_with_all = ["deadline", "settings", "draft"])]
+    #[arg(long, value_name = "LEVELS", value_parser = parse_max_error, allow_hyphen_values = true, conflicts_with_all = ["deadline", "settings", "draft"])]
     pub(super) max_error: Option<f32>,
-    /// Choose the number of samples so that all frames are rendered within this time, as in 90s, 10m or 1.5h
+    /// Render all frames within this time, as in 90s, 10m or 1.5h, with as many samples as it allows
     #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_hyphen_values = true, conflicts_with_all = ["settings", "draft", "samples"])]
     pub(super) deadline: Option<Duration>,
-    /// Reproduce the same bytes from the settings file that --max-error and --deadline write next to the frames
+    /// Reproduce the frames of an earlier run from the settings file that --max-error and --deadline write next to them
     #[arg(long, value_name = "FILE", conflicts_with_all = ["draft", "samples"])]
     pub(super) settings: Option<PathBuf>,
     /// Compute all effects, even those that the scene does not need: slower, with the same bytes
@@ -193,7 +193,7 @@ pub(super) struct RenderArguments {
     /// Print only warnings and errors
     #[arg(short, long)]
     pub(super) quiet: bool,
-    /// Print the cost of each rendered frame, whether a frame is kept, and why an existing file is not
+    /// Print the cost of each rendered frame, the kept frames, and the reason why an existing file is not kept
     #[arg(short, long, conflicts_with_all = ["progress", "quiet"])]
     pub(super) verbose: bool,
     /// Print a report as one JSON object at the end: the seconds of each phase, the rays of each kind, the effects needed and the
@@ -206,7 +206,7 @@ pub(super) struct RenderArguments {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum PrecisionName {
-    /// Every decision and every digit is correct
+    /// Robust formulas: every hit and the order of hits are correct; see numerics.md
     Guaranteed,
     /// Naive textbook formulas in double precision, for comparison
     TextbookF64,
@@ -290,7 +290,7 @@ pub(super) struct WatchArguments {
     /// Port of the page on 127.0.0.1; 0 selects a free port [default: 0]
     #[arg(long, value_name = "NUMBER")]
     pub(super) port: Option<u16>,
-    /// Additional host name to accept, as localhost:9000 for `ssh -L 9000:127.0.0.1:4000`; without a port, any port [can be repeated]
+    /// Accept this host name too, as localhost:9000 for `ssh -L 9000:127.0.0.1:4000`; without a port, any port [can be repeated]
     #[arg(long, value_name = "NAME[:PORT]")]
     pub(super) allow_host: Vec<HostName>,
     /// Frame to show first [default: 0]
@@ -354,7 +354,7 @@ pub(super) struct ExplainArguments {
     /// Also print the error of the picture without each effect
     #[arg(long)]
     pub(super) measure: bool,
-    /// Draw the camera's path into this SVG file instead: from above, from the side, and its speed over time; at most 4000
+    /// Instead, draw the camera's path into this SVG file: from above, from the side, and its speed over time; at most 4000
     /// frames, evenly spaced
     #[arg(long, value_name = "FILE", conflicts_with_all = ["size", "threads", "measure", "json"])]
     pub(super) path: Option<PathBuf>,
@@ -400,13 +400,13 @@ pub(super) struct ProbeArguments {
     /// Frame to probe [default: 0]
     #[arg(long, value_name = "INDEX", value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) frame: Option<u32>,
-    /// Instant to probe, in seconds, as in 1.5s; it can lie between frames
+    /// Moment to probe, in seconds, as in 1.5s; it can lie between frames
     #[arg(long, value_name = "SECONDS", conflicts_with = "frame", allow_hyphen_values = true)]
     pub(super) at: Option<Time>,
     /// Frame size in pixels, as in 1280x720 [default: the scene's size]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "rays", allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
-    /// Print JSON: one object for a pixel, one object per line for rays
+    /// Print JSON: one object for a pixel, or one line with an object for each ray
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]

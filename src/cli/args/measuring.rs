@@ -19,14 +19,14 @@ use crate::cli::values::{parse_size, parse_threads, parse_tolerance};
 
 Varies every setting that affects the scene: samples, error target, samples per light, instants,
 depth, cutoff and precision; and renders without each effect. Each picture is compared with a
-reference of many samples, whose own uncertainty is printed, and timed in alternation with the
-scene's own settings. Takes minutes; --quick takes seconds and is less certain. Ctrl-C stops the
+reference of many samples, whose own uncertainty is printed; its time is measured in alternation with
+the scene's own settings. Takes minutes; --quick takes seconds and is less certain. Ctrl-C stops the
 measurement.
 
 A star marks the Pareto front: no other setting is cheaper and at least as accurate, or more accurate
 and at least as cheap. Differences within the uncertainty of errors and the scatter of times are
 ignored, and costs are compared by ray counts where possible, so that stars hardly differ from run to
-run. = marks settings that trace the same rays as one above; ^ marks error targets that were not
+run. = marks settings that trace the same rays as a setting above; ^ marks error targets that were not
 reached with the maximum number of samples per pixel of the measurement.")]
 pub(in crate::cli) struct AccuracyArguments {
     /// The scene file
@@ -72,9 +72,9 @@ pub(in crate::cli) struct AccuracyArguments {
   rayreel compare a.exr b.exr --tolerance 0.5 --out difference.png
   rayreel compare out/first_light/first_light.0000.png other.png --json
 
-Reads PNG, binary PPM, PFM, Radiance HDR, and OpenEXR files written by rayreel; formats may differ.
-Pictures are compared as displayed, by unrounded output values from 0 to 255: the linear light of PFM
-and OpenEXR is encoded first, and light above 1 is clamped. Transparent areas are composited over
+Reads PNG, binary PPM, PFM, Radiance HDR, and OpenEXR as written by rayreel; the two formats may
+differ. Pictures are compared as displayed, by unrounded output values from 0 to 255: the linear light
+of PFM, Radiance HDR and OpenEXR is encoded first, and light above 1 is clamped. Transparent areas are composited over
 black, and the alpha channel is compared, too.
 
 max           largest difference of any channel, with its pixel: column and row from 0 at the top left
@@ -83,7 +83,7 @@ PSNR          20 log10(255 / RMS), in decibels
 SSIM          structural similarity (Wang et al. 2004), 1 for equal pictures
 FLIP          mean difference perceived when alternating between both (Andersson et al. 2020), from
               0 to 1, on a screen 3840 pixels wide, viewed from a distance equal to its width
-relative MSE  of linear light, for PFM and OpenEXR: mean of (a - b)^2 / (b^2 + 0.01)
+relative MSE  of linear light, for PFM, Radiance HDR and OpenEXR: mean of (a - b)^2 / (b^2 + 0.01)
 
 Exits with 0 if the pictures are equal, that is, if no channel of any pixel differs by more than
 --tolerance. With a tolerance of 0, light above 1 must be equal, too. Exits with 1 if they are
@@ -94,7 +94,7 @@ pub(in crate::cli) struct CompareArguments {
     /// The picture to compare it with
     pub(in crate::cli) reference: PathBuf,
     /// Maximum difference of any channel at which pictures count as equal, in 8-bit levels
-    #[arg(long, value_name = "STEPS", default_value = "0", value_parser = parse_tolerance, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEVELS", default_value = "0", value_parser = parse_tolerance, allow_hyphen_values = true)]
     pub(in crate::cli) tolerance: f64,
     /// Transfer curve from linear light to output values
     #[arg(long, value_enum, default_value_t = TransferName::Srgb)]
