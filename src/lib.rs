@@ -41,12 +41,12 @@
 //!
 //! # Features
 //!
-//! - `script`: scripts in scenes. Without it, each script of a scene is an error at its place.
+//! - `script`: scripts in scenes. Without it, each script of a scene is an error at its position.
 //! - `exr`: OpenEXR files. Without it, writing and reading them is an error.
 //! - `live`: the module `live`, the preview with its file watching, server and page.
 //! - `cli`: the command `rayreel`; includes the other features.
 //!
-//! All are on by default. With `default-features = false`, a third of the packages is compiled.
+//! All features are on by default. With `default-features = false`, a third of the packages is compiled.
 //!
 //! # Terms
 //!
@@ -65,6 +65,21 @@
 //!
 //! Space is left-handed from the viewer's position: x right, y up, z forward. Colours are linear; 1 corresponds to 255 in scene files. Time
 //! is exact.
+//!
+//! # Where to find it
+//!
+//! - *Transform*: [`components::Transform`], relative to the parent; [`systems::propagate`] derives the
+//!   [`WorldTransform`](components::WorldTransform).
+//! - *Shape*: [`components::Shape`], the sphere, plane or box of an entity; `src/trace/shapes` intersects it.
+//! - *Material*: [`components::Material`], the appearance of a shape; `src/trace/light` shades it.
+//! - *Light*: [`components::Light`], a point, spot, directional or area light.
+//! - *Systems*: [`systems`], the functions that run for each frame; [`Engine::add_system`] adds custom ones.
+//! - *Tracer*: `src/systems/trace.rs`, the last system, which renders the prepared world with the kernel.
+//! - *Frame loop*: `src/systems/frame.rs`, which advances the world to the instants of a frame and runs the tracer at each.
+//! - *Timeline*: [`time::Timeline`], the frame rate and the duration; it converts frame indices to exact times.
+//! - *Frame sequence*: [`sequence::render_sequence`], which renders the frames that are missing or out of date; [`output::Sequence`] names
+//!   their files.
+//! - *Reload*: [`Engine::reload`], which replaces the scene after an edit; [`scene::Reader`] parses only the edited parts.
 //!
 //! # Layers
 //!

@@ -237,7 +237,7 @@ impl Deadline {
             let share = *self.frame.share.get_or_insert(time);
             return (time > REST * share).then_some((level, ROUND * time / rate));
         }
-        // First samples predict little: the share is at least the prediction, and at least the average over the remaining frames.
+        // The first samples are poor predictors: the share is at least the prediction, and at least the average over the remaining frames.
         let foreseen =
             self.demands[self.frame.place].map_or(0.0, |demand| rate * harder * demand.samples(level));
         let share = *self.frame.share.get_or_insert(foreseen.max(time / (others + 1.0)));
@@ -254,8 +254,8 @@ impl RoundPolicy for Deadline {
     }
 }
 
-/// Returns the indices of a number of frames, each once, in steps by the golden ratio. The first indices, however many are used, are spread
-/// over the whole sequence and over the periods of repeating content.
+/// Returns the indices of a number of frames, each once, at distances of the golden ratio of their number. Any number of first indices is
+/// spread over the whole sequence and over the periods of repeating content.
 pub fn survey_order(frames: usize) -> impl Iterator<Item = usize> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let share = |a: usize, b: usize| {

@@ -19,10 +19,11 @@ pub struct Estimate {
     pub seconds: f64,
 }
 
-/// Estimates the RMS error of pictures of a moment with these settings, which override the engine's, without a reference. Two pictures are rendered with independent
-/// samples; the error of each is their difference divided by the square root of two. A picture with a single sample per pixel, which is the
-/// same in all pictures, is compared with pictures of four. Errors that all pictures share, such as those caused by the instants of an open
-/// shutter, are not detected. Returns `None` if cancelled.
+/// Estimates the RMS error of pictures of a moment without a reference. The settings override the engine's.
+///
+/// Two pictures are rendered with independent samples; the error of each is their difference divided by the square root of two. A single
+/// sample per pixel is the same in all pictures, so such a picture is compared with pictures of four samples. Errors that all pictures
+/// share, such as errors caused by the instants of an open shutter, are not detected. Returns `None` if cancelled.
 ///
 /// # Errors
 ///

@@ -9,7 +9,7 @@ use crate::trace::Film;
 /// The largest output value.
 const PEAK: f64 = 255.0;
 
-/// The difference of two films, in output values: steps of 8 bits, unrounded.
+/// The difference of two films, in output values: 8-bit levels, unrounded.
 ///
 /// ```
 /// use rayreel::accuracy::FilmError;

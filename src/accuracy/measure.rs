@@ -61,8 +61,7 @@ pub trait Observer {
     }
 }
 
-/// Measures the cost of accuracy in a scene. Returns `None` if cancelled. Settings override the engine's, which are
-/// kept.
+/// Measures the cost of accuracy in a scene. Returns `None` if cancelled. The variants override the engine's settings, which are kept.
 ///
 /// # Errors
 ///
@@ -112,7 +111,7 @@ struct MeasuredVariant {
     estimated: Option<EstimatedError>,
 }
 
-/// A cutoff in 8-bit steps, small enough to vanish in rounding.
+/// A cutoff in 8-bit levels, small enough to vanish in rounding.
 const NO_CUTOFF: f32 = 1.0 / 64.0;
 /// A depth beyond which rays contribute nothing visible.
 const DEEP: u32 = 64;
@@ -352,8 +351,8 @@ impl Measurer<'_> {
         Ok(())
     }
 
-    /// Measures the seconds of a frame. For quick frames, it is the minimum of several: the first one after a frame with other settings
-    /// takes longer, and interruptions by the system are as long as such a frame.
+    /// Measures the seconds of a frame. A quick frame is rendered several times, for the minimum: the first one after a frame with other
+    /// settings takes longer, and interruptions by the system are as long as such a frame.
     fn seconds(&mut self, settings: &RenderSettings, subject: Option<Subject>) -> Result<f64, StopReason> {
         /// The duration for which quick frames are repeated.
         const LEAST: Duration = Duration::from_millis(20);
@@ -415,7 +414,7 @@ fn best_alone(subject: Subject, own: OwnSettings, reach: SweepRange) -> Option<R
     }
 }
 
-/// Returns the maximum sample count per pixel, if it kept a picture from its error target.
+/// Returns the maximum sample count per pixel, if it prevented a picture from meeting its error target.
 fn capped(subject: Subject, settings: &RenderSettings, estimated: Option<EstimatedError>) -> Option<u32> {
     match (subject, estimated) {
         (Subject::Parameter(Parameter::MaxError, target), Some(error)) if error.value > target => {

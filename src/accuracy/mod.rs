@@ -4,7 +4,7 @@
 //! its error and its cost. Errors are relative to a reference, [`ReferenceImage`], which has an estimate of its own error.
 //!
 //! Pictures are compared by their output values, from 0 to 255, before these are rounded to bytes. Light that is clamped in both pictures
-//! makes no difference; a thousandth of an 8-bit step does.
+//! makes no difference; a thousandth of an 8-bit level does.
 
 mod deadline;
 mod demand;

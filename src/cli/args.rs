@@ -206,7 +206,7 @@ pub(super) struct RenderArguments {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum PrecisionName {
-    /// Robust formulas: every hit and the order of hits are correct; see numerics.md
+    /// Robust formulas: all hits and their order are correct
     Guaranteed,
     /// Naive textbook formulas in double precision, for comparison
     TextbookF64,

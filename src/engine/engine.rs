@@ -48,7 +48,7 @@ use crate::trace::{Film, FrameFingerprint, PassPixel, RenderedImage, SharedRound
 ///         moved.push(entity);
 ///     }
 ///     for entity in moved {
-///         context.changes.mark_transform(entity); // what is not declared need not be looked at
+///         context.changes.mark_transform(entity); // undeclared entities are not read again
 ///     }
 /// }
 ///
@@ -101,7 +101,7 @@ pub enum EngineError {
 }
 
 impl EngineError {
-    /// Returns the error for a halt. `None` if the frame was only cancelled.
+    /// Returns the error for an interruption. `None` if the frame was only cancelled.
     fn of(halt: Interrupted, sources: &ScriptSources) -> Option<Self> {
         Some(match halt {
             Interrupted::Cancelled => return None,
@@ -120,7 +120,7 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// If the file cannot be read or is wrong: lists every mistake, where it is and how to fix it.
+    /// If the file cannot be read or has mistakes. The error lists all of them, each with position and remedy.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, EngineError> {
         Ok(Self::from_scene(Scene::load(path.as_ref())?))
     }
@@ -301,7 +301,7 @@ impl Engine {
     /// let ray = Ray { origin: DVec3::new(0.0, 1.0, -8.0), direction: DVec3::Z };
     /// if let Some(hit) = engine.cast(ray) {
     ///     println!("{:?} after {} units", hit.entity, hit.distance);
-    ///     let next = hit.leave_towards(hit.normal); // starts on the surface, and never meets it by rounding
+    ///     let next = hit.leave_towards(hit.normal); // starts on the surface, and never hits it through rounding
     ///     assert!(engine.cast(next).is_none_or(|next| next.distance > 0.0));
     /// }
     /// # Ok::<(), rayreel::EngineError>(())
@@ -342,7 +342,7 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// If custom systems need the world copied and it holds components that were not registered, or if a script gives no value.
+    /// If custom systems need the world copied and it holds components that were not registered, or if a script fails.
     pub fn render_frame(&mut self, index: u32) -> Result<Film, EngineError> {
         self.render_at(self.timeline().time_of(index))
     }
@@ -422,7 +422,7 @@ impl Engine {
     }
 
     /// Returns the fingerprint that the [report](FrameReport::fingerprint) would have if the moment were rendered. Brings the world to the
-    /// moment.
+    /// moment or, if the shutter is open, to one of the frame's instants.
     ///
     /// # Errors
     ///
@@ -434,7 +434,8 @@ impl Engine {
         Ok(self.unless_cancelled(fingerprint)?.unwrap_or_else(FrameFingerprint::of_nothing))
     }
 
-    /// Returns the effects that a moment needs or omits, with reasons, without rendering it. Brings the world to the moment.
+    /// Returns the effects that a moment needs or omits, with reasons, without rendering it. Brings the world to the moment or,
+    /// if the shutter is open, to one of the frame's instants.
     ///
     /// # Errors
     ///
@@ -485,7 +486,7 @@ impl Engine {
         self.sampler.memory.counts((width, height))
     }
 
-    /// Returns a result of the systems, `None` if it was cancelled, or the error for the reason why there is none.
+    /// Converts a result of the systems: `None` for a cancellation, an error for any other interruption.
     fn unless_cancelled<T>(&self, result: Result<T, Interrupted>) -> Result<Option<T>, EngineError> {
         match result {
             Ok(result) => Ok(Some(result)),

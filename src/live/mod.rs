@@ -8,7 +8,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `session` | the thread's start and end, and the handle of other threads |
+//! | `session` | the thread's start and end, and the handle for other threads |
 //! | `watcher` | detection of changed file contents |
 //! | `commands` | the queue of commands, which interrupt the work |
 //! | `worker` | reading of the files, and the choice of the next job |
@@ -18,8 +18,8 @@
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
 //! | `server`, `page` | the HTTP server for browsers on the same machine, and its page |
 //!
-//! A page opened late or again shows the same as all others, since it shows what is published. Coarse pictures precede a picture that takes
-//! long, which is also shown while it is unfinished. A new command interrupts the work at once and discards only results that are no longer
+//! All pages show the published state, whenever they were opened. Coarse pictures precede a picture that takes long, which is also shown
+//! while it is unfinished. A new command interrupts the work at once and discards only results that are no longer
 //! needed.
 
 mod commands;

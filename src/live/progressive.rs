@@ -15,7 +15,7 @@ use crate::components::{FilmSettings, Quality};
 use crate::systems::{Effect, RenderSettings};
 use crate::trace::RenderJob;
 
-/// Target time of the first coarse picture, in milliseconds: short against the 57 that pass between a save and its picture on the page.
+/// Target time of the first coarse picture, in milliseconds: short compared with the 57 between a save and its picture on the page.
 pub(super) const FIRST: f64 = 6.0;
 /// Least divisor of the first coarse picture of a frame. A picture of all pixels would not be coarse.
 pub(super) const FIRST_DIVISOR: u32 = 2;
@@ -36,8 +36,8 @@ const GROWTH: f64 = 4.0;
 /// Maximum time of a further coarse picture as a fraction of the time of the requested picture. With [`GROWTH`], all of them take a twelfth
 /// of it at most.
 const SHARE: f64 = 1.0 / 16.0;
-/// Time, in milliseconds, up to which the requested picture is not preceded by further coarse ones. It is first shown unfinished after that
-/// time.
+/// Expected time of the requested picture, in milliseconds, up to which no further coarse pictures precede it. A longer one is first shown
+/// unfinished after that time.
 const QUICK: f64 = 300.0;
 /// Number of pixels below which more pixels are worth more than shadows: 21 by 12.
 const ENOUGH: f64 = 256.0;
@@ -88,7 +88,7 @@ pub(super) struct RequestedPicture {
 pub(super) struct Timings {
     /// Time to animate and prepare the world at a moment.
     moment: f64,
-    /// Time to trace a camera ray and all rays spawned by it, by care.
+    /// Time to trace a camera ray and all rays spawned by it, by effort.
     ray: [Option<f64>; 3],
 }
 
@@ -104,7 +104,7 @@ pub(super) fn sized(divisor: u32, film: FilmSettings) -> RenderSettings {
 }
 
 impl PreviewLevel {
-    /// Returns the render settings of the step, for a scene with this film and this quality.
+    /// Returns the render settings of the level, for a scene with this film and this quality.
     pub(super) fn settings(self, film: FilmSettings, quality: Quality) -> RenderSettings {
         let whole = sized(self.divisor, film);
         let plain = RenderSettings { max_light_samples: Some(1), ..whole };
@@ -120,12 +120,12 @@ impl PreviewLevel {
         self.effort
     }
 
-    /// Returns the time after which the step is abandoned, or `None` for the last attempt, which has no deadline.
+    /// Returns the time after which the level is abandoned, or `None` for the last attempt, which has no deadline.
     pub(super) fn deadline(self) -> Option<Duration> {
         DEADLINES.get(self.tried as usize).map(|milliseconds| Duration::from_millis(*milliseconds))
     }
 
-    /// Returns a cheaper step to be tried after this one was abandoned.
+    /// Returns a cheaper level to be tried after this one was abandoned.
     pub(super) fn lesser(self, film: (u32, u32)) -> Self {
         let most = match self.tried {
             0 => ENOUGH,
@@ -136,7 +136,7 @@ impl PreviewLevel {
         Self { effort: Effort::Bare, divisor: divisor_for(film, most), tried: self.tried + 1 }
     }
 
-    /// Returns whether the step took so little time that a better one can replace it before it is seen.
+    /// Returns whether the level took so little time that a better one can replace it before it is seen.
     pub(super) fn is_surpassed_by(self, better: Self, took: f64) -> bool {
         took < SOON && (better.divisor < self.divisor || self.effort != better.effort)
     }
@@ -159,7 +159,7 @@ impl RequestedPicture {
 }
 
 impl Timings {
-    /// Returns the first step for a film, with at most `milliseconds` of tracing and a divisor of at least `finest`.
+    /// Returns the first level for a film, with at most `milliseconds` of tracing and a divisor of at least `finest`.
     pub(super) fn first(&self, film: (u32, u32), milliseconds: f64, finest: u32) -> PreviewLevel {
         let step = |effort, pixels: f64| PreviewLevel {
             effort,
@@ -175,7 +175,7 @@ impl Timings {
         step(Effort::Bare, bare)
     }
 
-    /// Returns the step after another one, or `None` if the requested picture should follow.
+    /// Returns the level after another one, or `None` if the requested picture should follow.
     pub(super) fn finer(
         &self,
         step: PreviewLevel,
@@ -183,7 +183,7 @@ impl Timings {
         target: RequestedPicture,
     ) -> Option<PreviewLevel> {
         let ray = self.of(step.effort)?;
-        // A camera ray without reductions costs at least as much as a ray of the step.
+        // A camera ray without reductions costs at least as much as a ray of the level.
         let whole = self.of(Effort::Whole).unwrap_or(0.0).max(ray) * target.rays();
         if whole <= QUICK {
             return None;
@@ -214,7 +214,7 @@ impl Timings {
     pub(super) fn note(&mut self, effort: Effort, milliseconds: f64, rays: u64) {
         let ray = milliseconds / (rays.max(1) as f64);
         self.ray[effort as usize] = Some(ray);
-        // Less care takes no more time per ray.
+        // Less effort takes no more time per ray.
         for lesser in &mut self.ray[..effort as usize] {
             *lesser = lesser.map(|lesser| lesser.min(ray));
         }
@@ -223,13 +223,13 @@ impl Timings {
         }
     }
 
-    /// Records that a step was abandoned after `milliseconds`.
+    /// Records that a level was abandoned after `milliseconds`.
     pub(super) fn note_failure(&mut self, step: PreviewLevel, milliseconds: f64, film: (u32, u32)) {
         let at_least = milliseconds / pixels(film, step.divisor) as f64;
         for ray in &mut self.ray[step.effort as usize..] {
             *ray = Some(ray.map_or(at_least, |ray| ray.max(at_least)));
         }
-        // Makes the next step much smaller.
+        // Makes the next level much smaller.
         self.ray[step.effort as usize] = self.of(step.effort).map(|ray| ray.max(GROWTH * at_least));
     }
 
@@ -279,7 +279,7 @@ pub(super) fn with_deadline<T>(
 /// picture do not postpone them.
 pub(super) struct RefreshTimer {
     start: Instant,
-    /// Time of the next visit. Threads that render read it.
+    /// Time of the next visit, read by the render threads.
     due: AtomicU64,
     last_shown: AtomicU64,
     showing: AtomicU64,
@@ -357,7 +357,7 @@ mod tests {
 
     const FILM: (u32, u32) = (3840, 2160);
 
-    /// Returns all steps before a picture and their times, given the time of a camera ray for each care, in milliseconds.
+    /// Returns all levels before a picture and their times, given the time of a camera ray for each effort, in milliseconds.
     fn climb(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<PreviewLevel>, Vec<f64>) {
         let mut timings = Timings::default();
         let target = RequestedPicture { film, divisor: 1, samples };
@@ -409,7 +409,7 @@ mod tests {
         timings.note_failure(first, 40.0, (1280, 720));
         let again = timings.first((1280, 720), FIRST, 2);
         assert!(again.divisor > 3 * first.divisor, "{again:?}");
-        // If even a few pixels take long, the care is reduced.
+        // If even a few pixels take long, the effort is reduced.
         timings.note(Effort::Plain, 100.0, 100);
         assert_eq!(timings.first((1280, 720), FIRST, 2).effort, Effort::Bare);
     }

@@ -21,8 +21,8 @@ use crate::scene::{Scene, Sources};
 use crate::systems::{Effect, EffectSet, RenderSettings};
 use crate::trace::{Film, RenderJob, RenderedImage, Signals};
 
-/// Minimum time for a picture before a coarse one replaces it while nothing of its frame is shown, so that most pictures of simple scenes
-/// are the only ones of their frames. Twice its expected time applies if that is longer.
+/// Minimum time for a picture before a coarse one is rendered first, if nothing of its frame is shown yet. Most pictures of simple scenes
+/// are finished by then. Twice the expected time applies if that is longer.
 const LATE: Duration = Duration::from_millis(50);
 /// Minimum time slice of the full picture due after an edit, even when another picture is requested: half a frame interval at 25 frames
 /// per second, so that the picture progresses during playback, which stays smooth.
@@ -63,7 +63,7 @@ pub(super) enum LevelRole {
 pub(super) enum JobOutcome {
     /// The result is published.
     Done,
-    /// The result is published or lost, and nothing can follow it.
+    /// The result is published, or could not be, and no job follows.
     Ended,
     /// A command interrupted the job, which can be continued.
     Interrupted,
@@ -181,7 +181,7 @@ impl Renderer {
         self.timings.expected(self.target(detail)).is_some_and(|expected| expected <= milliseconds)
     }
 
-    /// Returns whether no better picture of the current frame than a coarse one is shown.
+    /// Returns whether the current frame has only a coarse picture, or none.
     pub(super) fn shows_coarsely(&self) -> bool {
         self.publisher.latest().is_none_or(|(info, _)| info.coarse)
     }
@@ -281,8 +281,8 @@ impl Renderer {
         Ok(self.publish(&state, kind, film, in_progress.traced))
     }
 
-    /// Traces the requested picture until it is finished or interrupted, and visits it in the meantime. Returns the film, or the outcome
-    /// without one.
+    /// Traces the requested picture until it is finished or interrupted. Visits it from time to time, to record its speed and show it
+    /// unfinished. Returns the film, or the outcome without one.
     fn trace(
         &mut self,
         state: &State,
@@ -350,7 +350,7 @@ impl Renderer {
     }
 
     /// Continues the full picture due after the last edit until it is finished, another picture is requested, or `until`. Its frame is the
-    /// one displayed when there was first time for it. Returns whether it is over.
+    /// one displayed at its start. Returns whether it is finished or has failed.
     pub(super) fn render_in_background(&mut self, until: Instant) -> bool {
         let state = self.publisher.published().state();
         let background = self.background.take();

@@ -24,8 +24,8 @@ use crate::scene::input::{self, InputKind, LARGEST_FILE};
 /// Time without events after which a save counts as complete. Editors write, rename and back up within a few milliseconds. The time is
 /// part of the delay of every picture: 25 of some 57 ms until a coarse one.
 pub const QUIET: Duration = Duration::from_millis(25);
-/// Time after which files that keep changing are checked nevertheless, for a dozen reloads per second. With 500 ms, of 290 saves in 5 s 20
-/// were shown; with 75 ms, 118.
+/// Time after which files that keep changing are checked nevertheless, for a dozen reloads per second. Of 290 saves in
+/// 5 s, 20 were shown with 500 ms, and 118 with 75 ms.
 const MAX_BATCH: Duration = Duration::from_millis(75);
 /// Interval between checks of the files if the system reports changes. Only rare changes wait for it, and a check costs a system call per
 /// file.
@@ -270,7 +270,7 @@ struct KnownFile {
 /// The content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum KnownContent {
-    /// Not known to match what the reader of the file got. The next check reports a change.
+    /// Unknown: the reader of the file may have read other content. The next check reports a change.
     Unknown,
     /// No content: the file is unreadable, too large, or not a regular file.
     Nothing,
@@ -288,8 +288,8 @@ pub(super) struct Stamp {
 
 impl WatchedFiles {
     /// Replaces the files by `paths`. All of them have been read since `since`, and those already known have been read after the last
-    /// [`look`](Self::look). Files written in the meantime count as changed at the next check, since it is unknown what their readers
-    /// got.
+    /// [`look`](Self::look). Files written in the meantime count as changed at the next check, since their readers may have read
+    /// the old content.
     fn follow(&mut self, paths: &[PathBuf], since: SystemTime) {
         let before = std::mem::take(&mut self.0);
         for path in paths {

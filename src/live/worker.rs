@@ -103,7 +103,7 @@ impl Worker {
         }
     }
 
-    /// Returns the time until which to wait for commands: none while there is work, and `None` if there is nothing to wait for but them.
+    /// Returns the time until which to wait for commands: the present if there is work, or `None` to wait without limit.
     fn wait_until(&self) -> Option<Instant> {
         match (&self.files.failure, self.next) {
             (Some(failure), _) => Some(failure.judged_at),
@@ -208,8 +208,8 @@ impl Worker {
         }
     }
 
-    /// Waits for the next frame of playback, and renders the full picture that is due in the meantime. If no further frame is requested,
-    /// the last picture is improved.
+    /// Waits for the next frame of playback, and meanwhile renders the full picture that is due. If no further frame is requested, improves
+    /// the last picture.
     fn rest(&mut self, until: Instant) {
         if Instant::now() < until {
             if self.is_full_due() && self.renderer.render_in_background(until) {
@@ -240,7 +240,7 @@ impl Worker {
         Task::Run(PreviewJob::Preview(self.renderer.first_level(), LevelRole::First))
     }
 
-    /// Returns a finer coarse picture, or the requested picture if there is none.
+    /// Returns the task after a coarse picture: a finer one, or the requested picture if no finer one is worthwhile.
     fn after_preview(&self) -> Task {
         let finer = self.renderer.finer_level(self.detail);
         let preview = |level| Task::Run(PreviewJob::Preview(level, LevelRole::Between));
@@ -270,7 +270,7 @@ impl Worker {
         1e3 / self.published.state().rate
     }
 
-    /// Returns the wait until playback counts as over unless another frame is requested.
+    /// Returns the task after the only picture of a frame of playback: to wait until playback counts as over.
     fn end_of_row(&self) -> Task {
         let missed =
             Duration::try_from_secs_f64(1e-3 * IDLE_INTERVALS * self.interval()).unwrap_or(IDLE_TIMEOUT);
@@ -278,7 +278,7 @@ impl Worker {
     }
 }
 
-/// The files of the scene. Mistakes in them are reported once they have settled, since files may be empty or truncated while they are being
+/// The files of the scene. Mistakes are reported once the files have settled, since files may be empty or truncated while they are being
 /// written.
 pub(super) struct SceneFiles {
     scene: PathBuf,
@@ -290,7 +290,7 @@ pub(super) struct SceneFiles {
 /// Mistakes that are not reported yet.
 struct LoadFailure {
     error: LoadError,
-    /// Time of the first of the failures in succession.
+    /// Time of the first of several consecutive failures.
     first: Instant,
     judged_at: Instant,
     /// The stamps of the files after they were read; `None` if they were written in the meantime.
@@ -302,7 +302,7 @@ struct LoadFailure {
 enum Judgement {
     /// The files have changed, or may be readable now.
     ReadAgain,
-    /// The mistakes are lasting.
+    /// The mistakes persist.
     Report,
 }
 

@@ -1,4 +1,4 @@
-//! Looping animations: animated PNG, which keeps every pixel, and GIF, which every program shows.
+//! Looping animations: animated PNG, which is lossless, and GIF, which every program supports.
 
 use std::io::Write;
 
@@ -118,7 +118,7 @@ impl<W: Write> LoopWriter<W> {
         Ok(())
     }
 
-    /// Finishes the file. The last byte of a GIF is written without an error check, which a buffered writer makes when it is flushed.
+    /// Finishes the file. An error in writing the last byte of a GIF is not detected here; with a buffered writer, a flush detects it.
     ///
     /// # Errors
     ///

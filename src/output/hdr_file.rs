@@ -27,7 +27,7 @@ pub(super) fn comment(provenance: Option<&Provenance>) -> String {
 }
 
 /// Rounds light to three integers from 0 to 255 times a power of two, as files store it. The encoder truncates, takes exponents from a
-/// logarithm, which may depend on the platform, and wraps exponents that do not fit; it does none of these to rounded numbers.
+/// logarithm, which may depend on the platform, and wraps exponents that do not fit; rounded numbers are unaffected.
 fn rounded(light: Rgb) -> Rgb {
     /// Range of exponents: the highest that files have, and one far below all visible light, where units are still normal numbers.
     const EXPONENTS: (i32, i32) = (-100, 127);
@@ -53,7 +53,8 @@ fn without_comments(mut bytes: &[u8]) -> (Vec<u8>, Vec<&[u8]>) {
     (rest, comments)
 }
 
-/// Decodes a file completely. Returns the reason if the file is not valid. The bytes are all those after the first line, except comments.
+/// Decodes a file completely. Returns the reason if the file is not valid. The stored bytes are all bytes after the first line, except
+/// comments.
 pub(super) fn decode(bytes: &[u8]) -> Result<StoredPicture, String> {
     let FileChannels { size, .. } = channels(bytes)?;
     let (rest, comments) =

@@ -22,8 +22,7 @@ pub(super) fn watched<T>(
     })
 }
 
-/// A timer that requests a pause of rendering once a second. At a pause, threads wait for each other; this is rare enough to cost
-/// nothing.
+/// A timer that requests a pause of rendering once a second. At a pause, threads wait for each other; the cost is negligible.
 #[derive(Debug)]
 struct Heartbeat {
     start: Instant,

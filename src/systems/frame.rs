@@ -1,4 +1,4 @@
-//! The loop over a frame's instants: schedule, animate, scripts, propagate, prepare, plan, trace.
+//! The frame loop, over the instants of a frame: schedule, animate, scripts, propagate, prepare, plan, trace.
 //!
 //! A frame is rendered at one instant or, while the shutter is open, at several. [`Simulation::visit`] advances the world to each of them
 //! and hands its prepared data to the tracer ([`trace`](super::trace())).
@@ -124,8 +124,8 @@ impl Simulation {
     }
 
     /// Visits instants of a frame, given by their indices, and calls `each` with the prepared data of each instant; its result determines
-    /// the next instant. All instants use the film and the sampling of the first one. Adds the costs of the world and of the preparation to
-    /// `report`, and its plan.
+    /// the next instant. All instants use the film and the sampling of the first one. Adds the costs of animation and
+    /// preparation to `report`, and stores the plan there.
     ///
     /// # Errors
     ///
@@ -158,7 +158,7 @@ impl Simulation {
             }
             let instant = PreparedInstant { data: &shown, effects, index };
             let mut then = each(instant);
-            // The world is already at a single instant.
+            // With a single instant, the world stays where it is.
             while frame.instants.len() == 1 && matches!(then, NextInstants::Visit(_)) {
                 then = each(instant);
             }
@@ -254,7 +254,7 @@ impl Simulation {
 }
 
 impl FrameInstants {
-    /// Returns the number of instants, which is never more than the number of samples.
+    /// Returns the number of instants. Without adaptive sampling, it is never more than the number of samples.
     pub(crate) fn count(&self) -> u32 {
         u32::try_from(self.instants.len()).unwrap_or(u32::MAX)
     }

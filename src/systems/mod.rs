@@ -16,7 +16,7 @@
 //!   document order, and updates only the data that has changed.
 //! - The tracer, `trace`, queries the prepared world for closest hits and shadow rays, and writes the film.
 //!
-//! The loop over the instants of a frame is `frame`.
+//! The frame loop, `frame`, advances the world to each instant of a frame and runs the tracer there.
 //!
 //! hecs does not track changes, so systems declare their writes: see [`Changes`].
 

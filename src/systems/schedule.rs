@@ -110,8 +110,8 @@ impl Schedule {
     ///
     /// # Errors
     ///
-    /// If the world holds a component that cannot be copied, and there are systems that need copies, or if a script fails, or
-    /// before the next script if `cancelled` becomes true.
+    /// If systems need copies of the world and it holds a component that cannot be copied, if a script fails, or if `cancelled` becomes
+    /// true before a script.
     pub(crate) fn advance(
         &mut self,
         world: &mut World,

@@ -154,7 +154,7 @@ pub(crate) fn trace<E: Encoding>(
     let is_fresh = job.is_none();
     let first = job.as_ref().map_or_else(|| frame.first_instants(), RenderJob::instants);
     let identifying = frame.identifying_instants();
-    // The first round of an open shutter visits few instants. Shapes may be seen at the others only, so that these are searched, too.
+    // With an open shutter, the first round visits few instants. The others are searched too, since shapes may be visible only there.
     if identifying != first && (is_fresh || fingerprint) {
         simulation.visit(frame, identifying, report, signals.cancelled, |instant| {
             if let Some(hashed) = &mut hashed {
@@ -310,7 +310,7 @@ fn reference<'a>(frame: &FrameInstants, data: &'a Preparation) -> Reference<'a> 
     Reference::new(data.scene(), data.camera(), data.sampling(frame.time), effects)
 }
 
-/// Plans a frame without rendering it: its plan is in the report. Brings the world to the frame's moment.
+/// Plans a frame without rendering it, and stores the plan in the report. Leaves the world at one of the frame's instants.
 ///
 /// # Errors
 ///
@@ -324,7 +324,7 @@ pub(crate) fn plan(
     simulation.visit(frame, frame.identifying_instants(), report, never, |_| NextInstants::Continue)
 }
 
-/// Returns the fingerprint of a frame without rendering it. Brings the world to the frame's moment.
+/// Returns the fingerprint of a frame without rendering it. Leaves the world at one of the frame's instants.
 ///
 /// # Errors
 ///

@@ -1,7 +1,7 @@
 //! Overrides of values in a scene's files: `camera.fov=40` changes a value without an edit of the file.
 //!
 //! A value is inserted into the text before parsing, so that it passes the same checks and produces the same error messages as the file.
-//! [`put`] finds its position in a file; [`unplaced`] finds the file.
+//! `set_value` finds its position in a file; `unplaced` finds the file.
 
 mod set_value;
 mod unplaced;
@@ -14,8 +14,8 @@ pub(super) use unplaced::Unplaced;
 
 /// An override of a value in the scene's files, identified by its path.
 ///
-/// It is written `path=value`, with the value as in a file. The path consists of steps separated by dots: names of fields, materials,
-/// cameras and entities, and indices from 0. A name that contains dots is quoted. A missing field is added.
+/// It is written `path=value`, with the value as in a file. The path consists of steps separated by dots, each a name of a field, material,
+/// camera or entity, or an index from 0. A name that contains dots is quoted. A missing field is added.
 ///
 /// ```
 /// use rayreel::Scene;

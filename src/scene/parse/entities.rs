@@ -8,8 +8,8 @@
 //! parsed    Scene(.. entities: [], ..)    a    b    c
 //! ```
 //!
-//! [`ParsedEntities`] keeps a text with its entities. Of the next text, it parses the rest and the entities that do not lie entirely in the
-//! common prefix or the common suffix of the two texts; the other entities are reused.
+//! [`ParsedEntities`] keeps a text with its entities. Entities that lie entirely in the common prefix or the common suffix of this text and
+//! the next one are reused. The other entities and the rest of the next text are parsed.
 //!
 //! # Correctness
 //!
@@ -17,11 +17,11 @@
 //!    (`#![enable(..)]`), which could change the meaning of a text.
 //! 2. The scanner of `spans` divides a valid text into the same values as the parser. If the parser accepts the rest, the list is therefore
 //!    where the scanner found it. The content of the list is exactly entities, all of which the parser accepts, and commas between them.
-//! 3. A long list is read in parts that begin at guessed places. Where an entity ends and the next one starts depends on nothing but the
-//!    text from its start. Parts that join without a gap are therefore equal to a list that is read from its start; a part that begins at a
-//!    wrong place is read again from the end of the part before it.
+//! 3. A long list is read in parts that begin at guessed places. The end of an entity and the start of the next one depend only on the
+//!    text from the entity's start. Parts that join without a gap are therefore equal to a list that is read from its start; a part that begins at a
+//!    wrong place is read again, from the end of the preceding part.
 //! 4. An entity ends with its bracket. An entity in the common prefix is reused if the list starts at the same place; the entities in the
-//!    common suffix if the entities before them end exactly where these begin.
+//!    common suffix are reused if the entities before them end exactly where these begin.
 //! 5. Entity documents are shared and never changed. Scripts add spawned entities to the document, not to the entities that are kept here.
 //!
 //! If anything else is found, the whole text is parsed, so that error messages always come from a parse of the whole text.
@@ -90,7 +90,7 @@ impl ParsedEntities {
         let next = if read.end == until {
             next
         } else {
-            // Either there is nothing to reuse after the change, or the change swallowed the start of it.
+            // The change reaches the end of the list, or the start of the entities after it.
             read.append(EntityList::read(text, read.end, text.len())?);
             spans.len()
         };

@@ -55,7 +55,7 @@ impl ScriptError {
         Self::unknown(text, position, format!("nothing is called `{}`", shortened(name)), unknown, purpose)
     }
 
-    /// Creates the error for an unknown name. If scripts with the other purpose know the name, the error says so and lists no known
+    /// Creates the error for an unknown name. If scripts with the other purpose know the name, the message states this and lists no known
     /// names.
     fn unknown(
         text: &str,

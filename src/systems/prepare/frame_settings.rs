@@ -73,7 +73,7 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// Returns these settings, and those of `base` where they are `None`. The effects that either disables are disabled.
+    /// Returns these settings, with every `None` replaced by the value of `base`. Effects that either of them disables are disabled.
     #[must_use]
     pub fn or(self, base: Self) -> Self {
         Self {
