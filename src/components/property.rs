@@ -6,8 +6,8 @@
 //! | [`Requirement`] | the entities, cameras and materials that have the property as a channel; the changes that a write declares |
 //! | [`Quantity`] | the notation of the values; the valid keys; the range to which values are clamped; use with paths |
 //!
-//! For a new row the compiler requires an accessor (`systems::parts`) and a case in `tests/engine/every_channel.rs`; a test requires a line
-//! in `scene/manual.md`. A new part or quantity needs further changes, which the compiler and the tests report.
+//! For a new row the compiler requires an accessor (`systems::property_access`) and a case in `tests/engine/every_channel.rs`; a test requires
+//! a line in `scene/manual.md`. A new requirement or quantity needs further changes, which the compiler and the tests report.
 
 use super::quantity::Quantity;
 use super::table::table;
