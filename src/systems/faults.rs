@@ -1,7 +1,7 @@
 //! Faults of a world at a moment.
 //!
 //! Invalid scene files are rejected when they are loaded. Worlds built in code, and later changes by tracks, scripts and systems, are not
-//! rejected: whatever cannot be drawn is omitted from the image, and out-of-range values are clamped. A fault reports such an entity.
+//! rejected: entities that cannot be drawn are omitted from the image, and out-of-range values are clamped. A fault reports such an entity.
 
 use std::fmt;
 

@@ -1,7 +1,7 @@
 //! Reloading: matches the entities of the old and the new scene and patches the differences.
 //!
-//! Entities keep their identity, so that a library user's references to them stay valid, and an edit of a scene with a million shapes costs
-//! what it changes.
+//! Entities keep their identity, so that a library user's references to them stay valid, and so that preparing an edited scene costs in
+//! proportion to the edit.
 
 mod matching;
 mod patch;
