@@ -21,8 +21,7 @@ pub(crate) fn unit_in_last_place(value: f64) -> f64 {
 }
 
 /// The robust precision, and the naive ones for comparison.
-pub(crate) const PRECISIONS: [Precision; 3] =
-    [Precision::Robust, Precision::NaiveF64, Precision::NaiveF32];
+pub(crate) const PRECISIONS: [Precision; 3] = [Precision::Robust, Precision::NaiveF64, Precision::NaiveF32];
 
 /// Results of the rays of a category.
 #[derive(Default)]
