@@ -46,7 +46,7 @@
 //! - `live`: the module `live`, the preview with its file watching, server and page.
 //! - `cli`: the command `rayreel`; includes the other features.
 //!
-//! All features are on by default. With `default-features = false`, a third of the packages is compiled.
+//! All features are on by default. With `default-features = false`, about a third of the packages is compiled.
 //!
 //! # Terms
 //!
