@@ -66,7 +66,7 @@
 //! Space is left-handed from the viewer's position: x right, y up, z forward. Colours are linear; 1 corresponds to 255 in scene files. Time
 //! is exact.
 //!
-//! # Where to find it
+//! # Index of concepts
 //!
 //! - *Transform*: [`components::Transform`], relative to the parent; [`systems::propagate`] derives the
 //!   [`WorldTransform`](components::WorldTransform).
