@@ -6,9 +6,7 @@
 //!
 //! The requested picture is visited while it is rendered. A visit records its speed and, now and then, shows it as it is.
 
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::thread;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::components::{FilmSettings, Quality};
@@ -236,43 +234,6 @@ impl Timings {
     fn of(&self, effort: Effort) -> Option<f64> {
         self.ray[effort as usize].map(|ray| ray.max(f64::MIN_POSITIVE))
     }
-}
-
-/// Runs `work`, which `interrupt` ends. The deadline counts from the first call of the function passed to `work`; when it passes,
-/// `interrupt` becomes true without a command, and stays so until commands are taken. Returns the result, and whether the deadline passed.
-pub(super) fn with_deadline<T>(
-    interrupt: &AtomicBool,
-    deadline: Option<Duration>,
-    work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
-) -> (T, bool) {
-    let Some(deadline) = deadline else { return (work(&|| ()), false) };
-    let (begun, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
-    let result = thread::scope(|scope| {
-        let clock = scope.spawn(|| {
-            while !done.load(Ordering::Acquire) {
-                let Some(begun) = begun.get() else {
-                    thread::park();
-                    continue;
-                };
-                let rest = deadline.saturating_sub(Instant::elapsed(begun));
-                if rest.is_zero() {
-                    late.store(true, Ordering::Relaxed);
-                    interrupt.store(true, Ordering::Relaxed);
-                    return;
-                }
-                thread::park_timeout(rest);
-            }
-        });
-        let result = work(&|| {
-            if begun.set(Instant::now()).is_ok() {
-                clock.thread().unpark();
-            }
-        });
-        done.store(true, Ordering::Release);
-        clock.thread().unpark();
-        result
-    });
-    (result, late.into_inner())
 }
 
 /// The times of visits and showings of a picture that is being rendered, in milliseconds since the start. Commands that interrupt the

@@ -1,8 +1,9 @@
 //! Rendering of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
 
 use std::ops::ControlFlow::{self, Break, Continue};
-use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use hecs::World;
@@ -12,7 +13,7 @@ use super::measure;
 use super::pixel_info::{PixelInfo, named};
 use super::progressive::{
     Effort, FIRST, FIRST_DIVISOR, PreviewLevel, RefreshTimer, RequestedPicture, Timings, share_of_unfinished,
-    sized, with_deadline,
+    sized,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
@@ -513,4 +514,41 @@ fn render(
         ..RenderRequest::at(time)
     };
     Ok(engine.render(request)?.map(|image| image.film))
+}
+
+/// Runs `work`, which `interrupt` ends. The deadline counts from the first call of the function passed to `work`; when it passes,
+/// `interrupt` becomes true without a command, and stays so until commands are taken. Returns the result, and whether the deadline passed.
+fn with_deadline<T>(
+    interrupt: &AtomicBool,
+    deadline: Option<Duration>,
+    work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
+) -> (T, bool) {
+    let Some(deadline) = deadline else { return (work(&|| ()), false) };
+    let (begun, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
+    let result = thread::scope(|scope| {
+        let clock = scope.spawn(|| {
+            while !done.load(Ordering::Acquire) {
+                let Some(begun) = begun.get() else {
+                    thread::park();
+                    continue;
+                };
+                let rest = deadline.saturating_sub(Instant::elapsed(begun));
+                if rest.is_zero() {
+                    late.store(true, Ordering::Relaxed);
+                    interrupt.store(true, Ordering::Relaxed);
+                    return;
+                }
+                thread::park_timeout(rest);
+            }
+        });
+        let result = work(&|| {
+            if begun.set(Instant::now()).is_ok() {
+                clock.thread().unpark();
+            }
+        });
+        done.store(true, Ordering::Release);
+        clock.thread().unpark();
+        result
+    });
+    (result, late.into_inner())
 }
