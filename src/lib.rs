@@ -71,7 +71,7 @@
 //! - *Transform*: [`components::Transform`], relative to the parent; [`systems::propagate`] derives the
 //!   [`WorldTransform`](components::WorldTransform).
 //! - *Shape*: [`components::Shape`], the sphere, plane or box of an entity; `src/trace/shapes` intersects it.
-//! - *Material*: [`components::Material`], the appearance of a shape; `src/trace/light` shades it.
+//! - *Material*: [`components::Material`], the appearance of a shape; `src/trace/shading` shades it.
 //! - *Light*: [`components::Light`], a point, spot, directional or area light.
 //! - *Systems*: [`systems`], the functions that run for each frame; [`Engine::add_system`] adds custom ones.
 //! - *Tracer*: `src/systems/trace.rs`, the last system, which renders the prepared world with the kernel.

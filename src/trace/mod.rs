@@ -5,7 +5,7 @@
 //!
 //! The files, in the order in which a camera ray passes through them:
 //!
-//! 1. `job` distributes the picture's tiles over all threads. `stages/sample` traces one sample of each of a tile's pixels through the
+//! 1. `render/job` distributes the picture's tiles over all threads. `stages/sample` traces one sample of each of a tile's pixels through the
 //!    stages, each a function over the arrays in `stages/buffers`: memory does not grow with the number of samples. Rays and their data are in
 //!    packets of sixteen (`rays/packet`); `math/lanes` has the arithmetic on lanes. Lanes that packets leave undecided, because of an
 //!    ambiguous comparison, coincident hits or a number out of range, are decided by the code for single rays, which defines the correct
@@ -19,26 +19,26 @@
 //!    defined in `shapes`.
 //! 4. `stages/surfaces` refines hits to surface points with `packet/refine`, where lighting, a medium or secondary rays need them, and adds
 //!    ambient light.
-//! 5. `stages/direct_light` loops over the lights. `light/direct_packet` computes the unoccluded contribution of a light at each surface
-//!    point, `light/direct` for a single lane; `light/area_light_samples` chooses the sample points on area lights. `stages/shadows` traces the
+//! 5. `stages/direct_light` loops over the lights. `shading/direct_packet` computes the unoccluded contribution of a light at each surface
+//!    point, `shading/direct` for a single lane; `shading/area_light_samples` chooses the sample points on area lights. `stages/shadows` traces the
 //!    shadow rays, with `packet/occlusion` and, through transparent shapes, `packet/crossings`; single rays with `query/occlusion` and
-//!    `query/crossings`. `stages/clear_shadows` attenuates the light by transparent shapes, `light/transmission` for single rays. The light
+//!    `query/crossings`. `stages/clear_shadows` attenuates the light by transparent shapes, `shading/transmission` for single rays. The light
 //!    that remains is added. The possible occluders between a tile and a light that is not directional are collected once for all samples of
 //!    the light, by `packet/candidates` and `bvh/beam`.
-//! 6. `stages/sums` adds the radiance of each ray to its pixel, in the order of the wavefront, after attenuation by fog and media along the
-//!    ray (`light/passage_packet`). A tile's pixels are stored by packet of its camera rays, and light is added to them lane by lane.
-//! 7. `stages/next_rays` spawns reflected and refracted rays, with `light/secondary_packet` and `light/refraction_packet`, and
-//!    `light/secondary` for single lanes: the queue of the next bounce (`stages/generation`). `stages/select` drops the rays whose
-//!    contribution is negligible, by the bounds in `light/contribution` and, if samples can have several rays, by the state of all of them in
-//!    `stages/trees`. The others continue at 3. `stages/packing` compacts them into wavefronts: packets with enough active lanes are kept, the
+//! 6. `stages/accumulate` adds the radiance of each ray to its pixel, in the order of the wavefront, after attenuation by fog and media along the
+//!    ray (`shading/passage_packet`). A tile's pixels are stored by packet of its camera rays, and light is added to them lane by lane.
+//! 7. `stages/next_rays` spawns reflected and refracted rays, with `shading/secondary_packet` and `shading/refraction_packet`, and
+//!    `shading/secondary` for single lanes: the queue of the next bounce (`stages/ray_queue`). `stages/cutoff` drops the rays whose
+//!    contribution is negligible, by the bounds in `shading/contribution` and, if samples can have several rays, by the state of all of them in
+//!    `stages/trees`. The others continue at 3. `stages/compaction` compacts them into wavefronts: packets with enough active lanes are kept, the
 //!    rays of others are merged.
-//! 8. `job` sums samples in the order of their indices (`tile_light`), in `f64`, in which the mean of equal samples is exactly their
-//!    value. `film` holds the result; a single sample is stored there directly. If a picture has an error target, `adaptive` evaluates the
+//! 8. `render/job` sums samples in the order of their indices (`render/accumulator`), in `f64`, in which the mean of equal samples is exactly their
+//!    value. `render/film` holds the result; a single sample is stored there directly. If a picture has an error target, `render/adaptive` evaluates the
 //!    sums between rounds and chooses the pixels that get more samples.
 //!
-//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `light`, `packet` <- `stages`. `scene` holds the
-//! scene data, `query` the queries of single rays, `packet` the queries of ray packets, and `light` the light transport, which `stages` and
-//! `reference` share.
+//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `shading`, `packet` <- `stages` <- `render`. `scene` holds the
+//! scene data, `query` the queries of single rays, `packet` the queries of ray packets, `shading` the light transport, which `stages` and
+//! `reference` share, and `render` the pictures made of samples.
 //!
 //! # Effects
 //!
@@ -55,12 +55,12 @@
 //!
 //! # Passes
 //!
-//! Besides radiance, `passes` computes the depth, normal, position and other values of the ray through each pixel's centre, for other
+//! Besides radiance, `render/passes` computes the depth, normal, position and other values of the ray through each pixel's centre, for other
 //! programs.
 //!
 //! # Fingerprints
 //!
-//! Everything that the kernel receives for a frame, and nothing else, determines the frame's fingerprint (`frame_fingerprint`): frames with
+//! Everything that the kernel receives for a frame, and nothing else, determines the frame's fingerprint (`render/fingerprint`): frames with
 //! equal fingerprints have equal pixels, at any time and on any machine. [`SEMANTICS`] counts the changes in the meaning of numbers.
 //!
 //! # Reference path
@@ -70,52 +70,43 @@
 //!
 #![doc = include_str!("numerics.md")]
 
-mod adaptive;
 mod bvh;
 mod effects;
-mod film;
-mod frame_fingerprint;
-mod light;
 #[doc(hidden)]
 pub mod math;
 mod packet;
-mod passes;
 mod query;
 mod rays;
 #[doc(hidden)]
 pub mod reference;
-mod render_job;
+mod render;
 mod render_stats;
 mod scene;
+mod shading;
 #[doc(hidden)]
 pub mod shapes;
 mod stages;
 #[cfg(test)]
 mod tests;
-mod tile_accumulator;
-mod tile_work;
-mod visibility;
-mod work_queue;
 
-pub(crate) use adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
-pub use adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
-pub use film::{EncodedFilm, Film, RenderedImage};
-pub(crate) use frame_fingerprint::{FrameConstants, FrameHasher};
-pub use frame_fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
 pub use math::PixelSampling;
-pub use passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use query::Escalations;
-pub use render_job::{RenderJob, RenderProgress};
-pub(crate) use render_job::{SampleMemory, SamplePlan};
+pub(crate) use render::adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
+pub use render::adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
+pub use render::film::{EncodedFilm, Film, RenderedImage};
+pub(crate) use render::fingerprint::{FrameConstants, FrameHasher};
+pub use render::fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
+pub use render::job::{RenderJob, RenderProgress};
+pub(crate) use render::job::{SampleMemory, SamplePlan};
+pub use render::passes::{Pass, PassPixel, Passes, UnknownPass};
+pub use render::tile_work::Signals;
 pub use render_stats::{RayCounts, TreeEnds};
 pub use scene::{Precision, PreparedCamera};
-pub use tile_work::Signals;
 
 // Items for tests, benchmarks and explanations of pixels; not part of the library's interface.
 #[doc(hidden)]
 pub use {
     effects::{Effects, Lighting, Paths},
-    light::Boundary,
     math::{BoundedT, SimdLevel},
     query::{CastHit, CastRay, ShapeHit, SurfacePoint},
     rays::{PreparedRay, ShapeId},
@@ -125,5 +116,6 @@ pub use {
         PreparedBackground, PreparedChecker, PreparedFalloff, PreparedFog, PreparedLight, PreparedScene,
         PreparedShape, Refraction, SceneChanges, ShapeChange, SurfaceMaterial,
     },
+    shading::Boundary,
     shapes::{Bounds, RefinedHit},
 };

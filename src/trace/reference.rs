@@ -4,21 +4,23 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::adaptive::{Adaptive, PacketSums, PixelMemory, SampleSums, SharedRoundPolicy, block};
 use crate::trace::effects::{Effects, Lighting};
-use crate::trace::film::{self, Film, RenderedImage};
-use crate::trace::light::{
+use crate::trace::math::{LANES, PixelSampling};
+use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
+use crate::trace::rays::{PreparedRay, RayView, ShapeId};
+use crate::trace::render::adaptive::{
+    Adaptive, PacketSums, PixelMemory, SampleSums, SharedRoundPolicy, block,
+};
+use crate::trace::render::film::{self, Film, RenderedImage};
+use crate::trace::render::job::SamplePlan;
+use crate::trace::render::visibility::{hidden_images, reference_features};
+use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedScene, SIDE};
+use crate::trace::shading::{
     ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
     SecondaryRays, ShadingPoint, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, sample_light,
     secondary_rays,
 };
-use crate::trace::math::{LANES, PixelSampling};
-use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
-use crate::trace::rays::{PreparedRay, RayView, ShapeId};
-use crate::trace::render_job::SamplePlan;
-use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedScene, SIDE};
 use crate::trace::stages::{Portion, Tile};
-use crate::trace::visibility::{hidden_images, reference_features};
 
 /// All rays of one sample of a pixel, breadth first.
 #[derive(Clone, Debug, PartialEq)]

@@ -146,3 +146,21 @@ fn documentation_in_sources_links_to_no_files() {
         assert_eq!(files, [""; 0], "{}", source.display());
     }
 }
+
+/// Checks the files that the kernel's documentation names, as `stages/shadows`.
+#[test]
+fn files_named_by_the_kernel_s_documentation_exist() {
+    let kernel = root().join("src/trace");
+    let text = fs::read_to_string(kernel.join("mod.rs")).unwrap();
+    let is_path = |name: &&str| {
+        name.contains('/') && name.bytes().all(|byte| byte.is_ascii_lowercase() || b"_/".contains(&byte))
+    };
+    let named: Vec<&str> = text.split('`').skip(1).step_by(2).filter(is_path).collect();
+    assert!(named.len() > 20);
+    let is_missing = |name: &&&str| {
+        !kernel.join(format!("{name}.rs")).exists()
+            && !kernel.join(name).exists()
+            && !root().join(name).exists()
+    };
+    assert_eq!(named.iter().filter(is_missing).collect::<Vec<_>>(), <[&&str; 0]>::default());
+}

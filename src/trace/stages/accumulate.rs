@@ -6,12 +6,12 @@ use super::buffers::TileBuffers;
 use super::tile::PACKETS;
 use super::wavefront::Wavefront;
 use crate::color::Rgb;
-use crate::trace::light::{Absorbers, PassageLanes, RenderContext, held};
 use crate::trace::math::{
     Colors, LANES, Numbers, bits, bits16, half_lanes, half_of, lanes, mask, mask16, splat,
 };
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::RayPacket;
+use crate::trace::shading::{Absorbers, PassageLanes, RenderContext, held};
 
 /// Adds the radiance of each ray to its pixel, ray by ray in the order of the wavefront. Multiplies the throughput of each ray by the
 /// transmittance along it.

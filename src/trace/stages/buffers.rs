@@ -11,12 +11,12 @@ use super::tile_sampler::TileSampler;
 use super::trees::Trees;
 use super::wavefront::Wavefront;
 use crate::color::Rgb;
-use crate::trace::light::{AreaLightSamples, ErrorBudget, LightSamplePacket, LightScratch, RenderContext};
 use crate::trace::math::{Colors, Vectors};
 use crate::trace::packet::{Candidates, PacketScratch};
 use crate::trace::query::{HitPacket, Naive, Scratch, SurfacePacket};
 use crate::trace::rays::ShapeId;
 use crate::trace::render_stats::{RayCounts, RenderStats, StageCounts, TreeEnds};
+use crate::trace::shading::{AreaLightSamples, ErrorBudget, LightSamplePacket, LightScratch, RenderContext};
 
 /// The data that stages pass on while they trace the rays of a tile, bounce by bounce.
 #[derive(Debug)]

@@ -7,8 +7,8 @@ use super::slots::Sample;
 use super::tile::{PACKETS, PIXELS};
 use super::tile_sampler::TileSampler;
 use super::wavefront::{RayOrigin, Wavefront};
-use crate::trace::light::PathPacket;
 use crate::trace::math::lanes;
+use crate::trace::shading::PathPacket;
 
 /// Generates the wavefront of camera rays. A camera at a non-finite position has no rays: its pixels see the background.
 pub(super) fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {

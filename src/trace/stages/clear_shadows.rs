@@ -10,11 +10,11 @@ use fearless_simd::{dispatch, f32x16, prelude::*};
 use super::buffers::TileBuffers;
 use super::slots::Sample;
 use crate::color::Rgb;
-use crate::trace::light::{LightSamplePacket, MediumStack, PathPacket, filtered_along, transmittances};
 use crate::trace::math::{lanes, mask16};
 use crate::trace::packet::CrossedPacket;
 use crate::trace::query::HitPacket;
 use crate::trace::scene::{PreparedLight, PreparedScene};
+use crate::trace::shading::{LightSamplePacket, MediumStack, PathPacket, filtered_along, transmittances};
 
 /// Attenuates the light along the shadow rays `lit` of a packet by the transparent shapes in `packet_scratch.crossed`.
 pub(super) fn weaken(

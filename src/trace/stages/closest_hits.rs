@@ -3,10 +3,10 @@
 use super::buffers::TileBuffers;
 use super::tile::PACKETS;
 use super::wavefront::RayOrigin;
-use crate::trace::light::RenderContext;
 use crate::trace::math::lanes;
 use crate::trace::packet::{bundle_hits, closest_hits as packet_hits, lens_hits};
 use crate::trace::scene::Precision;
+use crate::trace::shading::RenderContext;
 
 /// Finds the closest hits of the wavefront. Rays that start at one point or on a lens are traced together, others packet by packet. Lanes that
 /// remain undecided are traced as single rays, with the same result.

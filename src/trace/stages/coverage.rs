@@ -4,8 +4,8 @@ use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
 use super::tile::PACKETS;
-use crate::trace::light::{Absorbers, RenderContext};
 use crate::trace::math::{LANES, lanes};
+use crate::trace::shading::{Absorbers, RenderContext};
 
 /// Records the pixels whose camera rays, the wavefront, hit a shape or lose light on their way, if recording is enabled. All other pixels see
 /// the unattenuated background.

@@ -4,8 +4,8 @@ use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
 use super::tile::TILE_PIXELS;
-use crate::trace::light::{BranchPacket, LARGEST_TREE, RenderContext};
 use crate::trace::math::{WHOLE, lanes};
+use crate::trace::shading::{BranchPacket, LARGEST_TREE, RenderContext};
 
 /// Makes the spawned rays the current bounce, without the rays that are not traced: those whose contribution is negligible, and those beyond
 /// the last bounce or the maximum number of rays per sample. `generations` is the number of bounces left, including this one; it is 0 if these

@@ -7,9 +7,9 @@ use glam::DVec3;
 use super::buffers::TileBuffers;
 use super::shadows::shadows;
 use super::slots::Sample;
-use crate::trace::light::{LightSamplePacket, SampleId, ShadingPacket, sample_light_lanes};
 use crate::trace::math::{Colors, PixelSamples, Vectors, mask, mask16};
 use crate::trace::scene::PreparedLight;
+use crate::trace::shading::{LightSamplePacket, SampleId, ShadingPacket, sample_light_lanes};
 
 /// Adds the light of each source that the wavefront's surface points scatter back along their rays.
 pub(super) fn direct_light(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {

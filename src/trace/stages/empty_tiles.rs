@@ -14,10 +14,10 @@ use super::slots::Sample;
 use super::tile::{PACKETS, Tile};
 use crate::color::Rgb;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
-use crate::trace::light::RenderContext;
 use crate::trace::math::{Colors, Vectors, lanes};
 use crate::trace::query::Scratch;
 use crate::trace::scene::{Precision, PreparedBackground, PreparedCamera, SIDE};
+use crate::trace::shading::RenderContext;
 
 /// Fills a tile's pixels with the background's colour if their rays certainly hit nothing. Otherwise, or if the colour of such rays needs more
 /// work, changes nothing and returns `false`.

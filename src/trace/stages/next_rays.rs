@@ -5,8 +5,8 @@ use fearless_simd::dispatch;
 use super::buffers::TileBuffers;
 use super::compaction::fill;
 use super::ray_queue::UntracedRay;
-use crate::trace::light::{RenderContext, branch_lanes, secondary_rays};
 use crate::trace::math::{LANES, lanes};
+use crate::trace::shading::{RenderContext, branch_lanes, secondary_rays};
 
 /// Spawns the secondary rays of the wavefront's surfaces.
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::light::BranchPacket;
 use crate::trace::math::{LANES, lanes};
 use crate::trace::rays::CoincidentHits;
+use crate::trace::shading::BranchPacket;
 
 /// A queue of secondary rays, in packets that may have inactive lanes. A packet has at most one ray per slot. Packets are in the order in
 /// which light is accumulated: reflected rays precede the refracted rays with the same parents.

@@ -12,7 +12,7 @@ use super::next_rays::{fill_wave, give_up, next_rays};
 use super::slots::{Sample, Slots};
 use super::surfaces::surfaces;
 use super::tile::Tile;
-use crate::trace::light::RenderContext;
+use crate::trace::shading::RenderContext;
 
 /// Traces the samples in a tile's slots into `buffers`. Returns `false` if cancelled; the buffers are then incomplete. All searches and long
 /// stages check for cancellation.

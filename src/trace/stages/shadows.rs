@@ -5,10 +5,10 @@ use glam::DVec3;
 use super::buffers::TileBuffers;
 use super::clear_shadows::weaken;
 use super::slots::Sample;
-use crate::trace::light::visibility;
 use crate::trace::math::{HALF, lanes};
 use crate::trace::packet::{LightBox, LitPoints, Occluders, Occlusion, ShadowPacket, WaysToLight, occluded};
 use crate::trace::scene::{LightSource, Precision, PreparedLight};
+use crate::trace::shading::visibility;
 
 /// Traces the shadow rays of a light sample. Drops occluded contributions, and attenuates those that pass through transparent shapes. `place`
 /// is the index of the light among the enabled lights.

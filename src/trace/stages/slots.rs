@@ -4,8 +4,8 @@
 //! of a pixel have adjacent slots, in as few packets as possible, so that packets are full and their rays are coherent.
 
 use super::tile::{PACKETS, PIXELS, TILE_PIXELS, Tile};
-use crate::trace::light::RenderContext;
 use crate::trace::math::LANES;
+use crate::trace::shading::RenderContext;
 
 /// The input of all stages.
 pub(super) struct Sample<'a> {

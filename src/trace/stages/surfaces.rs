@@ -6,12 +6,12 @@ use super::buffers::TileBuffers;
 use super::material_flags::MaterialFlags;
 use super::tile::PACKETS;
 use super::wavefront::Wavefront;
-use crate::trace::light::{MediumStack, RenderContext, ambient};
 use crate::trace::math::{Colors, lanes};
 use crate::trace::packet::refine;
 use crate::trace::query::{HitPacket, SurfacePacket, SurfacePoint};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::{PreparedBackground, SurfaceMaterial};
+use crate::trace::shading::{MediumStack, RenderContext, ambient};
 
 /// Computes the surface points of the wavefront's hits, and the radiance that does not come from light sources: background and ambient light.
 pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {

@@ -2,11 +2,11 @@
 
 use super::slots::Slots;
 use super::tile::{PACKETS, Tile};
-use crate::trace::light::RenderContext;
 use crate::trace::math::LANES;
 use crate::trace::packet::LensCandidates;
 use crate::trace::query::Scratch;
 use crate::trace::scene::{Precision, SpreadKeys};
+use crate::trace::shading::RenderContext;
 
 /// The sampling keys and lens candidates of a tile's slots, reused while batches have the same pixels in the same slots.
 #[derive(Debug)]

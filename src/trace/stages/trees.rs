@@ -5,8 +5,8 @@ use fearless_simd::dispatch;
 
 use super::ray_queue::SentPacket;
 use super::tile::TILE_PIXELS;
-use crate::trace::light::{ErrorBudget, RadianceBound};
 use crate::trace::math::{LANES, SimdLevel, lanes};
+use crate::trace::shading::{ErrorBudget, RadianceBound};
 
 /// The state of the ray trees of a tile's samples, by slot.
 #[derive(Clone, Debug, Default)]
@@ -103,8 +103,8 @@ mod tests {
     use super::super::ray_queue::RayQueue;
     use super::*;
     use crate::color::Rgb;
-    use crate::trace::light::{MediumStack, PathState, TreeRay};
     use crate::trace::scene::{Geometry, PreparedScene};
+    use crate::trace::shading::{MediumStack, PathState, TreeRay};
     use crate::trace::{PreparedBackground, PreparedRay};
 
     proptest! {

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::tile::{PACKETS, PIXELS};
-use crate::trace::light::{BranchPacket, PathPacket};
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
+use crate::trace::shading::{BranchPacket, PathPacket};
 
 /// Packets of rays, in the order in which their light is accumulated. A packet has at most one ray per slot. A bounce with more rays than fit
 /// is split into several wavefronts, so that memory does not grow with it.

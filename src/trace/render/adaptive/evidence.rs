@@ -5,8 +5,8 @@ use super::needs::Gain;
 use super::output_curve::OutputCurve;
 use crate::color::ErrorNorm;
 use crate::trace::math::{LANES, WHOLE, lanes};
+use crate::trace::render::visibility::Feature;
 use crate::trace::stages::TILE;
-use crate::trace::visibility::Feature;
 
 /// The sums of the samples of a packet's pixels.
 #[derive(Clone, Copy, Debug)]

@@ -1,10 +1,10 @@
-//! Light intensities and highlights at sixteen shading points: the operations of [`intensity`](super::shading::intensity) and
-//! [`specular`](super::shading::specular), in the same order.
+//! Light intensities and highlights at sixteen shading points: the operations of [`intensity`](super::terms::intensity) and
+//! [`specular`](super::terms::specular), in the same order.
 
 use fearless_simd::{f32x16, prelude::*};
 
 use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normals};
-use super::shading::half_cosine;
+use super::terms::half_cosine;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{F64s, LANES, Numbers, dot, half_of, lanes, negative, pow, splat, splat3};

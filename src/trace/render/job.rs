@@ -6,21 +6,21 @@ use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 use crate::color::{Encoding, Linear, Rgb};
-use crate::trace::adaptive::{
+use crate::trace::effects::Effects;
+use crate::trace::math::{Colors, LANES, Numbers, PixelSampling, SimdLevel, Vectors};
+use crate::trace::query::{Naive, Scratch};
+use crate::trace::render::accumulator::{NO_SUMS, TileAccumulator, TileSamples, TileSums, means};
+use crate::trace::render::adaptive::{
     Adaptive, ErrorTarget, EstimatedError, InstantOrder, PacketSums, PixelMemory, SampleSums,
     SharedRoundPolicy, block,
 };
-use crate::trace::effects::Effects;
-use crate::trace::film::{self, Film, RenderedImage};
-use crate::trace::light::RenderContext;
-use crate::trace::math::{Colors, LANES, Numbers, PixelSampling, SimdLevel, Vectors};
-use crate::trace::query::{Naive, Scratch};
+use crate::trace::render::film::{self, Film, RenderedImage};
+use crate::trace::render::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
+use crate::trace::render::visibility::{self, FeatureScratch};
 use crate::trace::render_stats::RenderStats;
 use crate::trace::scene::{PreparedCamera, PreparedScene};
+use crate::trace::shading::RenderContext;
 use crate::trace::stages::{PACKETS, Slots, TILE, Tile, TileLanes};
-use crate::trace::tile_accumulator::{NO_SUMS, TileAccumulator, TileSamples, TileSums, means};
-use crate::trace::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
-use crate::trace::visibility::{self, FeatureScratch};
 
 /// A picture being rendered: samples are added instant by instant, then resolved to a film. An interrupted job can be continued later and
 /// yields the same bits.

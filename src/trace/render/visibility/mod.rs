@@ -29,11 +29,11 @@ use glam::{DVec2, DVec3};
 
 use crate::color::to_f32;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
-use crate::trace::light::most_radiance;
 use crate::trace::math::{LANES, Vectors, WHOLE, lanes};
 use crate::trace::query::Scratch;
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
+use crate::trace::shading::most_radiance;
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use hidden::{Image, hidden_images};
 use outline::{Covers, Outline, Squares, TileRays, where_less};

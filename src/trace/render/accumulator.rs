@@ -4,8 +4,8 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
 use crate::color::{Encoding, Rgb};
-use crate::trace::film::FilmTile;
 use crate::trace::math::{Colors, LANES, Numbers, Vectors, mask16};
+use crate::trace::render::film::FilmTile;
 use crate::trace::scene::Square;
 use crate::trace::stages::{PACKETS, Slots, Tile, TileLanes};
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 
 use super::dielectric::{Boundary, incidence, mirrored};
-use super::shading::{half_cosine, length, over};
+use super::terms::{half_cosine, length, over};
 use crate::trace::math::Real;
 use crate::trace::math::same_bits::{Formulas, compare};
 use crate::trace::scene::{Cone, PreparedFalloff, on_rectangle, on_sphere};

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::trace::light::most_radiance;
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::{PreparedCamera, PreparedScene};
+use crate::trace::shading::most_radiance;
 use crate::trace::shapes::Bounds;
 
 /// The image of a shape in another one.

@@ -7,14 +7,14 @@ use std::sync::{Mutex, PoisonError};
 
 use fearless_simd::dispatch;
 
+use super::accumulator::{TileAccumulator, TileSamples};
 use super::adaptive::Adaptive;
-use super::light::RenderContext;
-use super::query::Naive;
-use super::render_stats::RenderStats;
-use super::stages::{Portion, Slots, Tile, TileBuffers, render_sample};
-use super::tile_accumulator::{TileAccumulator, TileSamples};
 use super::visibility::{self, FeatureScratch, TileFeatures};
 use super::work_queue::WorkQueue;
+use crate::trace::query::Naive;
+use crate::trace::render_stats::RenderStats;
+use crate::trace::shading::RenderContext;
+use crate::trace::stages::{Portion, Slots, Tile, TileBuffers, render_sample};
 
 /// Signals that end tracing early.
 #[derive(Clone, Copy)]
@@ -51,32 +51,32 @@ impl fmt::Debug for Signals<'_> {
 
 /// The progress of a tile.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TileProgress {
-    pub(super) tile: Tile,
+pub(in crate::trace) struct TileProgress {
+    pub(in crate::trace) tile: Tile,
     /// Samples per pixel so far or, with adaptive sampling, batches of the current instant.
-    pub(super) batches: u32,
+    pub(in crate::trace) batches: u32,
     /// True if the tile has any sample.
-    pub(super) is_seen: bool,
+    pub(in crate::trace) is_seen: bool,
 }
 
 /// Samples to add to tiles.
-pub(super) struct TileWork<'a> {
-    pub(super) context: &'a RenderContext<'a>,
-    pub(super) naive: Option<&'a Naive>,
-    pub(super) signals: Signals<'a>,
+pub(in crate::trace) struct TileWork<'a> {
+    pub(in crate::trace) context: &'a RenderContext<'a>,
+    pub(in crate::trace) naive: Option<&'a Naive>,
+    pub(in crate::trace) signals: Signals<'a>,
     /// Samples of every pixel, without adaptive sampling.
-    pub(super) everywhere: Range<u32>,
-    pub(super) adaptive: Option<&'a Adaptive>,
-    pub(super) instant: u32,
-    pub(super) finds_features: bool,
+    pub(in crate::trace) everywhere: Range<u32>,
+    pub(in crate::trace) adaptive: Option<&'a Adaptive>,
+    pub(in crate::trace) instant: u32,
+    pub(in crate::trace) finds_features: bool,
 }
 
 /// The features found, tile by tile.
-pub(super) type FoundFeatures = Vec<(Tile, Box<TileFeatures>)>;
+pub(in crate::trace) type FoundFeatures = Vec<(Tile, Box<TileFeatures>)>;
 
 impl TileWork<'_> {
     /// Adds samples to all tiles on all threads. Returns render statistics, whether all samples were added, and the features found.
-    pub(super) fn add<'t, L: TileAccumulator>(
+    pub(in crate::trace) fn add<'t, L: TileAccumulator>(
         &self,
         tiles: impl Iterator<Item = (&'t mut TileProgress, L)> + Send,
         count: usize,

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::direct::{SampleId, ShadingPoint, sample_light};
 use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normal};
-use super::shading_packet::{add_highlights, intensities};
+use super::terms_packet::{add_highlights, intensities};
 use crate::trace::effects::Effects;
 use crate::trace::math::{
     F64s, F64s3, Mask, Numbers, Scaled, bits, bits16, dot, finite3, half_of, lanes, scaled, scaled_lanes,

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// Items shared by several threads.
 #[derive(Debug)]
-pub(super) struct WorkQueue<I> {
+pub(in crate::trace) struct WorkQueue<I> {
     items: Mutex<RemainingItems<I>>,
     threads: usize,
 }
@@ -21,12 +21,12 @@ struct RemainingItems<I> {
 
 impl<I: Iterator> WorkQueue<I> {
     /// Creates a queue of `count` items for `threads` threads, at least one.
-    pub(super) fn new(items: I, count: usize, threads: usize) -> Self {
+    pub(in crate::trace) fn new(items: I, count: usize, threads: usize) -> Self {
         Self { items: Mutex::new(RemainingItems { rest: items, count }), threads }
     }
 
     /// Appends the next share to `list`. Returns `false` if nothing is left.
-    pub(super) fn take_share(&self, list: &mut Vec<I::Item>) -> bool {
+    pub(in crate::trace) fn take_share(&self, list: &mut Vec<I::Item>) -> bool {
         /// The number of shares into which each thread's part of the remaining items is divided.
         const SHARES: usize = 4;
         const LONGEST: usize = 16;

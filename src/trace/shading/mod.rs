@@ -15,8 +15,8 @@ mod refraction_packet;
 mod scratch;
 mod secondary;
 mod secondary_packet;
-mod shading;
-mod shading_packet;
+mod terms;
+mod terms_packet;
 #[cfg(test)]
 mod tests;
 mod transmission;
@@ -34,5 +34,5 @@ pub(crate) use path_packet::PathPacket;
 pub(crate) use scratch::LightScratch;
 pub(crate) use secondary::{LARGEST_TREE, PathState, SecondaryRays, TreeRay, secondary_rays};
 pub(crate) use secondary_packet::{BranchPacket, branch_lanes};
-pub(crate) use shading::{ambient, held};
+pub(crate) use terms::{ambient, held};
 pub(crate) use transmission::{filtered_along, filtered_and_absorbed, visibility};

@@ -11,9 +11,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::color::Transfer;
-use crate::trace::adaptive::ErrorTarget;
 use crate::trace::effects::Lighting;
 use crate::trace::math::{Bytes, PixelSampling};
+use crate::trace::render::adaptive::ErrorTarget;
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 
 /// The version of the semantics of prepared numbers. A change after which the same numbers give another picture must increment it: frames

@@ -7,7 +7,7 @@ use super::dielectric::{Boundary, incidence};
 use super::light_sample_packet::facing_normals;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
-use super::shading::{length, over};
+use super::terms::{length, over};
 use crate::trace::math::{LANES, Numbers, Vectors, bits, half_lanes, half_of, lanes, mask, moderate, splat};
 use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::shading::{diffuse, intensity, length, specular};
+use super::terms::{diffuse, intensity, length, specular};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::{Dimension, PixelSamples, scaled};
