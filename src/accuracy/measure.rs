@@ -131,7 +131,7 @@ impl Measurer<'_> {
         let pictures = pictures.max(2);
         let plan = self.plan()?;
         let own = OwnSettings { sampling: self.engine.sampling(), quality: self.engine.quality() };
-        let most = if own.sampling.max_error > 0.0 { samples } else { samples.max(own.sampling.samples) };
+        let most = if own.sampling.is_adaptive() { samples } else { samples.max(own.sampling.samples) };
         let reach = SweepRange {
             samples: most,
             most: most.saturating_mul(factor).min(Sampling::LARGEST_COUNT),
@@ -151,7 +151,7 @@ impl Measurer<'_> {
             resolution: Resolution::default(),
             orders: Vec::new(),
             rounds,
-            own_samples: if own.sampling.max_error > 0.0 { 0 } else { own.sampling.samples },
+            own_samples: if own.sampling.is_adaptive() { 0 } else { own.sampling.samples },
         };
         report.conclude();
         Ok(report)
@@ -240,7 +240,7 @@ impl Measurer<'_> {
 
     /// Estimates the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
     fn foresee(&mut self, rows: &[(Subject, RenderSettings)], own: OwnSettings, rounds: u32, reference: u32) {
-        let own = if own.sampling.max_error > 0.0 { ADAPTIVE } else { own.sampling.samples };
+        let own = if own.sampling.is_adaptive() { ADAPTIVE } else { own.sampling.samples };
         self.work.own = own;
         let of_rows: f64 = rows.iter().map(|(_, settings)| samples(settings, own)).sum();
         let between = f64::from(own) * (rows.len().div_ceil(BETWEEN) + 1) as f64;

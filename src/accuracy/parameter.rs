@@ -180,9 +180,7 @@ fn values(
     let powers =
         |most: u32| (0..32).map(|exponent| 1_u32 << exponent).take_while(move |power| *power <= most);
     let (mut values, own): (Vec<f64>, f64) = match parameter {
-        Parameter::Samples if sampling.max_error > 0.0 => {
-            (powers(reach.samples).map(f64::from).collect(), 0.0)
-        }
+        Parameter::Samples if sampling.is_adaptive() => (powers(reach.samples).map(f64::from).collect(), 0.0),
         Parameter::Samples => (powers(reach.samples).map(f64::from).collect(), sampling.samples.into()),
         Parameter::MaxError => (vec![0.25, 0.5, 1.0, 2.0, 4.0], sampling.max_error.into()),
         Parameter::LightSamples => (powers(reach.light_samples).map(f64::from).collect(), 0.0),

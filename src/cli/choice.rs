@@ -114,13 +114,13 @@ impl SampleSelection {
     }
 
     /// Configures the engine for checking whether the file of a frame can be kept.
-    pub(super) fn begin(&mut self, engine: &mut Engine, shot: &FrameRequest) {
+    pub(super) fn begin(&mut self, engine: &mut Engine, request: &FrameRequest) {
         self.begun = Instant::now();
         self.samples = match &self.by {
             By::Scene => None,
             By::Error(samples) => Some(samples.clone()),
-            By::Deadline(_) => self.record.as_ref().and_then(|record| record.of_deadline(shot)),
-            By::Settings(settings) => settings.samples_of(shot),
+            By::Deadline(_) => self.record.as_ref().and_then(|record| record.of_deadline(request)),
+            By::Settings(settings) => settings.samples_of(request),
         };
         if let Some(samples) = &self.samples {
             samples.set_up(engine);
@@ -135,24 +135,24 @@ impl SampleSelection {
     }
 
     /// Records that the file of the frame was kept.
-    pub(super) fn keep(&mut self, shot: &FrameRequest) {
+    pub(super) fn keep(&mut self, request: &FrameRequest) {
         if let By::Deadline(paced) = &mut self.by {
             paced.keep();
         }
         if let Some(record) = &mut self.record {
-            record.note_kept(self.samples.clone(), shot);
+            record.note_kept(self.samples.clone(), request);
         }
     }
 
     /// Records the samples and the result of the rendered frame.
-    pub(super) fn end(&mut self, engine: &Engine, shot: &FrameRequest) -> anyhow::Result<()> {
+    pub(super) fn end(&mut self, engine: &Engine, request: &FrameRequest) -> anyhow::Result<()> {
         let took = self.begun.elapsed();
         if let By::Deadline(paced) = &mut self.by {
             paced.end();
         }
         let (Some(record), Some(samples)) = (&mut self.record, self.samples.take()) else { return Ok(()) };
         let rounds = matches!(self.by, By::Deadline(_)).then(|| engine.report().rounds.clone());
-        record.note(engine, FrameSamples { rounds, ..samples }, shot, took);
+        record.note(engine, FrameSamples { rounds, ..samples }, request, took);
         record.write_if_due()
     }
 
@@ -212,22 +212,22 @@ impl Record {
         &mut self,
         engine: &Engine,
         FrameSamples { samples, max_error, rounds }: FrameSamples,
-        shot: &FrameRequest,
+        request: &FrameRequest,
         took: Duration,
     ) {
         let (film, report) = (engine.film_settings(), engine.report());
         if let Some(EstimatedError { value, hidden, .. }) = report.error.filter(|_| rounds.is_none()) {
             if value > f64::from(max_error) {
-                self.worse.push((shot.moment(), value));
+                self.worse.push((request.moment(), value));
             } else if value.hypot(hidden) > f64::from(max_error) {
-                self.hidden.push((shot.moment(), hidden));
+                self.hidden.push((request.moment(), hidden));
             }
         }
         let error = report.error.map(|error| error.value);
-        self.noted.insert(PictureKey::of_shot(shot));
+        self.noted.insert(PictureKey::of_request(request));
         self.settings.put(FrameRecord {
-            frame: shot.frame,
-            time: shot.time.seconds(),
+            frame: request.frame,
+            time: request.time.seconds(),
             samples,
             max_error,
             estimated_error: error,
@@ -239,18 +239,18 @@ impl Record {
     }
 
     /// Returns the recorded samples of a frame, if they were selected for the same deadline.
-    fn of_deadline(&self, shot: &FrameRequest) -> Option<FrameSamples> {
-        Some(self.settings.of_deadline(shot, self.deadline?)?.0)
+    fn of_deadline(&self, request: &FrameRequest) -> Option<FrameSamples> {
+        Some(self.settings.of_deadline(request, self.deadline?)?.0)
     }
 
     /// Records the samples of a kept frame. An existing entry stays unchanged.
-    fn note_kept(&mut self, samples: Option<FrameSamples>, shot: &FrameRequest) {
+    fn note_kept(&mut self, samples: Option<FrameSamples>, request: &FrameRequest) {
         let Some(FrameSamples { samples, max_error, rounds }) = samples else { return };
-        self.noted.insert(PictureKey::of_shot(shot));
-        if self.settings.samples_of(shot).is_none() {
+        self.noted.insert(PictureKey::of_request(request));
+        if self.settings.samples_of(request).is_none() {
             self.settings.put(FrameRecord {
-                frame: shot.frame,
-                time: shot.time.seconds(),
+                frame: request.frame,
+                time: request.time.seconds(),
                 samples,
                 max_error,
                 estimated_error: None,
@@ -332,8 +332,8 @@ fn ensure_unset(arguments: &RenderArguments) -> anyhow::Result<()> {
 /// Reads a settings file, which must cover every picture of this run.
 fn read(file: &Path, settings: &OutputSettings) -> anyhow::Result<SettingsFile> {
     let known = SettingsFile::read(file)?;
-    match settings.shots().find(|shot| known.samples_of(shot).is_none()) {
-        Some(shot) => Err(anyhow!("`{}` has no settings for {}", file.display(), shot.moment())),
+    match settings.requests().find(|request| known.samples_of(request).is_none()) {
+        Some(request) => Err(anyhow!("`{}` has no settings for {}", file.display(), request.moment())),
         None => Ok(known),
     }
 }

@@ -53,10 +53,10 @@ impl Paced {
         within: Duration,
         cancelled: &AtomicBool,
     ) -> Result<Option<Self>, Failure> {
-        let shots: Vec<FrameRequest> = settings.shots().collect();
+        let requests: Vec<FrameRequest> = settings.requests().collect();
         let (mut used, mut wanted, mut kept) = (0.0, Vec::new(), Vec::new());
-        for (place, shot) in shots.iter().enumerate() {
-            match kept_seconds(engine, shot, settings, known, within)? {
+        for (place, request) in requests.iter().enumerate() {
+            match kept_seconds(engine, request, settings, known, within)? {
                 Some(seconds) => {
                     used += seconds;
                     kept.push(place);
@@ -65,11 +65,11 @@ impl Paced {
             }
         }
         let within = within.saturating_sub(Duration::from_secs_f64(used));
-        let mut deadline = Deadline::new(start, within, shots.len());
+        let mut deadline = Deadline::new(start, within, requests.len());
         kept.into_iter().for_each(|place| deadline.keep(place));
         let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
         let Surveyed { files, quickest } =
-            survey(engine, &shots, &wanted, settings, folder.path(), &mut deadline, cancelled)?;
+            survey(engine, &requests, &wanted, settings, folder.path(), &mut deadline, cancelled)?;
         let least = if files.is_empty() { 0.0 } else { quickest * wanted.len() as f64 };
         require_time(least, wanted.len(), within, start.elapsed())?;
         if let Some(movie) = movie.filter(|_| !files.is_empty()) {
@@ -83,7 +83,7 @@ impl Paced {
             let one = encode(1)?;
             let each =
                 if files.len() > 1 { (encode(files.len())? - one) / (files.len() - 1) as f64 } else { 0.0 };
-            deadline.reserve(one + each.max(0.0) * (shots.len() - 1) as f64);
+            deadline.reserve(one + each.max(0.0) * (requests.len() - 1) as f64);
         }
         if cancelled.load(Ordering::Relaxed) {
             return Ok(None);
@@ -139,16 +139,16 @@ impl Paced {
 /// Returns the seconds that a frame took, if its file is valid and its samples were selected for the same deadline.
 fn kept_seconds(
     engine: &mut Engine,
-    shot: &FrameRequest,
+    request: &FrameRequest,
     settings: &OutputSettings,
     known: &SettingsFile,
     within: Duration,
 ) -> Result<Option<f64>, Failure> {
-    let known = known.of_deadline(shot, within.as_secs_f64()).filter(|_| settings.are_frames());
+    let known = known.of_deadline(request, within.as_secs_f64()).filter(|_| settings.are_frames());
     let Some((samples, seconds)) = known else { return Ok(None) };
     samples.set_up(engine);
     let OutputSettings { sequence, existing, .. } = settings;
-    let verdict = frame_verdict(engine, shot, &shot.file(sequence), sequence, *existing)?;
+    let verdict = frame_verdict(engine, request, &request.file(sequence), sequence, *existing)?;
     Ok((verdict == FrameVerdict::Whole).then_some(seconds))
 }
 
@@ -163,7 +163,7 @@ struct Surveyed {
 /// folder in the format of the sequence.
 fn survey(
     engine: &mut Engine,
-    shots: &[FrameRequest],
+    requests: &[FrameRequest],
     wanted: &[usize],
     settings: &OutputSettings,
     folder: &Path,
@@ -176,9 +176,9 @@ fn survey(
         if cancelled.load(Ordering::Relaxed) || (!surveyed.files.is_empty() && deadline.left() < end) {
             break;
         }
-        let (shot, format) = (shots[place], settings.sequence.format());
+        let (request, format) = (requests[place], settings.sequence.format());
         let name = format!("{place}");
-        let sequence = Sequence::new(folder.to_owned(), name, shot.frame.unwrap_or(0), format);
+        let sequence = Sequence::new(folder.to_owned(), name, request.frame.unwrap_or(0), format);
         let begun = Instant::now();
         // The first frame is surveyed for longer, to calibrate the estimates.
         let long = if surveyed.files.is_empty() { LONG * deadline.left() } else { 0.0 };
@@ -186,7 +186,7 @@ fn survey(
         let mut surveyor = Surveyor { survey, begun, first: 0.0, writing: 0.0, refused: None };
         render_frames(
             engine,
-            std::iter::once(shot),
+            std::iter::once(request),
             &sequence,
             Existing::Overwrite,
             cancelled,
@@ -202,7 +202,7 @@ fn survey(
             deadline.calibrate(calibration);
         }
         surveyed.quickest = surveyed.quickest.min(first);
-        surveyed.files.push(shot.file(&sequence));
+        surveyed.files.push(request.file(&sequence));
     }
     engine.set_round_policy(None);
     Ok(surveyed)

@@ -11,15 +11,10 @@ const LIGHT_SAMPLES: u32 = 4;
 
 /// Lowers the settings that cost time; raises none.
 pub(super) fn settings(engine: &Engine) -> RenderSettings {
-    let film = engine.film_settings();
-    let shrunk = |side: u32| (side / SHRINKING).max(1);
     RenderSettings {
-        size: Some((shrunk(film.width), shrunk(film.height))),
-        // A single sample is taken at one instant, through the centre of the lens.
-        samples: Some(1),
-        max_error: Some(0.0),
         depth: Some(engine.quality().depth.min(DEPTH)),
         max_light_samples: Some(LIGHT_SAMPLES),
-        ..engine.settings()
+        ..RenderSettings::draft(engine.film_settings(), SHRINKING)
     }
+    .or(engine.settings())
 }

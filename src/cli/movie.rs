@@ -131,8 +131,8 @@ pub(super) fn make(
     rate: FrameRate,
     cancelled: &AtomicBool,
 ) -> anyhow::Result<bool> {
-    let frames: Vec<u32> = settings.ascending().filter_map(|shot| shot.frame).collect();
-    let files = settings.ascending().map(|shot| shot.file(&settings.sequence)).collect();
+    let frames: Vec<u32> = settings.ascending().filter_map(|request| request.frame).collect();
+    let files = settings.ascending().map(|request| request.file(&settings.sequence)).collect();
     make_of(movie, files, settings.sequence.format(), played(rate, &frames), cancelled)
 }
 

@@ -12,7 +12,7 @@ use rayreel::sequence::{FrameRequest, FrameVerdict};
 use rayreel::trace::RenderProgress;
 
 use super::print;
-use super::report::{ShotReport, in_millions};
+use super::report::{RenderedFrameReport, in_millions};
 use super::settings::{OutputSettings, Telling};
 
 /// Reports finished frames and the progress of slow frames.
@@ -56,7 +56,7 @@ struct FrameTimes {
 /// A slow frame.
 #[derive(Clone, Copy, Debug)]
 struct SlowFrame {
-    shot: FrameRequest,
+    request: FrameRequest,
     begun: Instant,
     progress: RenderProgress,
 }
@@ -78,7 +78,7 @@ impl Progress {
     }
 
     /// Reports a frame whose file was kept.
-    pub(super) fn kept(&mut self, shot: &FrameRequest, file: &Path) {
+    pub(super) fn kept(&mut self, request: &FrameRequest, file: &Path) {
         self.times.done += 1;
         let FrameTimes { total, done, .. } = self.times;
         match &self.display {
@@ -86,8 +86,8 @@ impl Progress {
             Display::Details(_) => print::error_line(&format!("{done}/{total} {}: kept", file.display())),
             Display::Json => print::error_json(json!({
                 "event": "kept",
-                "frame": shot.frame,
-                "time": shot.time.seconds(),
+                "frame": request.frame,
+                "time": request.time.seconds(),
                 "file": file.display().to_string(),
                 "done": done,
                 "total": total,
@@ -104,19 +104,19 @@ impl Progress {
     }
 
     /// Reports the progress of a slow frame.
-    pub(super) fn rendering(&mut self, shot: &FrameRequest, progress: RenderProgress) {
+    pub(super) fn rendering(&mut self, request: &FrameRequest, progress: RenderProgress) {
         let now = Instant::now();
-        let begun = self.slow.filter(|slow| slow.shot == *shot).map_or(now, |slow| slow.begun);
-        self.slow = Some(SlowFrame { shot: *shot, begun, progress });
+        let begun = self.slow.filter(|slow| slow.request == *request).map_or(now, |slow| slow.begun);
+        self.slow = Some(SlowFrame { request: *request, begun, progress });
         match &self.display {
             Display::Bar(_) => self.draw(""),
             Display::Lines(pace) | Display::Details(pace) if pace.is_due_within(now) => {
-                print::error_line(&format!("{}: {}", shot.moment(), so_far(&progress)));
+                print::error_line(&format!("{}: {}", request.moment(), so_far(&progress)));
             }
             Display::Json => print::error_json(json!({
                 "event": "rendering",
-                "frame": shot.frame,
-                "time": shot.time.seconds(),
+                "frame": request.frame,
+                "time": request.time.seconds(),
                 "share": progress.share,
                 "samples_per_pixel": progress.samples,
                 "done": self.times.done,
@@ -127,9 +127,9 @@ impl Progress {
     }
 
     /// Reports a finished frame.
-    pub(super) fn done(&mut self, report: &ShotReport) {
+    pub(super) fn done(&mut self, report: &RenderedFrameReport) {
         self.times.note(report.seconds());
-        self.slow = self.slow.filter(|slow| !report.is_of(&slow.shot));
+        self.slow = self.slow.filter(|slow| !report.is_of(&slow.request));
         let rate = format!("{} rays/s", in_millions(report.rays_per_second()));
         let FrameTimes { total, done, .. } = self.times;
         let line = || format!("{done}/{total} {}: {:.3} s, {rate}", report.name(), report.seconds());
@@ -155,14 +155,15 @@ impl Progress {
     fn draw(&self, rate: &str) {
         let Display::Bar(bar) = &self.display else { return };
         let FrameTimes { total, done, .. } = self.times;
-        let slow = self.slow.map(|SlowFrame { shot, begun, progress }| (shot, begun.elapsed(), progress));
+        let slow =
+            self.slow.map(|SlowFrame { request, begun, progress }| (request, begun.elapsed(), progress));
         let share = slow.and_then(|(.., progress)| progress.share).unwrap_or(0.0);
         bar.set_position(steps(done as f64 + share));
         let in_hand = slow.map(|(_, taken, progress)| (taken.as_secs_f64(), progress.share));
         let left = self.times.left(in_hand);
         let words = [
             Some(format!("{done}/{total} frames")),
-            slow.map(|(shot, _, progress)| format!("{}: {}", shot.moment(), so_far(&progress))),
+            slow.map(|(request, _, progress)| format!("{}: {}", request.moment(), so_far(&progress))),
             (!rate.is_empty()).then(|| rate.to_owned()),
             left.map(|left| format!("{} left", FormattedDuration(left))),
         ];

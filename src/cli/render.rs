@@ -25,7 +25,7 @@ use super::movie;
 use super::overrides::load;
 use super::print;
 use super::progress::Progress;
-use super::report::{RenderReport, ShotReport};
+use super::report::{RenderReport, RenderedFrameReport};
 use super::settings::OutputSettings;
 use super::sheet;
 use super::stream;
@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
             return Err(interruption.failure());
         }
         let film = engine.film_settings();
-        let frames = settings.ascending().filter_map(|shot| shot.frame);
+        let frames = settings.ascending().filter_map(|request| request.frame);
         let remarks = movie::Remarks::new(movie, (film.width, film.height), engine.timeline(), frames);
         remarks.warnings.iter().for_each(|warning| warn(arguments, warning));
         remarks.notes.iter().for_each(|remark| note(arguments, remark));
@@ -147,7 +147,7 @@ fn tell(
     } else {
         report.warnings.tell(sources.as_ref());
     }
-    if !report.shots.is_empty() {
+    if !report.frames.is_empty() {
         note(arguments, &report.plan());
     }
     if let Some(changed) = report.changed.in_words() {
@@ -208,8 +208,8 @@ fn render_all(
     let unwritten = VecDeque::new();
     let mut reporter =
         Reporter { settings, choice, report, progress, unwritten, noted: Ok(()), refused: None };
-    let (shots, OutputSettings { sequence, existing, .. }) = (settings.shots(), settings);
-    let rendered = render_frames(engine, shots, sequence, *existing, cancelled, &mut reporter);
+    let (requests, OutputSettings { sequence, existing, .. }) = (settings.requests(), settings);
+    let rendered = render_frames(engine, requests, sequence, *existing, cancelled, &mut reporter);
     let Reporter { progress, noted, refused, .. } = reporter;
     drop(progress);
     let rendered = rendered.map_err(Failure::from).and(noted.map_err(Failure::from));
@@ -223,51 +223,51 @@ struct Reporter<'a> {
     report: &'a mut RenderReport,
     progress: Progress,
     /// Rendered frames that are not yet written, in the order in which they are written.
-    unwritten: VecDeque<ShotReport>,
+    unwritten: VecDeque<RenderedFrameReport>,
     /// Result of recording the selected samples.
     noted: anyhow::Result<()>,
     refused: Option<WriteError>,
 }
 
 impl SequenceObserver for Reporter<'_> {
-    fn begin(&mut self, engine: &mut Engine, shot: &FrameRequest) {
-        self.choice.begin(engine, shot);
+    fn begin(&mut self, engine: &mut Engine, request: &FrameRequest) {
+        self.choice.begin(engine, request);
     }
 
     fn render(&mut self, engine: &mut Engine, _: &FrameRequest) {
         self.choice.render(engine);
     }
 
-    fn kept(&mut self, engine: &Engine, shot: &FrameRequest) -> ControlFlow<()> {
-        self.report.warnings.look(engine, &shot.moment());
-        self.choice.keep(shot);
-        self.report.kept.push(shot.frame);
-        self.progress.kept(shot, &shot.file(&self.settings.sequence));
+    fn kept(&mut self, engine: &Engine, request: &FrameRequest) -> ControlFlow<()> {
+        self.report.warnings.look(engine, &request.moment());
+        self.choice.keep(request);
+        self.report.kept.push(request.frame);
+        self.progress.kept(request, &request.file(&self.settings.sequence));
         Continue(())
     }
 
-    fn rejected(&mut self, shot: &FrameRequest, verdict: &FrameVerdict) {
-        self.progress.rejected(&shot.file(&self.settings.sequence), verdict);
+    fn rejected(&mut self, request: &FrameRequest, verdict: &FrameVerdict) {
+        self.progress.rejected(&request.file(&self.settings.sequence), verdict);
     }
 
-    fn rendering(&mut self, shot: &FrameRequest, progress: RenderProgress) {
-        self.progress.rendering(shot, progress);
+    fn rendering(&mut self, request: &FrameRequest, progress: RenderProgress) {
+        self.progress.rendering(request, progress);
     }
 
-    fn rendered(&mut self, engine: &Engine, shot: &FrameRequest) -> ControlFlow<()> {
-        self.noted = self.choice.end(engine, shot);
-        self.report.warnings.look(engine, &shot.moment());
-        let path = shot.file(&self.settings.sequence);
-        self.unwritten.push_back(ShotReport::new(shot, Some(path), engine.report()));
+    fn rendered(&mut self, engine: &Engine, request: &FrameRequest) -> ControlFlow<()> {
+        self.noted = self.choice.end(engine, request);
+        self.report.warnings.look(engine, &request.moment());
+        let path = request.file(&self.settings.sequence);
+        self.unwritten.push_back(RenderedFrameReport::new(request, Some(path), engine.report()));
         if self.noted.is_ok() { Continue(()) } else { Break(()) }
     }
 
     fn written(&mut self, _: &FrameRequest, duration: Duration) {
         self.choice.written(duration);
-        let Some(shot) = self.unwritten.pop_front() else { return };
-        let shot = shot.written(duration);
-        self.progress.done(&shot);
-        self.report.shots.push(shot);
+        let Some(frame) = self.unwritten.pop_front() else { return };
+        let frame = frame.written(duration);
+        self.progress.done(&frame);
+        self.report.frames.push(frame);
     }
 
     fn refused(&mut self, error: WriteError) {

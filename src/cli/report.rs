@@ -25,7 +25,7 @@ pub(super) struct RenderReport {
     threads: usize,
     load: Duration,
     /// The frames that were written or added to the sheet, in order.
-    pub(super) shots: Vec<ShotReport>,
+    pub(super) frames: Vec<RenderedFrameReport>,
     /// The pictures whose files were kept: frame numbers, or `None` for a moment that is not a frame.
     pub(super) kept: Vec<Option<u32>>,
     /// The sheet, once it is written.
@@ -53,7 +53,7 @@ pub(super) struct SheetReport {
 
 /// The report of one frame.
 #[derive(Clone, Debug)]
-pub(super) struct ShotReport {
+pub(super) struct RenderedFrameReport {
     frame: Option<u32>,
     /// Path of the frame's own file; `None` on a sheet or a stream.
     path: Option<PathBuf>,
@@ -70,7 +70,7 @@ impl RenderReport {
             size: (film.width, film.height),
             threads,
             load,
-            shots: Vec::new(),
+            frames: Vec::new(),
             kept: Vec::new(),
             sheet: None,
             chosen: None,
@@ -102,7 +102,7 @@ impl RenderReport {
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "warnings": self.warnings.to_json(sources),
             "kept": self.kept,
-            "frames": self.shots.iter().map(ShotReport::to_json).collect::<Vec<_>>(),
+            "frames": self.frames.iter().map(RenderedFrameReport::to_json).collect::<Vec<_>>(),
         });
         self.changed.tell(&mut report);
         report
@@ -110,13 +110,13 @@ impl RenderReport {
 
     /// Returns the number of finished frames, including kept ones.
     pub(super) fn done(&self) -> usize {
-        self.shots.len() + self.kept.len()
+        self.frames.len() + self.kept.len()
     }
 
     /// Lists the effects that any frame needed, and counts the others.
     pub(super) fn plan(&self) -> String {
         let needed =
-            |effect: &Effect| self.shots.iter().any(|shot| shot.needed().any(|needed| needed == *effect));
+            |effect: &Effect| self.frames.iter().any(|frame| frame.needed().any(|needed| needed == *effect));
         let (needed, left_out): (Vec<_>, Vec<_>) = Effect::ALL.into_iter().partition(needed);
         let names: Vec<_> = needed.iter().map(|effect| effect.name()).collect();
         let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
@@ -131,23 +131,23 @@ impl RenderReport {
     pub(super) fn slow_frames(&self) -> Option<String> {
         /// Maximum number of frames listed.
         const MOST: usize = 3;
-        let mut shots: Vec<&ShotReport> = self.shots.iter().collect();
-        shots.sort_by(|one, other| other.seconds().total_cmp(&one.seconds()));
-        let median = shots.get(shots.len() / 2)?.seconds();
-        let slow = shots.iter().take(MOST).filter(|shot| is_slow(shot.seconds(), median));
+        let mut frames: Vec<&RenderedFrameReport> = self.frames.iter().collect();
+        frames.sort_by(|one, other| other.seconds().total_cmp(&one.seconds()));
+        let median = frames.get(frames.len() / 2)?.seconds();
+        let slow = frames.iter().take(MOST).filter(|frame| is_slow(frame.seconds(), median));
         let slow: Vec<String> =
-            slow.map(|shot| format!("{} ({:.1} s)", shot.name(), shot.seconds())).collect();
+            slow.map(|frame| format!("{} ({:.1} s)", frame.name(), frame.seconds())).collect();
         (!slow.is_empty())
             .then(|| format!("slowest, where half take {median:.1} s or less: {}", slow.join(", ")))
     }
 
     /// Summarises the rendering in one line.
     pub(super) fn summary(&self, settings: &OutputSettings) -> String {
-        let frames = match self.shots.len() {
+        let frames = match self.frames.len() {
             1 => "1 frame".to_owned(),
             count => format!("{count} frames"),
         };
-        let rays: u64 = self.shots.iter().map(|shot| shot.cost.rays.total()).sum();
+        let rays: u64 = self.frames.iter().map(|frame| frame.cost.rays.total()).sum();
         let (seconds, rays) = (self.total.as_secs_f64(), in_millions(rays as f64));
         let kept = match self.kept.len() {
             0 => String::new(),
@@ -181,10 +181,10 @@ impl SheetReport {
     }
 }
 
-impl ShotReport {
+impl RenderedFrameReport {
     /// Creates the report of a frame. `path` is `None` if the frame has no file of its own.
-    pub(super) fn new(shot: &FrameRequest, path: Option<PathBuf>, report: &FrameReport) -> Self {
-        Self { frame: shot.frame, path, cost: report.clone(), write: Duration::ZERO }
+    pub(super) fn new(request: &FrameRequest, path: Option<PathBuf>, report: &FrameReport) -> Self {
+        Self { frame: request.frame, path, cost: report.clone(), write: Duration::ZERO }
     }
 
     /// Returns the effects that the frame needed.
@@ -202,8 +202,8 @@ impl ShotReport {
     }
 
     /// Returns whether this is the report of the requested frame.
-    pub(super) fn is_of(&self, shot: &FrameRequest) -> bool {
-        (self.frame, self.cost.time) == (shot.frame, shot.time)
+    pub(super) fn is_of(&self, request: &FrameRequest) -> bool {
+        (self.frame, self.cost.time) == (request.frame, request.time)
     }
 
     /// Formats the times, ray counts and estimated error of the frame.

@@ -116,7 +116,7 @@ impl OutputSettings {
     }
 
     /// Returns all pictures in the order of rendering.
-    pub(super) fn shots(&self) -> Box<dyn Iterator<Item = FrameRequest> + '_> {
+    pub(super) fn requests(&self) -> Box<dyn Iterator<Item = FrameRequest> + '_> {
         match &self.selection {
             Selection::Moment(time) => Box::new(std::iter::once(FrameRequest { frame: None, time: *time })),
             Selection::Frames(frames, timeline) => {
@@ -130,7 +130,7 @@ impl OutputSettings {
     pub(super) fn ascending(&self) -> Box<dyn Iterator<Item = FrameRequest> + '_> {
         match &self.selection {
             Selection::Frames(frames, timeline) => Box::new(FrameRequest::frames(frames, *timeline)),
-            Selection::Moment(_) | Selection::Nothing => self.shots(),
+            Selection::Moment(_) | Selection::Nothing => self.requests(),
         }
     }
 

@@ -87,16 +87,17 @@ impl SettingsFile {
     }
 
     /// Returns the samples of a frame.
-    pub(super) fn samples_of(&self, shot: &FrameRequest) -> Option<FrameSamples> {
-        let FrameRecord { samples, max_error, rounds, .. } = self.frames.get(&PictureKey::of_shot(shot))?;
+    pub(super) fn samples_of(&self, request: &FrameRequest) -> Option<FrameSamples> {
+        let FrameRecord { samples, max_error, rounds, .. } =
+            self.frames.get(&PictureKey::of_request(request))?;
         Some(FrameSamples { samples: *samples, max_error: *max_error, rounds: rounds.clone() })
     }
 
     /// Returns the samples that were selected for a frame under this deadline, and the seconds that it took.
-    pub(super) fn of_deadline(&self, shot: &FrameRequest, deadline: f64) -> Option<(FrameSamples, f64)> {
-        let frame = self.frames.get(&PictureKey::of_shot(shot))?;
+    pub(super) fn of_deadline(&self, request: &FrameRequest, deadline: f64) -> Option<(FrameSamples, f64)> {
+        let frame = self.frames.get(&PictureKey::of_request(request))?;
         let is_it = frame.deadline_seconds == Some(deadline);
-        is_it.then(|| self.samples_of(shot)).flatten().map(|samples| (samples, frame.seconds))
+        is_it.then(|| self.samples_of(request)).flatten().map(|samples| (samples, frame.seconds))
     }
 
     /// Inserts a frame, replacing its existing entry.
@@ -128,8 +129,8 @@ impl FrameRecord {
 
 impl PictureKey {
     /// Returns the key of a frame request.
-    pub(super) fn of_shot(shot: &FrameRequest) -> Self {
-        Self::of(shot.frame, shot.time.seconds())
+    pub(super) fn of_request(request: &FrameRequest) -> Self {
+        Self::of(request.frame, request.time.seconds())
     }
 
     fn of(frame: Option<u32>, time: f64) -> Self {

@@ -11,7 +11,7 @@ use rayreel::sequence::render_encoded;
 use super::choice::SampleSelection;
 use super::exit::Failure;
 use super::progress::Progress;
-use super::report::{RenderReport, SheetReport, ShotReport};
+use super::report::{RenderReport, RenderedFrameReport, SheetReport};
 use super::settings::OutputSettings;
 
 /// Creates an empty sheet with the given columns and rows of films.
@@ -29,18 +29,19 @@ pub(super) fn render(
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
     let mut progress = Progress::start(settings);
-    for shot in settings.shots() {
-        choice.begin(engine, &shot);
+    for request in settings.requests() {
+        choice.begin(engine, &request);
         choice.render(engine);
-        let film = render_encoded(engine, &shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
+        let film =
+            render_encoded(engine, &request, cancelled, &mut |so_far| progress.rendering(&request, so_far))?;
         let Some(film) = film else { return Ok(()) };
-        choice.end(engine, &shot)?;
+        choice.end(engine, &request)?;
         choice.written(Duration::ZERO);
-        report.warnings.look(engine, &shot.moment());
-        sheet.add(&film, shot.frame.unwrap_or(0), shot.time);
-        let shot = ShotReport::new(&shot, None, engine.report());
-        progress.done(&shot);
-        report.shots.push(shot);
+        report.warnings.look(engine, &request.moment());
+        sheet.add(&film, request.frame.unwrap_or(0), request.time);
+        let rendered = RenderedFrameReport::new(&request, None, engine.report());
+        progress.done(&rendered);
+        report.frames.push(rendered);
     }
     drop(progress);
     report.sheet = Some(write(&sheet, settings)?);

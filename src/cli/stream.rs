@@ -13,7 +13,7 @@ use super::choice::SampleSelection;
 use super::exit::Failure;
 use super::interrupt::unless_cancelled;
 use super::progress::Progress;
-use super::report::{RenderReport, ShotReport};
+use super::report::{RenderReport, RenderedFrameReport};
 use super::settings::OutputSettings;
 
 /// Renders and writes every frame, until cancellation or until the reader closes the pipe, which is not a failure.
@@ -27,13 +27,14 @@ pub(super) fn render(
 ) -> Result<(), Failure> {
     let mut progress = Progress::start(settings);
     let mut stream = VideoStream::new(stdout(), format, engine.timeline().rate);
-    for shot in settings.shots() {
-        choice.begin(engine, &shot);
+    for request in settings.requests() {
+        choice.begin(engine, &request);
         choice.render(engine);
-        let film = render_encoded(engine, &shot, cancelled, &mut |so_far| progress.rendering(&shot, so_far))?;
+        let film =
+            render_encoded(engine, &request, cancelled, &mut |so_far| progress.rendering(&request, so_far))?;
         let Some(film) = film else { return Ok(()) };
-        choice.end(engine, &shot)?;
-        report.warnings.look(engine, &shot.moment());
+        choice.end(engine, &request)?;
+        report.warnings.look(engine, &request.moment());
         let written = unless_cancelled(cancelled, move || {
             let written = stream.add(&film);
             (stream, written)
@@ -47,9 +48,9 @@ pub(super) fn render(
             }
             written => written.context("cannot write to standard output")?,
         }
-        let shot = ShotReport::new(&shot, None, engine.report());
-        progress.done(&shot);
-        report.shots.push(shot);
+        let rendered = RenderedFrameReport::new(&request, None, engine.report());
+        progress.done(&rendered);
+        report.frames.push(rendered);
     }
     Ok(())
 }

@@ -105,6 +105,12 @@ impl Sampling {
     pub const LARGEST_ERROR: f32 = 255.0;
     /// The maximum number of instants while the shutter is open.
     pub const LARGEST_INSTANTS: u32 = 256;
+
+    /// Returns whether sampling is adaptive: pixels have different numbers of samples, as many as the error target requires.
+    #[must_use]
+    pub fn is_adaptive(&self) -> bool {
+        self.max_error > 0.0
+    }
 }
 
 impl Default for Sampling {

@@ -137,10 +137,8 @@ impl Engine {
     /// Starts with the timeline and the scripts of a scene, after its world has been set.
     pub(super) fn start(&mut self, timeline: Timeline, scripts: SceneScripts) {
         let (scripts, sources) = scripts.into_parts();
-        self.simulation.schedule.set_scripts(Scripts::new(scripts, timeline));
+        self.simulation.start(timeline, Scripts::new(scripts, timeline));
         self.script_sources = sources;
-        self.simulation.timeline = timeline;
-        self.simulation.forget_shutters();
     }
 
     /// Creates an engine for a world. Its timeline has 24 frames per second and a single frame; [`set_timeline`](Engine::set_timeline)
@@ -229,8 +227,8 @@ impl Engine {
         self.simulation.quality(&self.settings)
     }
 
-    /// Returns the number and the choice of samples per pixel, with the settings applied. Sampling is adaptive if
-    /// [`max_error`](Sampling::max_error) is above 0; `samples` is the maximum then.
+    /// Returns the number and the choice of samples per pixel, with the settings applied. If sampling is
+    /// [adaptive](Sampling::is_adaptive), `samples` is the maximum.
     #[must_use]
     pub fn sampling(&self) -> Sampling {
         self.simulation.sampling(&self.settings)

@@ -4,7 +4,6 @@ use std::sync::atomic::AtomicBool;
 
 use super::state::CurvePlace;
 use crate::accuracy::{Estimate, MeasuredFrame, estimate};
-use crate::components::Sampling;
 use crate::engine::{Engine, EngineError};
 use crate::systems::{Effect, EffectSet, RenderSettings};
 use crate::time::Time;
@@ -40,8 +39,8 @@ pub(super) fn curve_point(
     index: usize,
     cancelled: &AtomicBool,
 ) -> Result<Option<CurvePlace>, EngineError> {
-    let Sampling { samples, max_error, .. } = engine.sampling();
-    let own = (max_error == 0.0).then_some(samples);
+    let sampling = engine.sampling();
+    let own = (!sampling.is_adaptive()).then_some(sampling.samples);
     let (samples, settings) = match index.checked_sub(1) {
         None => (own, RenderSettings::default()),
         Some(exponent) => {

@@ -3,7 +3,6 @@
 use hecs::{Entity, World};
 use serde::Serialize;
 
-use crate::components::Sampling;
 use crate::components::{Name, Order};
 use crate::engine::{Engine, EngineError};
 use crate::scene::Sources;
@@ -55,8 +54,8 @@ impl PixelInfo {
         pixel: (u32, u32),
         picture: Option<&Film>,
     ) -> Result<Option<Self>, EngineError> {
-        let Sampling { samples: all, max_error, .. } = engine.sampling();
-        let all = (max_error == 0.0).then_some(all);
+        let sampling = engine.sampling();
+        let all = (!sampling.is_adaptive()).then_some(sampling.samples);
         let Some(tree) = engine.probe(time, pixel, 0)? else { return Ok(None) };
         let surface = tree.rays.first().and_then(|first| match &first.end {
             RayEnd::Surface(lit) => {

@@ -90,21 +90,10 @@ pub(super) struct Timings {
     ray: [Option<f64>; 3],
 }
 
-/// Returns the settings of a picture with one sample per pixel, at the frame's own moment, whose sides are divided by `divisor`.
-pub(super) fn sized(divisor: u32, film: FilmSettings) -> RenderSettings {
-    let side = |pixels: u32| (pixels / divisor.max(1)).max(1);
-    RenderSettings {
-        size: Some((side(film.width), side(film.height))),
-        samples: Some(1),
-        max_error: Some(0.0),
-        ..RenderSettings::default()
-    }
-}
-
 impl PreviewLevel {
     /// Returns the render settings of the level, for a scene with this film and this quality.
     pub(super) fn settings(self, film: FilmSettings, quality: Quality) -> RenderSettings {
-        let whole = sized(self.divisor, film);
+        let whole = RenderSettings::draft(film, self.divisor);
         let plain = RenderSettings { max_light_samples: Some(1), ..whole };
         match self.effort {
             Effort::Bare => RenderSettings { depth: Some(1), without: [Effect::Shadows].into(), ..plain },

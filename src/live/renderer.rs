@@ -13,11 +13,10 @@ use super::measure;
 use super::pixel_info::{PixelInfo, named};
 use super::progressive::{
     Effort, FIRST, FIRST_DIVISOR, PreviewLevel, RefreshTimer, RequestedPicture, Timings, share_of_unfinished,
-    sized,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
-use crate::engine::{Engine, EngineError, FrameReport, RenderRequest};
+use crate::engine::{Engine, EngineError, RenderRequest};
 use crate::scene::{Scene, Sources};
 use crate::systems::{Effect, EffectSet, RenderSettings};
 use crate::trace::{Film, RenderJob, RenderedImage, Signals};
@@ -423,7 +422,7 @@ impl Renderer {
         let film = self.engine.film_settings();
         let (divisor, samples) = match detail {
             // Adaptive sampling takes one sample at least.
-            Detail::Full if self.engine.sampling().max_error > 0.0 => (1, 1),
+            Detail::Full if self.engine.sampling().is_adaptive() => (1, 1),
             Detail::Full => (1, self.engine.sampling().samples),
             Detail::Draft => (1, 1),
             Detail::Half => (2, 1),
@@ -451,10 +450,9 @@ impl Renderer {
         film: Film,
         traced: Duration,
     ) -> RenderedPicture {
-        let (report, transfer) = (self.engine.report().clone(), self.engine.film_settings().transfer);
-        let mut times = state.times;
-        let rays = report.rays.total();
-        times.set_frame(&FrameReport { trace: traced, ..report });
+        let (report, transfer) = (self.engine.report(), self.engine.film_settings().transfer);
+        let (mut times, rays) = (state.times, report.rays.total());
+        times.set_frame(report, traced);
         let is_full = kind == PictureKind::Full;
         let plan = match kind {
             PictureKind::Coarse(_) => None,
@@ -502,8 +500,8 @@ fn render(
     let time = engine.timeline().time_of(frame);
     let settings = match detail {
         Detail::Full => None,
-        Detail::Draft => Some(sized(1, engine.film_settings())),
-        Detail::Half => Some(sized(2, engine.film_settings())),
+        Detail::Draft => Some(RenderSettings::draft(engine.film_settings(), 1)),
+        Detail::Half => Some(RenderSettings::draft(engine.film_settings(), 2)),
     };
     let request = RenderRequest {
         settings: settings.map(|settings| settings.or(engine.settings())),

@@ -1,5 +1,7 @@
 //! The visible state of a session, readable at any time.
 
+use std::time::Duration;
+
 use serde::Serialize;
 
 use super::commands::Detail;
@@ -162,14 +164,15 @@ impl Planned {
 }
 
 impl Times {
-    pub(super) fn milliseconds(duration: std::time::Duration) -> f64 {
+    pub(super) fn milliseconds(duration: Duration) -> f64 {
         1e3 * duration.as_secs_f64()
     }
 
-    pub(super) fn set_frame(&mut self, report: &FrameReport) {
+    /// Sets the times of a frame, which was traced in several parts for `traced` in all.
+    pub(super) fn set_frame(&mut self, report: &FrameReport, traced: Duration) {
         self.animate = Self::milliseconds(report.animate);
         self.prepare = Self::milliseconds(report.prepare);
-        self.trace = Self::milliseconds(report.trace);
+        self.trace = Self::milliseconds(traced);
     }
 
     /// Returns the time of a frame: the sum of animating, preparing and tracing.

@@ -139,9 +139,9 @@ pub fn render_sequence(
         refused: None,
     };
     let timeline = engine.timeline();
-    let shots = FrameRequest::frames(&frames, timeline);
+    let requests = FrameRequest::frames(&frames, timeline);
     let never = AtomicBool::new(false);
-    render_frames(engine, shots, sequence, Existing::Keep, &never, &mut counted)?;
+    render_frames(engine, requests, sequence, Existing::Keep, &never, &mut counted)?;
     counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
 }
 
@@ -153,7 +153,7 @@ pub fn render_sequence(
 /// As [`Engine::render_frame`].
 pub fn render_frames(
     engine: &mut Engine,
-    shots: impl Iterator<Item = FrameRequest>,
+    requests: impl Iterator<Item = FrameRequest>,
     sequence: &Sequence,
     existing: Existing,
     cancelled: &AtomicBool,
@@ -171,45 +171,45 @@ pub fn render_frames(
         is_good
     };
     let mut rendered = Ok(());
-    for shot in shots {
+    for request in requests {
         if cancelled.load(Ordering::Relaxed) {
             break;
         }
-        observer.begin(engine, &shot);
-        let path = shot.file(sequence);
-        match frame_verdict(engine, &shot, &path, sequence, existing) {
+        observer.begin(engine, &request);
+        let path = request.file(sequence);
+        match frame_verdict(engine, &request, &path, sequence, existing) {
             Ok(FrameVerdict::Missing) => {}
             Ok(FrameVerdict::Whole) => {
-                if observer.kept(engine, &shot).is_break() {
+                if observer.kept(engine, &request).is_break() {
                     break;
                 }
                 continue;
             }
-            Ok(verdict) => observer.rejected(&shot, &verdict),
+            Ok(verdict) => observer.rejected(&request, &verdict),
             Err(error) => {
                 rendered = Err(error);
                 break;
             }
         }
-        observer.render(engine, &shot);
+        observer.render(engine, &request);
         let mut all_good = true;
         let mut tell = |progress| {
             for written in writer.written() {
                 all_good &= settle(written, &submitted, observer);
             }
-            observer.rendering(&shot, progress);
+            observer.rendering(&request, progress);
         };
-        let pixels = match render_pixels(engine, &shot, sequence.format(), cancelled, &mut tell) {
+        let pixels = match render_pixels(engine, &request, sequence.format(), cancelled, &mut tell) {
             Ok(Some(pixels)) => pixels,
             stopped => {
                 rendered = stopped.map(drop);
                 break;
             }
         };
-        let flow = observer.rendered(engine, &shot);
+        let flow = observer.rendered(engine, &request);
         let fingerprint = engine.report().fingerprint;
         writer.submit(submitted.len(), path, pixels, sequence.format(), fingerprint);
-        submitted.push(shot);
+        submitted.push(request);
         for written in writer.written() {
             all_good &= settle(written, &submitted, observer);
         }
@@ -231,44 +231,44 @@ pub fn render_frames(
 /// As [`Engine::render_frame`].
 pub fn render_encoded(
     engine: &mut Engine,
-    shot: &FrameRequest,
+    request: &FrameRequest,
     cancelled: &AtomicBool,
     tell: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<EncodedFilm>, EngineError> {
     let transfer = engine.film_settings().transfer;
     watched(cancelled, tell, |signals, look| {
-        let request = RenderRequest {
+        let image = engine.render(RenderRequest {
             signals,
             on_pause: Some(&mut |job| look(job.progress())),
-            ..RenderRequest::encoded(shot.time, transfer)
-        };
-        Ok(engine.render(request)?.map(|image| image.film))
+            ..RenderRequest::encoded(request.time, transfer)
+        });
+        Ok(image?.map(|image| image.film))
     })
 }
 
 /// Renders the pixels of a frame for a format, with cancellation and progress reports as in [`render_encoded`].
 fn render_pixels(
     engine: &mut Engine,
-    shot: &FrameRequest,
+    request: &FrameRequest,
     format: FrameFormat,
     cancelled: &AtomicBool,
     tell: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<FramePixels>, EngineError> {
     if !format.is_linear() {
-        return Ok(render_encoded(engine, shot, cancelled, tell)?.map(FramePixels::Encoded));
+        return Ok(render_encoded(engine, request, cancelled, tell)?.map(FramePixels::Encoded));
     }
     let image = watched(cancelled, tell, |signals, look| {
         engine.render(RenderRequest {
             alpha: format.channels() == Channels::Rgba,
             signals,
             on_pause: Some(&mut |job| look(job.progress())),
-            ..RenderRequest::at(shot.time)
+            ..RenderRequest::at(request.time)
         })
     })?;
     let Some(RenderedImage { film, alpha }) = image else { return Ok(None) };
     let passes = match format.passes().is_empty() {
         true => Vec::new(),
-        false => match engine.passes(shot.time, cancelled)? {
+        false => match engine.passes(request.time, cancelled)? {
             None if cancelled.load(Ordering::Relaxed) => return Ok(None),
             passes => passes.unwrap_or_else(|| vec![PassPixel::NOTHING; film.pixels().len()]),
         },
@@ -284,7 +284,7 @@ fn render_pixels(
 /// As [`Engine::render_frame`].
 pub fn frame_verdict(
     engine: &mut Engine,
-    shot: &FrameRequest,
+    request: &FrameRequest,
     path: &Path,
     sequence: &Sequence,
     existing: Existing,
@@ -294,7 +294,7 @@ pub fn frame_verdict(
         Existing::Keep => {
             let film = engine.film_settings();
             let size = (film.width, film.height);
-            judge(engine, shot, FoundFrame::expected_at(path, sequence.format(), size))
+            judge(engine, request, FoundFrame::expected_at(path, sequence.format(), size))
         }
     }
 }
@@ -316,10 +316,10 @@ struct Counted<F> {
 }
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
-    fn tell(&mut self, shot: &FrameRequest, kept: bool) {
+    fn tell(&mut self, request: &FrameRequest, kept: bool) {
         let SequenceReport { written, kept: all_kept } = self.report;
         let progress = SequenceProgress {
-            frame: shot.frame.unwrap_or_default(),
+            frame: request.frame.unwrap_or_default(),
             kept,
             done: written + all_kept,
             total: self.total,
@@ -331,9 +331,9 @@ impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
 }
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted<F> {
-    fn kept(&mut self, _: &Engine, shot: &FrameRequest) -> ControlFlow<()> {
+    fn kept(&mut self, _: &Engine, request: &FrameRequest) -> ControlFlow<()> {
         self.report.kept += 1;
-        self.tell(shot, true);
+        self.tell(request, true);
         self.flow
     }
 
@@ -341,9 +341,9 @@ impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted
         self.flow
     }
 
-    fn written(&mut self, shot: &FrameRequest, _: Duration) {
+    fn written(&mut self, request: &FrameRequest, _: Duration) {
         self.report.written += 1;
-        self.tell(shot, false);
+        self.tell(request, false);
     }
 
     fn refused(&mut self, error: WriteError) {

@@ -84,20 +84,21 @@ pub fn verify_sequence(
     const TOGETHER: usize = 64;
     let timeline = engine.timeline();
     let count = timeline.frame_count();
-    let shots: Vec<FrameRequest> = FrameRequest::frames(&frames.within(count), timeline).collect();
+    let requests: Vec<FrameRequest> = FrameRequest::frames(&frames.within(count), timeline).collect();
     let film = engine.film_settings();
     let size = (film.width, film.height);
     let mut verdict = SequenceVerdict::default();
-    'all: for shots in shots.chunks(TOGETHER) {
-        let look =
-            |shot: &FrameRequest| FoundFrame::expected_at(&shot.file(sequence), sequence.format(), size);
-        let found = shots.par_iter().map(look);
-        for (shot, found) in shots.iter().zip(found.collect::<Vec<_>>()) {
-            if begin(engine, shot).is_break() {
+    'all: for requests in requests.chunks(TOGETHER) {
+        let look = |request: &FrameRequest| {
+            FoundFrame::expected_at(&request.file(sequence), sequence.format(), size)
+        };
+        let found = requests.par_iter().map(look);
+        for (request, found) in requests.iter().zip(found.collect::<Vec<_>>()) {
+            if begin(engine, request).is_break() {
                 break 'all;
             }
-            let of_frame = judge(engine, shot, found)?;
-            verdict.frames.extend(shot.frame.map(|frame| (frame, of_frame)));
+            let of_frame = judge(engine, request, found)?;
+            verdict.frames.extend(request.frame.map(|frame| (frame, of_frame)));
         }
     }
     let is_asked = |frame: u32| verdict.frames.binary_search_by_key(&frame, |(asked, _)| *asked).is_ok();
@@ -116,7 +117,7 @@ pub fn verify_sequence(
 /// Compares the file found for a frame with the frame that would be rendered now.
 pub(super) fn judge(
     engine: &mut Engine,
-    shot: &FrameRequest,
+    request: &FrameRequest,
     found: FoundFrame,
 ) -> Result<FrameVerdict, EngineError> {
     Ok(match found {
@@ -125,7 +126,7 @@ pub(super) fn judge(
         FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
         FoundFrame::OtherSize { .. } => FrameVerdict::Stale,
         FoundFrame::Whole { provenance, .. } => {
-            match provenance.frame == engine.fingerprint_at(shot.time)? {
+            match provenance.frame == engine.fingerprint_at(request.time)? {
                 true => FrameVerdict::Whole,
                 false => FrameVerdict::Stale,
             }

@@ -11,7 +11,7 @@ use hecs::World;
 
 use super::prepare::{FrameSettings, Shutter, Shutters};
 use super::{
-    Changes, Effect, FrameReport, Interrupted, Need, Plan, Preparation, RenderSettings, Schedule,
+    Changes, Effect, FrameReport, Interrupted, Need, Plan, Preparation, RenderSettings, Schedule, Scripts,
     film_settings, order_newcomers, propagate, quality_settings, sampling_settings,
 };
 use crate::components::{Animated, FilmSettings, Quality, Sampling};
@@ -82,8 +82,10 @@ impl Simulation {
         self.shutters = None;
     }
 
-    /// Forgets the exposure of frames: the world has other cameras.
-    pub(crate) fn forget_shutters(&mut self) {
+    /// Starts with the timeline and the scripts of a scene, after its world has been set.
+    pub(crate) fn start(&mut self, timeline: Timeline, scripts: Scripts) {
+        self.schedule.set_scripts(scripts);
+        self.timeline = timeline;
         self.shutters = None;
     }
 
@@ -104,7 +106,7 @@ impl Simulation {
 
     /// Returns the frame at a moment, with the overrides applied.
     pub(crate) fn frame(&mut self, time: Time, settings: RenderSettings) -> FrameInstants {
-        let is_adaptive = self.sampling(&settings).max_error > 0.0;
+        let is_adaptive = self.sampling(&settings).is_adaptive();
         let shutter = self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &settings);
         let instants = match shutter {
             _ if settings.without.contains(Effect::MotionBlur) => vec![time],

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 
+use rayreel::components::FilmSettings;
 use rayreel::trace::Signals;
 use rayreel::{Effect, Engine, Film, RenderRequest, RenderSettings, Rgb, Scene, Time};
 
@@ -12,14 +13,8 @@ fn engine(text: String) -> Engine {
     Engine::from_scene(Scene::from_text("ball.ron", text).unwrap())
 }
 
-/// Returns the settings of a draft: one sample per pixel, and sides divided by `divisor`.
 fn sized(divisor: u32) -> RenderSettings {
-    RenderSettings {
-        size: Some(((64 / divisor).max(1), (36 / divisor).max(1))),
-        samples: Some(1),
-        max_error: Some(0.0),
-        ..RenderSettings::default()
-    }
+    RenderSettings::draft(FilmSettings { width: 64, height: 36, ..FilmSettings::default() }, divisor)
 }
 
 fn render(engine: &mut Engine, time: Time, settings: RenderSettings, cancelled: &AtomicBool) -> Option<Film> {

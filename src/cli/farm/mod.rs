@@ -73,8 +73,8 @@ impl Farm {
         }
         if let Some(file) = &rendered.settings {
             let known = SettingsFile::read(file)?;
-            if let Some(shot) = settings.shots().find(|shot| known.samples_of(shot).is_none()) {
-                return Err(anyhow!("`{}` has no settings for {}", file.display(), shot.moment()).into());
+            if let Some(request) = settings.requests().find(|request| known.samples_of(request).is_none()) {
+                return Err(anyhow!("`{}` has no settings for {}", file.display(), request.moment()).into());
             }
         }
         let (frames, shards) = (settings.count(), arguments.shards);

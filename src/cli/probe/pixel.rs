@@ -115,7 +115,7 @@ impl PixelExplanation<'_> {
         };
         let sample = match self.at.samples {
             1 => String::new(),
-            samples if self.engine.sampling().max_error > 0.0 => {
+            samples if self.engine.sampling().is_adaptive() => {
                 format!(" sample {} of {samples} at most,", self.at.sample)
             }
             samples => format!(" sample {} of {samples},", self.at.sample),

@@ -2,10 +2,10 @@
 
 mod camera;
 mod faults;
-mod frame_settings;
 mod light;
 mod material;
 mod read;
+mod render_settings;
 mod settings;
 mod shape;
 
@@ -32,9 +32,9 @@ use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sa
 
 pub use camera::{ActiveCamera, active_camera};
 pub(super) use camera::{Shutter, Shutters};
-pub(super) use frame_settings::FrameSettings;
-use frame_settings::LightSettings;
-pub use frame_settings::RenderSettings;
+pub(super) use render_settings::FrameSettings;
+use render_settings::LightSettings;
+pub use render_settings::RenderSettings;
 pub use settings::film_settings;
 pub(crate) use settings::{quality_settings, sampling_settings};
 

@@ -73,6 +73,19 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
+    /// Returns the settings of a draft of a film: sides divided by `divisor`, at least one pixel each, and one sample per pixel, at the
+    /// frame's own moment and through the centre of the lens.
+    #[must_use]
+    pub fn draft(film: FilmSettings, divisor: u32) -> Self {
+        let side = |pixels: u32| (pixels / divisor.max(1)).max(1);
+        Self {
+            size: Some((side(film.width), side(film.height))),
+            samples: Some(1),
+            max_error: Some(0.0),
+            ..Self::default()
+        }
+    }
+
     /// Returns these settings, with every `None` replaced by the value of `base`. Effects that either of them disables are disabled.
     #[must_use]
     pub fn or(self, base: Self) -> Self {

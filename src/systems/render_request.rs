@@ -1,0 +1,108 @@
+//! Requests to render an image.
+
+use std::fmt;
+use std::ops::ControlFlow;
+
+use super::RenderSettings;
+use crate::color::{Encoding, Linear};
+use crate::time::Time;
+use crate::trace::{RenderJob, Signals};
+
+/// A request to render an image.
+///
+/// ```
+/// use rayreel::{Engine, RenderRequest, RenderSettings, Time, World};
+///
+/// let mut engine = Engine::new(World::new());
+/// let small = RenderSettings { size: Some((4, 3)), ..engine.settings() };
+/// let request = RenderRequest { alpha: true, settings: Some(small), ..RenderRequest::at(Time::ZERO) };
+/// let image = engine.render(request)?.unwrap(); // it was not cancelled
+/// assert!(image.alpha.unwrap().pixels().iter().all(|alpha| *alpha == 0.0)); // an empty world covers nothing
+/// # Ok::<(), rayreel::EngineError>(())
+/// ```
+///
+/// # Pauses
+///
+/// At every pause that the signals request, `on_pause` is called and decides whether to continue. If it stops, `resume` keeps the samples
+/// traced so far. A later request with the same `resume` continues and gives the same bits, provided that neither the moment, the settings
+/// nor the world has changed.
+///
+/// ```
+/// use std::ops::ControlFlow::Break;
+/// use rayreel::trace::Signals;
+/// use rayreel::{Engine, RenderRequest, Time, World};
+///
+/// let mut engine = Engine::new(World::new());
+/// let (mut job, at_once) = (None, Signals { pause: &|| true, ..Signals::none() });
+/// let paused = RenderRequest {
+///     signals: at_once,
+///     on_pause: Some(&mut |_| Break(())),
+///     resume: Some(&mut job),
+///     ..RenderRequest::at(Time::ZERO)
+/// };
+/// assert!(engine.render(paused)?.is_none());
+///
+/// let resumed = RenderRequest { resume: Some(&mut job), ..RenderRequest::at(Time::ZERO) };
+/// assert_eq!(engine.render(resumed)?.unwrap().film, engine.render_at(Time::ZERO)?);
+/// # Ok::<(), rayreel::EngineError>(())
+/// ```
+pub struct RenderRequest<'a, E: Encoding = Linear> {
+    /// The moment.
+    pub time: Time,
+    /// The encoding of the pixels: linear light, or output bytes by a [`Transfer`](crate::color::Transfer). The bytes are the same as from
+    /// the [encoded](crate::Film::encoded) linear film, and take less time and memory.
+    pub encoding: E,
+    /// True for an image with an alpha channel and without its background. With an error target, the error of alpha counts like the error
+    /// of light.
+    pub alpha: bool,
+    /// The settings. `None` uses the engine's.
+    pub settings: Option<RenderSettings>,
+    /// True if the report gets the image's fingerprint, which takes time if there are many shapes.
+    pub fingerprint: bool,
+    /// The signals that cancel or pause rendering.
+    pub signals: Signals<'a>,
+    /// The function that decides at each pause whether to continue. `None` continues.
+    pub on_pause: Option<OnPause<'a, E>>,
+    /// The samples of the unfinished image, if it was stopped at a pause.
+    pub resume: Option<&'a mut Option<RenderJob<E>>>,
+}
+
+/// The function that decides, from the samples so far, whether to continue after a pause.
+pub type OnPause<'a, E = Linear> = &'a mut dyn FnMut(&RenderJob<E>) -> ControlFlow<()>;
+
+impl RenderRequest<'_> {
+    /// Creates a request for linear light, with the engine's settings, without pauses.
+    #[must_use]
+    pub fn at(time: Time) -> Self {
+        Self::encoded(time, Linear)
+    }
+}
+
+impl<E: Encoding> RenderRequest<'_, E> {
+    /// Creates a request for pixels with this encoding, with the engine's settings, without pauses.
+    #[must_use]
+    pub fn encoded(time: Time, encoding: E) -> Self {
+        Self {
+            time,
+            encoding,
+            alpha: false,
+            settings: None,
+            fingerprint: true,
+            signals: Signals::none(),
+            on_pause: None,
+            resume: None,
+        }
+    }
+}
+
+impl<E: Encoding + fmt::Debug> fmt::Debug for RenderRequest<'_, E> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("RenderRequest")
+            .field("time", &self.time)
+            .field("encoding", &self.encoding)
+            .field("alpha", &self.alpha)
+            .field("settings", &self.settings)
+            .finish_non_exhaustive()
+    }
+}
