@@ -82,7 +82,7 @@ impl<S: Simd, F: Fn(f64) -> f32> FrustumVisitor<S> for BundleVisitor<'_, F> {
         self.tests += 1 + parts.count_ones() as usize;
         if self.tests > MOST_TESTS * PACKETS {
             let TilePackets { rays, hits, .. } = &mut self.packets;
-            hits.iter_mut().zip(*rays).for_each(|(hits, rays)| hits.open = rays.lanes);
+            hits.iter_mut().zip(*rays).for_each(|(hits, rays)| hits.undecided = rays.lanes);
             return f32::NEG_INFINITY;
         }
         let shape = ShapeQuery::leaf(self.packets.scene, leaf);

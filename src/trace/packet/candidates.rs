@@ -145,10 +145,10 @@ impl Candidates {
     /// Returns whether the rays of a packet that are not [hidden](Self::hidden) have no possible occluders.
     #[inline]
     pub(crate) fn is_clear(&self, packet: usize) -> bool {
-        let open = |part: usize| self.hidden & (1 << part) == 0;
+        let remains = |part: usize| self.hidden & (1 << part) == 0;
         let clear = |part: usize| self.crowded & (1 << part) == 0 && self.parts[part].is_empty();
         self.unbounded.is_empty()
-            && [packet * 2, packet * 2 + 1].into_iter().all(|part| !open(part) || clear(part))
+            && [packet * 2, packet * 2 + 1].into_iter().all(|part| !remains(part) || clear(part))
     }
 
     /// Returns the possible occluders outside the tree, in document order.

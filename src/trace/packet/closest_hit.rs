@@ -25,23 +25,23 @@ pub(crate) fn closest_hits(
 ) {
     hits.clear();
     // A ray that leaves several coincident shapes can leave each of them on a different side.
-    hits.open = rays.tied;
+    hits.undecided = rays.tied;
     let active = rays.lanes & !rays.tied;
     if active.count_ones() < FEWEST {
-        hits.open = rays.lanes;
+        hits.undecided = rays.lanes;
         return;
     }
     let reciprocals = &mut reciprocals[0];
     reciprocals.forget();
-    let asking = PacketIntersector { rays, reciprocals };
-    let mut search = ClosestHitSearch { scene, asking, hits };
+    let intersector = PacketIntersector { rays, reciprocals };
+    let mut search = ClosestHitSearch { scene, intersector, hits };
     dispatch!(scene.simd.level(), simd => search.run(simd, active, stack, cancelled));
 }
 
 /// A closest-hit search of one packet.
 pub(super) struct ClosestHitSearch<'a> {
     pub(super) scene: &'a PreparedScene,
-    pub(super) asking: PacketIntersector<'a>,
+    pub(super) intersector: PacketIntersector<'a>,
     pub(super) hits: &'a mut HitPacket,
 }
 
@@ -55,7 +55,7 @@ impl ClosestHitSearch<'_> {
             }
             self.meet(simd, ShapeQuery::by_id(scene, *id), active);
         }
-        let mut packet = scene.tree.packet(simd, self.asking.rays, active & !self.hits.open, None);
+        let mut packet = scene.tree.packet(simd, self.intersector.rays, active & !self.hits.undecided, None);
         packet.limit(simd, &self.hits.ts, &self.hits.errors);
         scene.tree.visit_packet(simd, &mut packet, stack, cancelled, self);
     }
@@ -68,7 +68,7 @@ impl ClosestHitSearch<'_> {
             if half_of(lanes, half) == 0 {
                 continue;
             }
-            if let Some(answer) = self.asking.ask(simd, shape, half, lanes) {
+            if let Some(answer) = self.intersector.intersect(simd, shape, half, lanes) {
                 nearer |= consider(simd, self.hits, half, shape.id, &answer);
             }
         }
@@ -82,7 +82,7 @@ impl<S: Simd> PacketVisitor<S> for ClosestHitSearch<'_> {
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: LeafId, lanes: u32, packet: &mut FramePacket) {
         let nearer = self.meet(simd, ShapeQuery::leaf(self.scene, leaf), lanes);
-        packet.finish(self.hits.open);
+        packet.finish(self.hits.undecided);
         if nearer {
             packet.limit(simd, &self.hits.ts, &self.hits.errors);
         }
@@ -103,10 +103,10 @@ fn consider<S: Simd>(simd: S, hits: &mut HitPacket, half: usize, id: ShapeId, an
     let root = intersection.root;
     let best = BoundedT::within(hits.ts.load(simd, half), hits.errors.load(simd, half));
     let is_near = root.t().simd_lt(splat(simd, FAR));
-    let (hit, open) = (intersection.hit & is_near, intersection.open | intersection.hit & !is_near);
+    let (hit, undecided) = (intersection.hit & is_near, intersection.undecided | intersection.hit & !is_near);
     let not_farther = bits(hit & root.earliest().simd_le(best.latest()), half);
     let nearer = bits(hit & root.latest().simd_lt(best.earliest()), half);
-    hits.open |= not_farther & !nearer | bits(open, half);
+    hits.undecided |= not_farther & !nearer | bits(undecided, half);
     if nearer == 0 {
         return false;
     }

@@ -148,11 +148,11 @@ fn find<S: Simd>(
 ) -> u32 {
     hits.ids = ShapeIds::splat(id);
     surfaces.clear();
-    let mut open = refine_one(simd, RefineInput { geometry, rays, hits }, id, met, surfaces);
+    let mut undecided = refine_one(simd, RefineInput { geometry, rays, hits }, id, met, surfaces);
     let (mut entering, mut leaving) = (0, 0);
     let mut far_ts = Numbers::splat(0.0);
     for half in 0..2 {
-        let asked = met & !open & half_lanes(half);
+        let asked = met & !undecided & half_lanes(half);
         if asked == 0 {
             continue;
         }
@@ -169,10 +169,10 @@ fn find<S: Simd>(
         let t = surfaces.ts.load(simd, half) + out.root.t();
         let before = t.simd_lt(limits.load(simd, half)) & out.hit;
         far_ts.store(half, t);
-        open |= enters & bits(!out.hit, half);
+        undecided |= enters & bits(!out.hit, half);
         leaving |= enters & bits(before, half);
     }
-    let lanes = met & !open;
+    let lanes = met & !undecided;
     if lanes != 0 {
         let (entering, leaving) = (entering & lanes, leaving & lanes);
         crossed.push(CrossedPacket {
@@ -183,5 +183,5 @@ fn find<S: Simd>(
             ..CrossedPacket::once(id, lanes)
         });
     }
-    open
+    undecided
 }

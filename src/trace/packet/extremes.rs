@@ -115,7 +115,7 @@ fn agree(
 ) -> Result<(), TestCaseError> {
     let mut scratch = Scratch::default();
     let mut surfaces = SurfacePacket::EMPTY;
-    let decided = packet.lanes & !hits.open;
+    let decided = packet.lanes & !hits.undecided;
     let met = lanes(decided).filter(|lane| hits.get(*lane).is_some()).fold(0, |mask, lane| mask | 1 << lane);
     dispatch!(scene.simd.level(), simd => refine(simd, scene, packet, hits, met, &mut surfaces));
     for lane in lanes(decided) {

@@ -1,23 +1,23 @@
 //! Occlusion queries between sixteen surface points and a light.
 //!
 //! ```text
-//! open = rays that leave several coincident shapes
-//! active lanes: neither hidden nor open
+//! undecided = rays that leave several coincident shapes
+//! active lanes: neither hidden nor undecided
 //! test the last occluder on the active lanes without a candidate list
 //! test each shape outside the tree on the active lanes
 //! for each half packet with a candidate list:
 //!     test each candidate on its active lanes
 //! rest = active lanes without a candidate list
-//! if rest has fewer than FEWEST lanes: add it to open
+//! if rest has fewer than FEWEST lanes: add it to undecided
 //! else: traverse the tree with rest, and test each shape that the rays may hit
 //!
 //! test(shape, lanes):
 //!     certainly beyond the light, or a miss: no effect
-//!     ambiguous, at FAR or more, or too near to the light: open
-//!     certainly before the light: hidden by an opaque shape, open for a coincident shape, crossed for a transparent shape
+//!     ambiguous, at FAR or more, or too near to the light: undecided
+//!     certainly before the light: hidden by an opaque shape, undecided for a coincident shape, crossed for a transparent shape
 //! ```
 //!
-//! The lanes in `open` escalate to scalar code. For a point light, the rays in the tree traversal are also bounded by a frustum with its
+//! The lanes in `undecided` escalate to scalar code. For a point light, the rays in the tree traversal are also bounded by a frustum with its
 //! apex at the light. The error analysis in [`candidates`](super::candidates) also holds for this frustum.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -62,7 +62,7 @@ pub(crate) struct Occlusion {
     /// Lanes of rays that are certainly occluded.
     pub(crate) hidden: u32,
     /// Undecided lanes, which escalate to scalar code.
-    pub(crate) open: u32,
+    pub(crate) undecided: u32,
 }
 
 /// Determines which shadow rays are occluded. `last_occluder` is tested first, and updated with any occluder found. After cancellation the
@@ -76,11 +76,11 @@ pub(crate) fn occluded(
 ) -> Occlusion {
     let (rays, reciprocals) = (shadow.rays, &mut reciprocals[0]);
     reciprocals.forget();
-    let asking = PacketIntersector { rays, reciprocals };
+    let intersector = PacketIntersector { rays, reciprocals };
     // A ray that leaves several coincident shapes can leave each of them on a different side.
-    let found = Occlusion { hidden: 0, open: rays.tied };
+    let found = Occlusion { hidden: 0, undecided: rays.tied };
     crossed.clear();
-    let mut search = OcclusionSearch { scene, shadow, asking, found, last_occluder, crossing, crossed };
+    let mut search = OcclusionSearch { scene, shadow, intersector, found, last_occluder, crossing, crossed };
     dispatch!(scene.simd.level(), simd => search.run(simd, stack, cancelled));
     search.found
 }
@@ -88,7 +88,7 @@ pub(crate) fn occluded(
 struct OcclusionSearch<'a> {
     scene: &'a PreparedScene,
     shadow: &'a ShadowPacket<'a>,
-    asking: PacketIntersector<'a>,
+    intersector: PacketIntersector<'a>,
     found: Occlusion,
     last_occluder: &'a mut Option<ShapeId>,
     crossing: &'a mut CrossingScratch,
@@ -101,29 +101,29 @@ impl OcclusionSearch<'_> {
         // The last occluder is tested first only without a candidate list: lists are short.
         let unlisted = self.unlisted();
         if let Some(id) = *self.last_occluder
-            && self.undecided() & unlisted != 0
+            && self.active() & unlisted != 0
         {
-            self.meet(simd, ShapeQuery::by_id(self.scene, id), self.undecided() & unlisted);
+            self.meet(simd, ShapeQuery::by_id(self.scene, id), self.active() & unlisted);
         }
         for id in self.shadow.unbounded {
-            if self.undecided() == 0 || cancelled.load(Ordering::Relaxed) {
+            if self.active() == 0 || cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            self.meet(simd, ShapeQuery::by_id(self.scene, *id), self.undecided());
+            self.meet(simd, ShapeQuery::by_id(self.scene, *id), self.active());
         }
         for (half, candidates) in self.shadow.candidates.iter().enumerate() {
             let Some(candidates) = candidates else { continue };
             let lanes = half_lanes(half);
             for leaf in *candidates {
-                if self.undecided() & lanes == 0 {
+                if self.active() & lanes == 0 {
                     break;
                 }
-                self.meet(simd, ShapeQuery::leaf(self.scene, *leaf), self.undecided() & lanes);
+                self.meet(simd, ShapeQuery::leaf(self.scene, *leaf), self.active() & lanes);
             }
         }
-        let unlisted = self.undecided() & unlisted;
+        let unlisted = self.active() & unlisted;
         if unlisted.count_ones() < FEWEST {
-            self.found.open |= unlisted;
+            self.found.undecided |= unlisted;
         } else {
             let frustum = self.frustum(simd, unlisted);
             let mut packet = self.scene.tree.packet(simd, self.shadow.rays, unlisted, frustum);
@@ -163,8 +163,8 @@ impl OcclusionSearch<'_> {
 
     /// Returns the active lanes.
     #[inline(always)]
-    fn undecided(&self) -> u32 {
-        self.shadow.rays.lanes & !self.found.hidden & !self.found.open
+    fn active(&self) -> u32 {
+        self.shadow.rays.lanes & !self.found.hidden & !self.found.undecided
     }
 
     /// Tests a shape on the rays in some lanes.
@@ -182,20 +182,20 @@ impl OcclusionSearch<'_> {
             let limit = self.shadow.limits.load(simd, half);
             // Closer to the light, hits are compared with its exact position, by scalar code.
             let (nearer, farther) = (limit * (1.0 - NEAR), limit * (1.0 + NEAR));
-            let Some(answer) = self.asking.ask(simd, shape, half, lanes) else { continue };
+            let Some(answer) = self.intersector.intersect(simd, shape, half, lanes) else { continue };
             let intersection = answer.intersection;
             let root = intersection.root;
             let is_near = root.t().simd_lt(splat(simd, FAR));
             let beyond = intersection.hit & root.earliest().simd_gt(farther);
-            let open = bits(intersection.open | intersection.hit & !is_near & !beyond, half);
+            let undecided = bits(intersection.undecided | intersection.hit & !is_near & !beyond, half);
             let hit = intersection.hit & is_near;
             let before = bits(hit & root.latest().simd_lt(nearer), half);
             let (hit, beyond) = (bits(hit, half), bits(beyond, half));
             if role == OccluderKind::Coincident {
-                self.found.open |= hit & !beyond | open;
+                self.found.undecided |= hit & !beyond | undecided;
                 continue;
             }
-            self.found.open |= hit & !before & !beyond | open;
+            self.found.undecided |= hit & !before & !beyond | undecided;
             if role == OccluderKind::Transparent {
                 let CrossingScratch { hits, .. } = &mut *self.crossing;
                 hits.ts.store(half, root.t());
@@ -212,7 +212,8 @@ impl OcclusionSearch<'_> {
         if crossed != 0 {
             let Self { scene, shadow, crossing, .. } = self;
             let rays = (shadow.rays, shadow.limits);
-            self.found.open |= cross(simd, &scene.geometry, rays, (shape, crossed), crossing, self.crossed);
+            self.found.undecided |=
+                cross(simd, &scene.geometry, rays, (shape, crossed), crossing, self.crossed);
         }
     }
 }
@@ -223,6 +224,6 @@ impl<S: Simd> PacketVisitor<S> for OcclusionSearch<'_> {
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: LeafId, lanes: u32, packet: &mut FramePacket) {
         self.meet(simd, ShapeQuery::leaf(self.scene, leaf), lanes);
-        packet.finish(self.found.hidden | self.found.open);
+        packet.finish(self.found.hidden | self.found.undecided);
     }
 }

@@ -8,10 +8,10 @@ use crate::trace::bvh::LeafId;
 use crate::trace::math::{BoundedT, F64s, half_of, mask};
 use crate::trace::rays::{RayPacket, Rays, ShapeId};
 use crate::trace::scene::{PreparedScene, ShapeRef};
-use crate::trace::shapes::Verdict;
+use crate::trace::shapes::Intersections;
 
 /// The intersection of half a packet with a shape.
-pub(super) type PacketIntersection<S> = Verdict<F64s<S>>;
+pub(super) type PacketIntersection<S> = Intersections<F64s<S>>;
 
 /// A packet's rays, with their reciprocals.
 pub(super) struct PacketIntersector<'a> {
@@ -52,7 +52,7 @@ impl PacketIntersector<'_> {
     /// Intersects the rays in some lanes of a half with a shape, like `Geometry::intersect` for rays that leave at most one shape. `None` if
     /// all of them certainly miss it.
     #[inline(always)]
-    pub(super) fn ask<S: Simd>(
+    pub(super) fn intersect<S: Simd>(
         &mut self,
         simd: S,
         shape: ShapeQuery<'_>,
@@ -69,7 +69,7 @@ impl PacketIntersector<'_> {
         {
             let near = mask(simd, near, half);
             found.hit &= near;
-            found.open &= near;
+            found.undecided &= near;
             intersection = Some(found);
         }
         let inward = leaving & !self.rays.outward;
@@ -83,13 +83,13 @@ impl PacketIntersector<'_> {
             return Some(PacketHit { intersection, far: 0 });
         };
         let lanes = mask(simd, inward, half);
-        let (hit, open) = (exit.hit & lanes, exit.open & lanes);
+        let (hit, undecided) = (exit.hit & lanes, exit.undecided & lanes);
         let intersection = match intersection {
-            None => PacketIntersection { hit, open, ..exit },
+            None => PacketIntersection { hit, undecided, ..exit },
             Some(near) => PacketIntersection {
                 root: BoundedT::pick(lanes, exit.root, near.root),
                 hit: hit | near.hit,
-                open: open | near.open,
+                undecided: undecided | near.undecided,
             },
         };
         Some(PacketHit { intersection, far: inward })
@@ -102,25 +102,25 @@ impl PacketIntersector<'_> {
         match shape {
             ShapeRef::Sphere(sphere) => {
                 let inverse_square = self.reciprocals.of_squares(simd, self.rays, half);
-                sphere.verdict(&rays, inverse_square)
+                sphere.intersections(&rays, inverse_square)
             }
-            ShapeRef::Plane(plane) => Some(plane.verdict(&rays)),
+            ShapeRef::Plane(plane) => Some(plane.intersections(&rays)),
             ShapeRef::AlignedBox(shape) => {
                 let (inverse, slow) = self.reciprocals.of_directions(simd, self.rays, half);
-                let mut intersection = shape.verdict(rays.origin, inverse);
+                let mut intersection = shape.intersections(rays.origin, inverse);
                 // Reciprocals of slow rays may not be finite.
                 let slow = mask(simd, slow, half);
                 intersection.hit &= !slow;
-                intersection.open |= slow;
+                intersection.undecided |= slow;
                 Some(intersection)
             }
             ShapeRef::SphereImage(image) => simd.vectorize(
                 #[inline(always)]
-                || image.verdict(&rays),
+                || image.intersections(&rays),
             ),
             ShapeRef::BoxImage(image) => Some(simd.vectorize(
                 #[inline(always)]
-                || image.verdict(&rays),
+                || image.intersections(&rays),
             )),
         }
     }
@@ -134,16 +134,16 @@ pub(super) fn exit<S: Simd>(
     shape: ShapeRef<'_>,
 ) -> Option<PacketIntersection<S>> {
     match shape {
-        ShapeRef::Sphere(sphere) => Some(sphere.exit_verdict(rays)),
+        ShapeRef::Sphere(sphere) => Some(sphere.exits(rays)),
         ShapeRef::Plane(_) => None,
-        ShapeRef::AlignedBox(shape) => Some(shape.exit_verdict(rays)),
+        ShapeRef::AlignedBox(shape) => Some(shape.exits(rays)),
         ShapeRef::SphereImage(image) => Some(simd.vectorize(
             #[inline(always)]
-            || image.exit_verdict(rays),
+            || image.exits(rays),
         )),
         ShapeRef::BoxImage(image) => Some(simd.vectorize(
             #[inline(always)]
-            || image.exit_verdict(rays),
+            || image.exits(rays),
         )),
     }
 }

@@ -106,7 +106,7 @@ pub(super) fn compare(
     ties: &TieLists,
 ) -> Result<usize, TestCaseError> {
     let mut scratch = Scratch { ties: ties.clone(), ..Scratch::default() };
-    let decided = rays.lanes & !hits.open;
+    let decided = rays.lanes & !hits.undecided;
     let mut surfaces = SurfacePacket::EMPTY;
     let met = decided
         & lanes(0xffff).filter(|lane| hits.get(*lane).is_some()).fold(0, |mask, lane| mask | 1 << lane);
@@ -311,7 +311,7 @@ proptest! {
                         prop_assert_eq!(single.0, in_tree, "{} {:?}", name, ray);
                         prop_assert!(in_tree || covered & (1 << lane) == 0, "{} {:?}", name, ray);
                         prop_assert!(!in_tree || clear_ways & (1 << lane) == 0, "{} {:?}", name, ray);
-                        if found.open & (1 << lane) == 0 {
+                        if found.undecided & (1 << lane) == 0 {
                             let occluded = found.hidden & (1 << lane) != 0;
                             prop_assert_eq!(occluded, in_tree, "{} {:?}", name, ray);
                             if !occluded {
@@ -467,7 +467,7 @@ fn nearly_all_rays_are_decided_at_once() {
         let cancelled = Scratch::default().cancelled;
         let found = occluded(&scene, &shadow, &mut None, &mut PacketScratch::default(), cancelled);
         hidden += found.hidden.count_ones();
-        lit += (rays.lanes & !found.hidden & !found.open).count_ones();
+        lit += (rays.lanes & !found.hidden & !found.undecided).count_ones();
     }
     assert!(hidden > 10 && lit > 100 && hidden + lit > 150, "{hidden} hidden, {lit} lit");
 }

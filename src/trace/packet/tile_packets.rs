@@ -64,8 +64,8 @@ impl<F: Fn(f64) -> f32> TilePackets<'_, F> {
     #[inline(always)]
     fn meet<S: Simd>(&mut self, simd: S, (packet, lanes): (usize, u32), shape: ShapeQuery<'_>) -> bool {
         let rays = &self.rays[packet];
-        let asking = PacketIntersector { rays, reciprocals: &mut self.reciprocals[packet] };
-        let mut search = ClosestHitSearch { scene: self.scene, asking, hits: &mut self.hits[packet] };
+        let intersector = PacketIntersector { rays, reciprocals: &mut self.reciprocals[packet] };
+        let mut search = ClosestHitSearch { scene: self.scene, intersector, hits: &mut self.hits[packet] };
         search.meet(simd, shape, lanes & rays.lanes)
     }
 

@@ -22,7 +22,7 @@ pub(crate) struct HitPacket {
     pub(crate) tied: u32,
     ties: [TiedHits; LANES],
     /// Undecided lanes, which have to be traced as single rays.
-    pub(crate) open: u32,
+    pub(crate) undecided: u32,
 }
 
 /// The surface points of a packet's hits, lane by lane.
@@ -54,7 +54,7 @@ impl HitPacket {
         far: 0,
         tied: 0,
         ties: [TiedHits::NONE; LANES],
-        open: 0,
+        undecided: 0,
     };
 
     /// Removes all hits.
@@ -63,7 +63,7 @@ impl HitPacket {
         self.ts = Numbers::splat(f64::INFINITY);
         self.errors = Numbers::splat(0.0);
         self.ids = ShapeIds::NONE;
-        (self.far, self.tied, self.open) = (0, 0, 0);
+        (self.far, self.tied, self.undecided) = (0, 0, 0);
     }
 
     /// Returns the closest hit in a lane, as decided so far.
@@ -81,7 +81,7 @@ impl HitPacket {
     #[inline]
     pub(crate) fn set(&mut self, lane: usize, closest: Option<ClosestHit>) {
         let bit = 1 << lane;
-        self.open &= !bit;
+        self.undecided &= !bit;
         self.far &= !bit;
         self.tied &= !bit;
         self.ids.set(lane, closest.map(|closest| closest.hit.id));

@@ -222,26 +222,26 @@ impl Geometry {
     #[inline]
     fn near_hit(&self, id: ShapeId, ray: &PreparedRay, escalations: &mut Escalations) -> Option<ShapeHit> {
         // Each kind of shape reads the ray itself: a copy here would go through memory a second time.
-        let verdict = ask!(self, id, shape => shape.intersect(ray));
-        self.decided(verdict, id, false, ray, escalations)
+        let intersection = ask!(self, id, shape => shape.intersect(ray));
+        self.decided(intersection, id, false, ray, escalations)
     }
 
     #[cold]
     fn exit(&self, id: ShapeId, ray: &PreparedRay, escalations: &mut Escalations) -> Option<ShapeHit> {
-        let verdict = ask!(self, id, shape => shape.exit(ray.origin(), ray.direction()));
-        self.decided(verdict, id, true, ray, escalations)
+        let intersection = ask!(self, id, shape => shape.exit(ray.origin(), ray.direction()));
+        self.decided(intersection, id, true, ray, escalations)
     }
 
     #[inline(always)]
     fn decided(
         &self,
-        verdict: Intersection,
+        intersection: Intersection,
         id: ShapeId,
         far: bool,
         ray: &PreparedRay,
         escalations: &mut Escalations,
     ) -> Option<ShapeHit> {
-        let root = match verdict {
+        let root = match intersection {
             Intersection::ShapeHit(root) => root,
             Intersection::Miss => return None,
             Intersection::Ambiguous => {

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use super::bounds::Bounds;
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Verdict};
+use super::intersection::{
+    ExactCrossing, ExactHit, Face, Facet, Intersection, Intersections, Refined, RefinedHit,
+};
 use super::slabs::{ExactSlab, FaceMasks, SLOWEST, cross_exactly, exit_exactly};
 use super::sphere::U;
 use crate::trace::math::{BoundedT, Compensated, Double, Exact, Exact3, Real, moderate, spread, times};
@@ -85,7 +87,7 @@ impl AlignedBox {
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
         let (origin, direction) = (ray.origin(), ray.direction());
         if direction.abs().min_element() > SLOWEST {
-            return self.verdict(origin.into(), direction.recip().into()).into();
+            return self.intersections(origin.into(), direction.recip().into()).into();
         }
         let (entry, exit) = self.slow_crossing(origin, direction);
         between(entry, exit).into()
@@ -94,7 +96,7 @@ impl AlignedBox {
     /// Intersects rays with the box, by the reciprocals of their directions, which must be finite (Kay and Kajiya, "Ray Tracing Complex
     /// Scenes", 1986). A difference times a reciprocal is rounded three times; its sign is exact.
     #[inline(always)]
-    pub(crate) fn verdict<R: Real>(&self, origin: [R; 3], inverse: [R; 3]) -> Verdict<R> {
+    pub(crate) fn intersections<R: Real>(&self, origin: [R; 3], inverse: [R; 3]) -> Intersections<R> {
         let (min, max) = (spread(origin[0], self.min), spread(origin[0], self.max));
         let (mut entry, mut exit) = (origin[0].of(f64::NEG_INFINITY), origin[0].of(f64::INFINITY));
         for axis in 0..3 {
@@ -108,7 +110,7 @@ impl AlignedBox {
 
     /// Finds the exits of rays that start on the box and go inwards. Only faces ahead are considered.
     #[inline(always)]
-    pub(crate) fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+    pub(crate) fn exits<R: Real>(&self, rays: &Rays<R>) -> Intersections<R> {
         let (min, max) = (spread(rays.origin[0], self.min), spread(rays.origin[0], self.max));
         let (zero, mut nearest) = (rays.origin[0].of(0.0), rays.origin[0].of(f64::INFINITY));
         for axis in 0..3 {
@@ -119,7 +121,7 @@ impl AlignedBox {
         }
         let t = R::pick(nearest.greater(zero), nearest, zero);
         let never = zero.less(zero);
-        Verdict { root: BoundedT::within(t, t * (4.0 * U)), hit: !never, open: never }
+        Intersections { root: BoundedT::within(t, t * (4.0 * U)), hit: !never, undecided: never }
     }
 
     /// Returns the exact entry and exit of the ray's line.
@@ -176,7 +178,7 @@ impl AlignedBox {
     /// Returns the exit of a ray that starts on the box and goes inwards. Only faces ahead are considered.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        self.exit_verdict(&Rays::new(origin, direction)).into()
+        self.exits(&Rays::new(origin, direction)).into()
     }
 
     /// Returns the hit at `t` on a face. The point's coordinate along the face's axis is exactly the coordinate of the face.
@@ -207,14 +209,14 @@ impl AlignedBox {
 
 /// Returns the first hits at `t >= 0` of rays that are inside a box between two `t`.
 #[inline(always)]
-fn between<R: Real>(entry: R, exit: R) -> Verdict<R> {
+fn between<R: Real>(entry: R, exit: R) -> Intersections<R> {
     let zero = entry.of(0.0);
     let close = entry.abs().max(exit.abs()) * (8.0 * U);
     let maybe = !(exit.less(zero) | entry.greater(exit + close));
-    let open = maybe & entry.greater(exit - close);
+    let undecided = maybe & entry.greater(exit - close);
     // Adding zero turns a negative zero into a positive one.
     let t = R::pick(zero.less_or_equal(entry), entry, exit) + zero;
-    Verdict { root: BoundedT::within(t, t * (4.0 * U)), hit: maybe & !open, open }
+    Intersections { root: BoundedT::within(t, t * (4.0 * U)), hit: maybe & !undecided, undecided }
 }
 
 #[cfg(test)]

@@ -3,7 +3,9 @@
 use glam::{DAffine3, DVec3};
 
 use super::bounds::Bounds;
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Verdict};
+use super::intersection::{
+    ExactCrossing, ExactHit, Face, Facet, Intersection, Intersections, Refined, RefinedHit,
+};
 use super::slabs::{ExactSlab, Height, SlabRoots, cross_exactly, exit_exactly};
 use super::sphere::{U, newton_step};
 use super::sphere_image::{bounds_of_image, condition, exact_inverse};
@@ -124,18 +126,18 @@ impl BoxImage {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
-        self.verdict(&ray.into()).into()
+        self.intersections(&ray.into()).into()
     }
 
     /// Intersects rays with the box.
     #[inline(always)]
-    pub(crate) fn verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+    pub(crate) fn intersections<R: Real>(&self, rays: &Rays<R>) -> Intersections<R> {
         self.roots(rays).first()
     }
 
     /// Finds the exits of rays that start on the box and go inwards.
     #[inline(always)]
-    pub(crate) fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+    pub(crate) fn exits<R: Real>(&self, rays: &Rays<R>) -> Intersections<R> {
         self.roots(rays).last()
     }
 
@@ -200,7 +202,7 @@ impl BoxImage {
     /// Returns the exit of a ray that starts on the box and goes inwards.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        self.exit_verdict(&Rays::new(origin, direction)).into()
+        self.exits(&Rays::new(origin, direction)).into()
     }
 
     /// Returns the plane of the face that is certainly hit at `t`.

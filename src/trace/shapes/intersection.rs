@@ -54,20 +54,20 @@ pub enum Intersection {
 
 /// Result of an intersection, generic over one ray and the rays of half a packet.
 #[derive(Clone, Copy)]
-pub(crate) struct Verdict<R: Real> {
+pub(crate) struct Intersections<R: Real> {
     pub(crate) root: BoundedT<R>,
     /// Rays that certainly hit the shape, at `root`.
     pub(crate) hit: R::Mask,
     /// Rays that are undecided.
-    pub(crate) open: R::Mask,
+    pub(crate) undecided: R::Mask,
 }
 
-impl From<Verdict<f64>> for Intersection {
+impl From<Intersections<f64>> for Intersection {
     #[inline(always)]
-    fn from(verdict: Verdict<f64>) -> Self {
-        if verdict.hit {
-            Self::ShapeHit(verdict.root)
-        } else if verdict.open {
+    fn from(intersections: Intersections<f64>) -> Self {
+        if intersections.hit {
+            Self::ShapeHit(intersections.root)
+        } else if intersections.undecided {
             Self::Ambiguous
         } else {
             Self::Miss
@@ -76,10 +76,10 @@ impl From<Verdict<f64>> for Intersection {
 }
 
 /// Converts `None`, the result if all rays certainly miss, to [`Intersection::Miss`].
-impl From<Option<Verdict<f64>>> for Intersection {
+impl From<Option<Intersections<f64>>> for Intersection {
     #[inline(always)]
-    fn from(verdict: Option<Verdict<f64>>) -> Self {
-        verdict.map_or(Self::Miss, Self::from)
+    fn from(intersections: Option<Intersections<f64>>) -> Self {
+        intersections.map_or(Self::Miss, Self::from)
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::intersection::{
-    ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Side, Verdict,
+    ExactCrossing, ExactHit, Face, Facet, Intersection, Intersections, Refined, RefinedHit, Side,
 };
 use super::sphere::{U, newton_step};
 use crate::trace::math::{
@@ -77,12 +77,12 @@ impl Plane {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
-        self.verdict(&ray.into()).into()
+        self.intersections(&ray.into()).into()
     }
 
     /// Intersects rays with the plane.
     #[inline(always)]
-    pub(crate) fn verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+    pub(crate) fn intersections<R: Real>(&self, rays: &Rays<R>) -> Intersections<R> {
         let Rays { origin, direction } = *rays;
         let (point, normal) = (spread(origin[0], self.point), spread(origin[0], self.normal));
         let to_plane = subtract(point, origin);
@@ -96,7 +96,7 @@ impl Plane {
         let certain = speed.abs().greater(speed_error * 1024.0);
         let hit = certain & t.greater(error);
         let miss = certain & t.less(-error);
-        Verdict { root: BoundedT::within(t, error), hit, open: !hit & !miss }
+        Intersections { root: BoundedT::within(t, error), hit, undecided: !hit & !miss }
     }
 
     /// Returns the exact hit of the ray's line, as both entry and exit.

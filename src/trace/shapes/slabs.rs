@@ -14,7 +14,7 @@
 
 use glam::DVec3;
 
-use super::intersection::{ExactCrossing, ExactHit, Face, Side, Verdict};
+use super::intersection::{ExactCrossing, ExactHit, Face, Intersections, Side};
 use super::sphere::U;
 use crate::trace::math::{BoundedT, Exact, ExactRoot, Real, Truth, pick3, spread};
 
@@ -39,7 +39,7 @@ pub(super) struct SlabRoots<R: Real> {
     /// Rays that are parallel to a slab and outside of it, before any slab is undecided.
     beside: R::Mask,
     /// Rays that are nearly parallel to a slab, or on one of its planes.
-    open: R::Mask,
+    undecided: R::Mask,
 }
 
 /// The face that each ray hits.
@@ -93,7 +93,7 @@ impl<R: Real> SlabRoots<R> {
             exits: [nothing; 3],
             upwards: [never; 3],
             beside: never,
-            open: never,
+            undecided: never,
         };
         let mut fast = !never;
         for axis in 0..3 {
@@ -126,8 +126,8 @@ impl<R: Real> SlabRoots<R> {
             let (entry, exit) = (or_exact(self.entries[axis]), or_exact(self.exits[axis]));
             self.entries[axis] = BoundedT::pick(certain, entry, BoundedT::within(first, zero));
             self.exits[axis] = BoundedT::pick(certain, exit, BoundedT::within(last, zero));
-            self.beside = self.beside | (beside & !self.open);
-            self.open = self.open | !(certain | inside | beside);
+            self.beside = self.beside | (beside & !self.undecided);
+            self.undecided = self.undecided | !(certain | inside | beside);
         }
     }
 
@@ -139,27 +139,31 @@ impl<R: Real> SlabRoots<R> {
 
     /// Returns the first hits of the box at `t >= 0`.
     #[inline(always)]
-    pub(super) fn first(&self) -> Verdict<R> {
+    pub(super) fn first(&self) -> Intersections<R> {
         let [x, y, z] = self.entries;
         let (entry, exit) = (x.later(y).later(z), self.exit());
         let zero = entry.t().of(0.0);
-        let open = self.open & !self.beside;
+        let undecided = self.undecided & !self.beside;
         let missed = self.beside | entry.earliest().greater(exit.latest()) | exit.latest().less(zero);
         let touching = exit.earliest().less_or_equal(entry.latest());
-        let through = !(open | missed | touching);
+        let through = !(undecided | missed | touching);
         let enters = through & entry.earliest().greater(zero);
         let leaves = through & entry.latest().less(zero) & exit.earliest().greater(zero);
         let hit = enters | leaves;
-        Verdict { root: BoundedT::pick(enters, entry, exit), hit, open: open | !(missed | hit) }
+        Intersections {
+            root: BoundedT::pick(enters, entry, exit),
+            hit,
+            undecided: undecided | !(missed | hit),
+        }
     }
 
     /// Returns the exits of rays that start on the box and go inwards. Only planes ahead count: a slab beside which a rounded origin lies
     /// does not matter.
     #[inline(always)]
-    pub(super) fn last(&self) -> Verdict<R> {
+    pub(super) fn last(&self) -> Intersections<R> {
         let exit = self.exit();
-        let hit = exit.earliest().greater(exit.t().of(0.0)) & !self.open;
-        Verdict { root: exit, hit, open: !hit }
+        let hit = exit.earliest().greater(exit.t().of(0.0)) & !self.undecided;
+        Intersections { root: exit, hit, undecided: !hit }
     }
 
     /// Returns the faces that rays hit at `t`, or through which they exit if they are `inside`.
@@ -176,7 +180,7 @@ impl<R: Real> SlabRoots<R> {
         let rivals = (at[0] & at[1]) | (at[1] & at[2]) | (at[2] & at[0]);
         let upwards = (at[0] & self.upwards[0]) | (at[1] & self.upwards[1]) | (at[2] & self.upwards[2]);
         let upper = (enters & !upwards) | (!enters & upwards);
-        FaceMasks { at, upper, certain: (at[0] | at[1] | at[2]) & !rivals & !self.open }
+        FaceMasks { at, upper, certain: (at[0] | at[1] | at[2]) & !rivals & !self.undecided }
     }
 }
 

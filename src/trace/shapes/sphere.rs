@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::bounds::Bounds;
 use super::intersection::{
-    ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Side, Verdict,
+    ExactCrossing, ExactHit, Face, Facet, Intersection, Intersections, Refined, RefinedHit, Side,
 };
 use crate::trace::math::{
     BoundedT, Compensated, Double, Double3, Exact, Exact3, ExactRoot, Real, Truth, dot, moderate3, pick3,
@@ -37,7 +37,7 @@ pub(crate) fn first_root<R: Real>(
     inverse_square: R,
     radius: f64,
     u: f64,
-) -> Option<Verdict<R>> {
+) -> Option<Intersections<R>> {
     let b = dot(to_center, direction);
     let (squared_radius, zero) = (b.of(radius * radius), b.of(0.0));
     let projection = b * inverse_square;
@@ -60,7 +60,7 @@ pub(crate) fn first_root<R: Real>(
     // The origin is outside and the sphere ahead: the other root is farther.
     let ahead = clear & s.greater(zero) & one.greater(error);
     if ahead.settled() {
-        return Some(Verdict { root: BoundedT::within(one, error), hit: ahead, open: !ahead });
+        return Some(Intersections { root: BoundedT::within(one, error), hit: ahead, undecided: !ahead });
     }
     let other = s * inverse_square;
     let ordered = one.less(other);
@@ -71,7 +71,7 @@ pub(crate) fn first_root<R: Real>(
     let far_behind = near_behind & (far + error).less(zero);
     let t = R::pick(ahead, one, R::pick(near_ahead, near, far));
     let hit = maybe & (ahead | near_ahead | far_ahead);
-    Some(Verdict { root: BoundedT::within(t, error), hit, open: maybe & !hit & !far_behind })
+    Some(Intersections { root: BoundedT::within(t, error), hit, undecided: maybe & !hit & !far_behind })
 }
 
 /// Returns the exact crossing of a line through the origin with the sphere of this `radius` around `to_center`.
@@ -95,7 +95,12 @@ pub(crate) fn last_root(to_center: &Exact3, direction: &Exact3, radius: &Exact) 
 
 /// Returns the farther root of a ray that starts on the sphere and goes inwards, computed as in [`first_root`].
 #[inline(always)]
-pub(crate) fn far_root<R: Real>(to_center: [R; 3], direction: [R; 3], radius: f64, u: f64) -> Verdict<R> {
+pub(crate) fn far_root<R: Real>(
+    to_center: [R; 3],
+    direction: [R; 3],
+    radius: f64,
+    u: f64,
+) -> Intersections<R> {
     let (a, b) = (dot(direction, direction), dot(to_center, direction));
     let squared_radius = b.of(radius * radius);
     let projection = b / a;
@@ -106,7 +111,7 @@ pub(crate) fn far_root<R: Real>(to_center: [R; 3], direction: [R; 3], radius: f6
     let t = (b + root) / a;
     let error = (dot(to_center, to_center) + squared_radius) * (64.0 * u) / root;
     let hit = q.greater(q_error * 1024.0) & b.greater(b.of(0.0)) & t.greater(error);
-    Verdict { root: BoundedT::within(t, error), hit, open: !hit }
+    Intersections { root: BoundedT::within(t, error), hit, undecided: !hit }
 }
 
 /// Returns a Newton step, or 0 where the slope is too small for a finite step, as on a grazing ray.
@@ -152,18 +157,22 @@ impl Sphere {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
-        self.verdict(&ray.into(), ray.inverse_square()).into()
+        self.intersections(&ray.into(), ray.inverse_square()).into()
     }
 
     /// Intersects rays with the sphere. `inverse_square` is 1 / direction.direction. `None` if all rays certainly miss.
     #[inline(always)]
-    pub(crate) fn verdict<R: Real>(&self, rays: &Rays<R>, inverse_square: R) -> Option<Verdict<R>> {
+    pub(crate) fn intersections<R: Real>(
+        &self,
+        rays: &Rays<R>,
+        inverse_square: R,
+    ) -> Option<Intersections<R>> {
         first_root(self.center_relative_to(rays), rays.direction, inverse_square, self.radius, U)
     }
 
     /// Finds the exits of rays that start on the sphere and go inwards. Grazing rays exit at once.
     #[inline(always)]
-    pub(crate) fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+    pub(crate) fn exits<R: Real>(&self, rays: &Rays<R>) -> Intersections<R> {
         far_root(self.center_relative_to(rays), rays.direction, self.radius, U)
     }
 
@@ -206,7 +215,7 @@ impl Sphere {
     /// Returns the exit of a ray that starts on the sphere and goes inwards. A grazing ray exits at once.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        self.exit_verdict(&Rays::new(origin, direction)).into()
+        self.exits(&Rays::new(origin, direction)).into()
     }
 
     /// Returns the hit at `t`.

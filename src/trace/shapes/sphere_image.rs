@@ -5,7 +5,9 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::bounds::Bounds;
-use super::intersection::{ExactCrossing, ExactHit, Face, Facet, Intersection, Refined, RefinedHit, Verdict};
+use super::intersection::{
+    ExactCrossing, ExactHit, Face, Facet, Intersection, Intersections, Refined, RefinedHit,
+};
 use super::sphere::{Sphere, U, far_root, first_root, last_root, roots, sphere_step, unit};
 use crate::trace::math::{
     Compensated, Double, Double3, Exact, Exact3, Real, add, dot, moderate, moderate3, negative, spread,
@@ -169,12 +171,12 @@ impl SphereImage {
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
-        self.verdict(&ray.into()).into()
+        self.intersections(&ray.into()).into()
     }
 
     /// Intersects rays with the ellipsoid. `None` if all rays certainly miss.
     #[inline(always)]
-    pub(crate) fn verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
+    pub(crate) fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
         let Rays { origin, direction } = self.map.back(rays);
         let inverse_square = origin[0].of(1.0) / dot(direction, direction);
         first_root(negative(origin), direction, inverse_square, self.sphere.radius, U * self.roughness())
@@ -182,7 +184,7 @@ impl SphereImage {
 
     /// Finds the exits of rays that start on the ellipsoid and go inwards.
     #[inline(always)]
-    pub(crate) fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Verdict<R> {
+    pub(crate) fn exits<R: Real>(&self, rays: &Rays<R>) -> Intersections<R> {
         let Rays { origin, direction } = self.map.back(rays);
         far_root(negative(origin), direction, self.sphere.radius, U * self.roughness())
     }
@@ -246,7 +248,7 @@ impl SphereImage {
     /// Returns the exit of a ray that starts on the ellipsoid and goes inwards.
     #[must_use]
     pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
-        self.exit_verdict(&Rays::new(origin, direction)).into()
+        self.exits(&Rays::new(origin, direction)).into()
     }
 
     /// Returns the hit at `t`.

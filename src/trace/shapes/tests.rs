@@ -10,8 +10,8 @@ use crate::trace::rays::Rays;
 
 /// The generic formulas of a shape.
 trait ShapeFormulas {
-    fn verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>>;
-    fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>>;
+    fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>>;
+    fn exits<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>>;
     fn refined<R: Real>(&self, rays: &Rays<R>, t: R) -> Refined<R>;
 
     /// Returns the numbers of an intersection, an exit and a refined hit.
@@ -19,12 +19,12 @@ trait ShapeFormulas {
     fn found<R: Real>(&self, rays: &Rays<R>, t: R) -> [R; 17] {
         let (zero, one) = (t.of(0.0), t.of(1.0));
         let mut found = [zero; 17];
-        for (index, verdict) in [self.verdict(rays), self.exit_verdict(rays)].into_iter().enumerate() {
-            if let Some(Verdict { root, hit, open }) = verdict {
+        for (index, intersections) in [self.intersections(rays), self.exits(rays)].into_iter().enumerate() {
+            if let Some(Intersections { root, hit, undecided }) = intersections {
                 found[4 * index] = R::pick(hit, root.t(), zero);
                 found[4 * index + 1] = R::pick(hit, root.error(), zero);
                 found[4 * index + 2] = R::pick(hit, one, zero);
-                found[4 * index + 3] = R::pick(open, one, zero);
+                found[4 * index + 3] = R::pick(undecided, one, zero);
             }
         }
         let Refined { t, point, normal, found: refined } = self.refined(rays, t);
@@ -38,14 +38,14 @@ trait ShapeFormulas {
 
 impl ShapeFormulas for Sphere {
     #[inline(always)]
-    fn verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
+    fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
         let [x, y, z] = rays.direction;
-        self.verdict(rays, x.of(1.0) / (x * x + y * y + z * z))
+        self.intersections(rays, x.of(1.0) / (x * x + y * y + z * z))
     }
 
     #[inline(always)]
-    fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
-        Some(self.exit_verdict(rays))
+    fn exits<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        Some(self.exits(rays))
     }
 
     #[inline(always)]
@@ -57,12 +57,12 @@ impl ShapeFormulas for Sphere {
 
 impl ShapeFormulas for Plane {
     #[inline(always)]
-    fn verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
-        Some(self.verdict(rays))
+    fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        Some(self.intersections(rays))
     }
 
     #[inline(always)]
-    fn exit_verdict<R: Real>(&self, _rays: &Rays<R>) -> Option<Verdict<R>> {
+    fn exits<R: Real>(&self, _rays: &Rays<R>) -> Option<Intersections<R>> {
         None
     }
 
@@ -76,15 +76,15 @@ impl ShapeFormulas for Plane {
 
 impl ShapeFormulas for AlignedBox {
     #[inline(always)]
-    fn verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
+    fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
         let [x, y, z] = rays.direction;
         let one = x.of(1.0);
-        Some(self.verdict(rays.origin, [one / x, one / y, one / z]))
+        Some(self.intersections(rays.origin, [one / x, one / y, one / z]))
     }
 
     #[inline(always)]
-    fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
-        Some(self.exit_verdict(rays))
+    fn exits<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        Some(self.exits(rays))
     }
 
     #[inline(always)]
@@ -96,13 +96,13 @@ impl ShapeFormulas for AlignedBox {
 
 impl ShapeFormulas for SphereImage {
     #[inline(always)]
-    fn verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
-        self.verdict(rays)
+    fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        self.intersections(rays)
     }
 
     #[inline(always)]
-    fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
-        Some(self.exit_verdict(rays))
+    fn exits<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        Some(self.exits(rays))
     }
 
     #[inline(always)]
@@ -113,13 +113,13 @@ impl ShapeFormulas for SphereImage {
 
 impl ShapeFormulas for BoxImage {
     #[inline(always)]
-    fn verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
-        Some(self.verdict(rays))
+    fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        Some(self.intersections(rays))
     }
 
     #[inline(always)]
-    fn exit_verdict<R: Real>(&self, rays: &Rays<R>) -> Option<Verdict<R>> {
-        Some(self.exit_verdict(rays))
+    fn exits<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        Some(self.exits(rays))
     }
 
     #[inline(always)]

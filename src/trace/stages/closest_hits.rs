@@ -21,7 +21,7 @@ pub(super) fn closest_hits(context: &RenderContext<'_>, buffers: &mut TileBuffer
     if scene.precision != Precision::Robust {
         for (rays, hits) in rays.iter().zip(&mut *hits) {
             hits.clear();
-            hits.open = rays.lanes;
+            hits.undecided = rays.lanes;
         }
     } else if !match wavefront.start {
         RayOrigin::Eye(eye) => bundle_hits(scene, eye, rays, hits, (search, packet_scratch)),
@@ -33,7 +33,7 @@ pub(super) fn closest_hits(context: &RenderContext<'_>, buffers: &mut TileBuffer
         }
     }
     for (rays, hits) in rays.iter().zip(hits) {
-        for lane in lanes(hits.open) {
+        for lane in lanes(hits.undecided) {
             hits.set(lane, scene.closest(&rays.get(lane), search));
         }
     }

@@ -43,12 +43,12 @@ pub(super) fn shadows(
             }
             continue;
         }
-        let Occlusion { hidden, open } = occlusion(sample, (place, light), (packet, listed), buffers);
+        let Occlusion { hidden, undecided } = occlusion(sample, (place, light), (packet, listed), buffers);
         buffers.light_samples[packet].drop_hidden(hidden);
         if sample.context.effects.clear_shadows() {
-            weaken(sample, light, packet, asking & !hidden & !open, buffers);
+            weaken(sample, light, packet, asking & !hidden & !undecided, buffers);
         }
-        follow(sample, (place, light), (packet, listed), open & !hidden, buffers);
+        follow(sample, (place, light), (packet, listed), undecided & !hidden, buffers);
     }
 }
 
@@ -70,7 +70,7 @@ fn occlusion(
     let TileBuffers { light_samples, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
     let light_samples = &light_samples[packet];
     if scene.precision != Precision::Robust {
-        return Occlusion { hidden: 0, open: light_samples.asking };
+        return Occlusion { hidden: 0, undecided: light_samples.asking };
     }
     let shadow = ShadowPacket {
         rays: &light_samples.rays,
@@ -84,19 +84,19 @@ fn occlusion(
     occluded(scene, &shadow, &mut last_occluders[place], packet_scratch, cancelled)
 }
 
-/// Traces the shadow rays in the lanes `open` of a packet one by one.
+/// Traces the shadow rays in the lanes `undecided` of a packet one by one.
 fn follow(
     sample: &Sample<'_>,
     (place, light): (usize, &PreparedLight),
     (packet, listed): (usize, bool),
-    open: u32,
+    undecided: u32,
     buffers: &mut TileBuffers<'_>,
 ) {
     let (scene, effects) = (sample.context.scene, sample.context.effects);
     let TileBuffers { wavefront, hits, surfaces, light_samples, candidates, last_occluders, scratch, .. } =
         buffers;
     let light_samples = &mut light_samples[packet];
-    for lane in lanes(open) {
+    for lane in lanes(undecided) {
         let Some(point) = surfaces[packet].get(lane, &hits[packet]) else { continue };
         let shadow_ray = &light_samples.way(light, lane).ray(&point);
         let seen = (&point, wavefront.paths[packet].media[lane]);
