@@ -282,7 +282,7 @@ impl FrameInstants {
     pub(crate) fn lighting(&self) -> Lighting {
         match self.settings.without.contains(Effect::ClearShadows) {
             true => Lighting::Shadows,
-            false => Lighting::ClearShadows,
+            false => Lighting::TransparentShadows,
         }
     }
 

@@ -123,13 +123,13 @@ impl<'a> EffectScan<'a> {
         const MOST: usize = 4096;
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
-        if surfaces.mirrors.len() + surfaces.clear.len() > MOST {
+        if surfaces.mirrors.len() + surfaces.transparent.len() > MOST {
             return true;
         }
         let seen = |slot: &ShapeId| {
             scene.geometry().bounds(*slot).is_none_or(|bounds| self.preparation.camera().may_see(&bounds))
         };
-        surfaces.mirrors.iter().chain(&surfaces.clear).any(seen)
+        surfaces.mirrors.iter().chain(&surfaces.transparent).any(seen)
     }
 
     fn is_lit(&self) -> bool {
@@ -233,15 +233,15 @@ impl<'a> EffectScan<'a> {
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
         let casts = scene.lights.iter().any(|light| light.casts_shadows && light.intensity != Rgb::ZERO);
-        let (clear, all) = (surfaces.clear.len(), scene.geometry().len());
+        let (transparent, all) = (surfaces.transparent.len(), scene.geometry().len());
         match effect {
             _ if !self.scatters() => LeftOut("no surface answers lights: k_d and k_s are 0"),
             _ if !casts => LeftOut("no light that is on casts shadows"),
-            Effect::Shadows if clear == all => LeftOut("nothing is opaque"),
+            Effect::Shadows if transparent == all => LeftOut("nothing is opaque"),
             Effect::Shadows if !self.can_occlude() => LeftOut("nothing stands before anything"),
             Effect::Shadows => Needed("a light casts shadows"),
-            _ if clear == 0 && !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
-            _ if clear == 0 => LeftOut("k_t is 0 at this time"),
+            _ if transparent == 0 && !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
+            _ if transparent == 0 => LeftOut("k_t is 0 at this time"),
             _ => Needed("a light casts shadows, and something is clear"),
         }
     }
@@ -265,13 +265,13 @@ impl<'a> EffectScan<'a> {
                     LeftOut(OUT_OF_REACH)
                 }
             }
-            Effect::Reflection if !surfaces.clear.is_empty() && self.continues => {
+            Effect::Reflection if !surfaces.transparent.is_empty() && self.continues => {
                 Needed("inside of clear media, light may be reflected totally")
             }
             Effect::Reflection if self.has::<Reflective>() => LeftOut("k_r is 0 at this time"),
             Effect::Reflection => LeftOut("no material has `reflective`"),
             _ if !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
-            _ if surfaces.clear.is_empty() => LeftOut("k_t is 0 at this time"),
+            _ if surfaces.transparent.is_empty() => LeftOut("k_t is 0 at this time"),
             Effect::Absorption if !surfaces.absorbs => LeftOut("no medium absorbs"),
             // Tinted shadows can be in view when the object that casts them is not.
             Effect::Absorption if self.need(Effect::ClearShadows).is_needed() => Needed("a medium absorbs"),
@@ -285,11 +285,11 @@ impl<'a> EffectScan<'a> {
 
     fn effects(&self) -> Effects {
         let needs = |effect| self.need(effect).is_needed();
-        let clear = !self.preparation.scene().surfaces().clear.is_empty();
+        let transparent = !self.preparation.scene().surfaces().transparent.is_empty();
         let lighting = if !self.scatters() {
             Lighting::None
-        } else if clear {
-            Lighting::ClearShadows
+        } else if transparent {
+            Lighting::TransparentShadows
         } else if needs(Effect::Shadows) {
             Lighting::Shadows
         } else {
@@ -297,7 +297,7 @@ impl<'a> EffectScan<'a> {
         };
         let paths = if !self.continues {
             Paths::Straight
-        } else if clear {
+        } else if transparent {
             Paths::Media
         } else {
             Paths::Mirrors

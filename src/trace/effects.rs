@@ -13,7 +13,7 @@ pub enum Lighting {
     /// Shadows of opaque shapes.
     Shadows,
     /// Shadows of opaque and transparent shapes.
-    ClearShadows,
+    TransparentShadows,
 }
 
 /// The secondary rays that follow camera rays.
@@ -40,7 +40,7 @@ pub struct Effects {
 
 impl Effects {
     /// All effects.
-    pub const ALL: Self = Self { lighting: Lighting::ClearShadows, paths: Paths::Media, extras: true };
+    pub const ALL: Self = Self { lighting: Lighting::TransparentShadows, paths: Paths::Media, extras: true };
 
     /// Returns the union of both sets of effects.
     #[must_use]
@@ -63,8 +63,8 @@ impl Effects {
     }
 
     #[inline]
-    pub(crate) fn clear_shadows(self) -> bool {
-        self.lighting == Lighting::ClearShadows
+    pub(crate) fn transparent_shadows(self) -> bool {
+        self.lighting == Lighting::TransparentShadows
     }
 
     #[inline]
@@ -80,6 +80,6 @@ impl Effects {
     /// Returns whether rays carry the list of the solids that they are inside.
     #[inline]
     pub(crate) fn in_media(self) -> bool {
-        self.clear_shadows() || self.media()
+        self.transparent_shadows() || self.media()
     }
 }

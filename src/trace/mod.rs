@@ -10,22 +10,21 @@
 //!    packets of sixteen (`rays/packet`); `math/lanes` has the arithmetic on lanes. Lanes that packets leave undecided, because of an
 //!    ambiguous comparison, coincident hits or a number out of range, are decided by the code for single rays, which defines the correct
 //!    result.
-//! 2. `stages/camera_rays` generates the first wavefront, with `scene/camera`. The positions of samples come from `math/sampling`, and in
-//!    lanes from `math/sample_keys`.
-//! 3. `stages/closest_hits` finds the closest hit of each ray. Packets with a common origin, such as camera rays of a pinhole, traverse the
-//!    tree together (`packet/bundle`, `bvh/frustum`, `bvh/beam`). For a lens, the shapes that any sample of a tile can hit are collected once
-//!    (`packet/lens`, `bvh/beam`). Other packets traverse the tree one after the other (`packet/closest_hit`, `bvh/packet`). Single rays are
-//!    traced by `query/closest_hit`, which traverses the tree (`bvh/traverse`) and intersects the shapes (`query/robust`), which are
-//!    defined in `shapes`.
-//! 4. `stages/surfaces` refines hits to surface points with `packet/refine`, where lighting, a medium or secondary rays need them, and adds
+//! 2. `stages/sample` generates the first wavefront of camera rays, with `scene/camera`. The positions of samples come from `math/sampling`,
+//!    and in lanes from `math/sample_keys`.
+//! 3. `stages/sample` finds the closest hit of each ray. Packets with a common origin, such as camera rays of a pinhole, traverse the tree
+//!    together (`intersect/bundle`, `bvh/traverse/frustum`, `bvh/traverse/beam`). For a lens, the shapes that any sample of a tile can hit are
+//!    collected once (`intersect/lens`). Other packets traverse the tree one after the other, and undecided lanes as single rays
+//!    (`intersect/closest_hit`, `bvh/traverse/packet`, `bvh/traverse`). `intersect/intersector` intersects rays with the shapes, which are
+//!    defined in `shapes`; `intersect/robust` decides what error bounds leave ambiguous.
+//! 4. `stages/surfaces` refines hits to surface points with `intersect/refine`, where lighting, a medium or secondary rays need them, and adds
 //!    ambient light.
 //! 5. `stages/direct_light` loops over the lights. `shading/direct_packet` computes the unoccluded contribution of a light at each surface
-//!    point, `shading/direct` for a single lane; `shading/area_light_samples` chooses the sample points on area lights. `stages/shadows` traces the
-//!    shadow rays, with `packet/occlusion` and, through transparent shapes, `packet/crossings`; single rays with `query/occlusion` and
-//!    `query/crossings`. `stages/clear_shadows` attenuates the light by transparent shapes, `shading/transmission` for single rays. The light
-//!    that remains is added. The possible occluders between a tile and a light that is not directional are collected once for all samples of
-//!    the light, by `packet/candidates` and `bvh/beam`.
-//! 6. `stages/accumulate` adds the radiance of each ray to its pixel, in the order of the wavefront, after attenuation by fog and media along the
+//!    point, `shading/direct` for a single lane; `shading/area_light_samples` chooses the sample points on area lights. Shadow rays are traced
+//!    with `intersect/occlusion` and, through transparent shapes, `intersect/crossings`. `stages/transparent_shadows` attenuates the light by
+//!    transparent shapes, `shading/transmission` for single rays. The light that remains is added. The possible occluders between a tile and a
+//!    light that is not directional are collected once for all samples of the light, by `intersect/candidates` and `bvh/traverse/beam`.
+//! 6. `stages/sample` adds the radiance of each ray to its pixel, in the order of the wavefront, after attenuation by fog and media along the
 //!    ray (`shading/passage_packet`). A tile's pixels are stored by packet of its camera rays, and light is added to them lane by lane.
 //! 7. `stages/next_rays` spawns reflected and refracted rays, with `shading/secondary_packet` and `shading/refraction_packet`, and
 //!    `shading/secondary` for single lanes: the queue of the next bounce (`stages/ray_queue`). `stages/cutoff` drops the rays whose
@@ -36,9 +35,9 @@
 //!    value. `render/film` holds the result; a single sample is stored there directly. If a picture has an error target, `render/adaptive` evaluates the
 //!    sums between rounds and chooses the pixels that get more samples.
 //!
-//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `query` <- `shading`, `packet` <- `stages` <- `render`. `scene` holds the
-//! scene data, `query` the queries of single rays, `packet` the queries of ray packets, `shading` the light transport, which `stages` and
-//! `reference` share, and `render` the pictures made of samples.
+//! Folders import one way: `math` <- `rays` <- `shapes` <- `bvh` <- `scene` <- `intersect` <- `shading` <- `stages` <- `render`. `scene` holds the
+//! scene data, `intersect` the queries of rays and of packets, `shading` the light transport, which `stages` and `reference` share, and
+//! `render` the pictures made of samples.
 //!
 //! # Effects
 //!
@@ -74,8 +73,8 @@ mod bvh;
 mod effects;
 #[doc(hidden)]
 pub mod math;
-mod packet;
-mod query;
+
+mod intersect;
 mod rays;
 #[doc(hidden)]
 pub mod reference;
@@ -89,8 +88,8 @@ mod stages;
 #[cfg(test)]
 mod tests;
 
+pub use intersect::Escalations;
 pub use math::PixelSampling;
-pub use query::Escalations;
 pub(crate) use render::adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
 pub use render::adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 pub use render::film::{EncodedFilm, Film, RenderedImage};
@@ -107,8 +106,8 @@ pub use scene::{Precision, PreparedCamera};
 #[doc(hidden)]
 pub use {
     effects::{Effects, Lighting, Paths},
+    intersect::{CastHit, CastRay, ShapeHit, SurfacePoint},
     math::{BoundedT, SimdLevel},
-    query::{CastHit, CastRay, ShapeHit, SurfacePoint},
     rays::{PreparedRay, ShapeId},
     render_stats::RenderStats,
     scene::{

@@ -5,8 +5,8 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 use crate::trace::effects::{Effects, Lighting};
+use crate::trace::intersect::{CrossingDetail, Scratch, SurfacePoint};
 use crate::trace::math::{LANES, PixelSampling};
-use crate::trace::query::{Look, Scratch, SurfacePoint, closest};
 use crate::trace::rays::{PreparedRay, RayView, ShapeId};
 use crate::trace::render::adaptive::{
     Adaptive, PacketSums, PixelMemory, SampleSums, SharedRoundPolicy, block,
@@ -17,7 +17,7 @@ use crate::trace::render::visibility::{hidden_images, reference_features};
 use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedScene, SIDE};
 use crate::trace::shading::{
     ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
-    SecondaryRays, ShadingPoint, ShadowRay, TreeRay, ambient, filtered_and_absorbed, held, sample_light,
+    SecondaryRays, ShadingPoint, ShadowRay, TreeRay, ambient, clamped, filtered_and_absorbed, sample_light,
     secondary_rays,
 };
 use crate::trace::stages::{Portion, Tile};
@@ -78,7 +78,7 @@ pub struct LitSurface {
     /// The point.
     pub surface: SurfacePoint,
     /// The other shapes at the point, in document order.
-    pub also_there: Vec<ShapeId>,
+    pub coincident: Vec<ShapeId>,
     /// Ambient light scattered back along the ray.
     pub ambient: Rgb,
     /// The result of every light of the scene, in document order.
@@ -90,16 +90,16 @@ pub struct LitSurface {
 pub enum LightReach {
     /// The light cannot contribute: it is off, behind the surface or pointed elsewhere, or the surface scatters none of it. No shadow ray is
     /// traced.
-    NotAsked,
+    NoShadowRay,
     /// Nothing of the light arrives, and shadow rays are occluded. Holds the first shape in document order that occludes the first occluded
     /// shadow ray.
-    Hidden(ShapeId),
+    Occluded(ShapeId),
     /// The light is scattered back along the ray.
     Reaches {
         /// The mean over the light's samples.
         color: Rgb,
         /// The number of occluded samples.
-        hidden: u32,
+        occluded: u32,
     },
 }
 
@@ -134,9 +134,9 @@ impl RayEnd {
     pub fn light(&self) -> Rgb {
         match self {
             Self::Background(color) | Self::BeyondDepth(color) => *color,
-            Self::Surface(lit) => held(lit.lights.iter().fold(lit.ambient, |sum, reach| match reach {
+            Self::Surface(lit) => clamped(lit.lights.iter().fold(lit.ambient, |sum, reach| match reach {
                 LightReach::Reaches { color, .. } => sum + *color,
-                LightReach::NotAsked | LightReach::Hidden(_) => sum,
+                LightReach::NoShadowRay | LightReach::Occluded(_) => sum,
             })),
         }
     }
@@ -168,13 +168,13 @@ impl<'a> Reference<'a> {
         let resolution = self.context.camera.resolution();
         let mut portions = Vec::new();
         if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
-            adaptive.note_images(&hidden_images(self.context.scene, self.context.camera));
+            adaptive.record_images(&hidden_images(self.context.scene, self.context.camera));
         }
         for tile in Tile::all(resolution) {
             if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_features()) {
                 let found =
                     reference_features(self.context.scene, self.context.camera, &tile, adaptive.is_open());
-                adaptive.note_features(&tile, &found);
+                adaptive.record_features(&tile, &found);
             }
             sums.portions(&tile, instant, &mut portions);
             for portion in &portions {
@@ -182,7 +182,8 @@ impl<'a> Reference<'a> {
                 let pixel = row as usize * resolution.0 as usize + column as usize;
                 for sample in (0..portion.count).map(|number| portion.first + number * portion.stride) {
                     let tree = self.sample(column, row, sample);
-                    let color = tree.as_ref().map_or_else(|| self.context.nowhere(), RayTree::color);
+                    let color =
+                        tree.as_ref().map_or_else(|| self.context.unplaced_camera_color(), RayTree::color);
                     sums.pixels[pixel].add(color, tree.is_some_and(|tree| tree.is_covered()));
                 }
             }
@@ -195,7 +196,7 @@ impl<'a> Reference<'a> {
         for tile in Tile::all(self.context.camera.resolution()) {
             let found =
                 reference_features(self.context.scene, self.context.camera, &tile, adaptive.is_open());
-            adaptive.note_features(&tile, &found);
+            adaptive.record_features(&tile, &found);
         }
     }
 
@@ -208,15 +209,15 @@ impl<'a> Reference<'a> {
         scratch.search.ties.clear();
         scratch.search.tied_hits.clear();
         let medium = context.medium(ray.origin(), &mut scratch.media);
-        let asker = SampleId { seed: context.sampling.seed, pixel: (i, j), sample: index };
+        let sample_id = SampleId { seed: context.sampling.seed, pixel: (i, j), sample: index };
         let mut tree = Vec::new();
         let state = PathState::at_camera(medium);
         let mut wave: Vec<Queued> = vec![(RayKind::Camera, None, TreeRay { ray, state })];
         let (mut beyond, mut size, mut budget) = (Vec::new(), 1, ErrorBudget::new(context.scene));
-        for generations in (0..context.generations()).rev() {
+        for bounces in (0..context.bounces()).rev() {
             let mut next = Vec::new();
             for (kind, parent, mut ray) in wave {
-                let traced = trace(context, scratch, kind, parent, &ray, asker);
+                let traced = trace(context, scratch, kind, parent, &ray, sample_id);
                 ray.state.throughput *= traced.passage.transmitted;
                 if let RayEnd::Surface(lit) = &traced.end {
                     let arrived = (ray.ray.direction(), &ray.state);
@@ -228,12 +229,12 @@ impl<'a> Reference<'a> {
                 }
                 tree.push(traced);
             }
-            let cut = negligible(context, &mut budget, &next, generations);
+            let cut = negligible(context, &mut budget, &next, bounces);
             wave = Vec::new();
             for (queued, cut) in next.into_iter().zip(cut) {
                 if cut {
                     tree[queued.1.unwrap_or(0)].cut += 1;
-                } else if generations > 0 && size < LARGEST_TREE {
+                } else if bounces > 0 && size < LARGEST_TREE {
                     size += 1;
                     wave.push(queued);
                 } else {
@@ -258,9 +259,9 @@ fn negligible(
     context: &RenderContext<'_>,
     budget: &mut ErrorBudget,
     rays: &[Queued],
-    generations: u32,
+    bounces: u32,
 ) -> Vec<bool> {
-    let most = |(_, _, ray): &Queued| context.radiance_bound.most(ray.state.throughput, generations);
+    let most = |(_, _, ray): &Queued| context.radiance_bound.most(ray.state.throughput, bounces);
     let mut weighed: Vec<(f32, usize)> = rays.iter().map(most).zip(0..).collect();
     let count = budget.cut(&mut weighed);
     let mut cut = vec![false; rays.len()];
@@ -369,17 +370,17 @@ fn trace(
     kind: RayKind,
     parent: Option<usize>,
     ray: &TreeRay,
-    asker: SampleId,
+    sample_id: SampleId,
 ) -> TracedRay {
     let scene = context.scene;
-    let Some(closest) = closest(scene, &ray.ray, &mut scratch.search) else {
+    let Some(closest) = scene.closest_of_all(&ray.ray, &mut scratch.search) else {
         let passage = ray.state.passage(context.effects, scene, &scratch.media, f64::INFINITY);
         let background = scene.background.towards(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
     let surface = scene.surface(&ray.ray, &closest, &mut scratch.search);
     let passage = ray.state.passage(context.effects, scene, &scratch.media, surface.distance(&ray.ray));
-    let lit = lit(context, scratch, ray, surface, asker);
+    let lit = lit(context, scratch, ray, surface, sample_id);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
 }
 
@@ -400,7 +401,7 @@ fn lit(
     scratch: &mut LightScratch<'_>,
     arrived: &TreeRay,
     surface: SurfacePoint,
-    asker: SampleId,
+    sample_id: SampleId,
 ) -> LitSurface {
     let scene = context.scene;
     let material = scene.material(surface.hit.id);
@@ -408,12 +409,12 @@ fn lit(
     let TreeRay { ray, state } = arrived;
     let normal = surface.facing_normal();
     let (arriving, path, point) = (ray.direction(), state.path, surface.point);
-    let lit = ShadingPoint { arriving, path, point, material, diffuse, asker, normal };
+    let lit = ShadingPoint { arriving, path, point, material, diffuse, sample_id, normal };
     let seen = (&surface, state.medium);
     let lights = scene.lights.iter().enumerate();
     let lights = lights.map(|light| reach(context, scratch, light, &lit, seen)).collect();
-    let also_there = scene.tied(&surface, &scratch.search.ties);
-    LitSurface { ambient: ambient(scene, ambient_color), lights, surface, also_there }
+    let coincident = scene.tied(&surface, &scratch.search.ties);
+    LitSurface { ambient: ambient(scene, ambient_color), lights, surface, coincident }
 }
 
 fn reach(
@@ -423,30 +424,30 @@ fn reach(
     lit: &ShadingPoint<'_>,
     seen: (&SurfacePoint, MediumStack),
 ) -> LightReach {
-    let (mut first, mut hidden, mut asked) = (None, 0, false);
+    let (mut first, mut occluded, mut traced) = (None, 0, false);
     let own_shape = light.1.own_shape;
     let mut sum = DVec3::ZERO;
-    for sample in 0..light.1.places() {
+    for sample in 0..light.1.sample_count() {
         let Some(LightSample { color, shadow }) = sample_light(context.effects, light, lit, sample) else {
             continue;
         };
         let share = shadow.map_or(Ok(Rgb::ONE), |way| {
-            asked = true;
+            traced = true;
             visibility(context, scratch, &way.ray(seen.0), own_shape, seen)
         });
         match share {
             Ok(share) => sum += (color * share).as_dvec3(),
             Err(id) => {
                 first.get_or_insert(id);
-                hidden += 1;
+                occluded += 1;
             }
         }
     }
-    let color = (sum / f64::from(light.1.places())).as_vec3();
+    let color = (sum / f64::from(light.1.sample_count())).as_vec3();
     match first {
-        Some(id) if color == Rgb::ZERO => LightReach::Hidden(id),
-        None if color == Rgb::ZERO && !asked => LightReach::NotAsked,
-        _ => LightReach::Reaches { color, hidden },
+        Some(id) if color == Rgb::ZERO => LightReach::Occluded(id),
+        None if color == Rgb::ZERO && !traced => LightReach::NoShadowRay,
+        _ => LightReach::Reaches { color, occluded },
     }
 }
 
@@ -459,14 +460,14 @@ fn visibility(
     seen: (&SurfacePoint, MediumStack),
 ) -> Result<Rgb, ShapeId> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
-    let (scene, are_clear) = (context.scene, context.effects.lighting == Lighting::ClearShadows);
+    let (scene, are_unoccluded) = (context.scene, context.effects.lighting == Lighting::TransparentShadows);
     scratch.search.crossed.clear();
     let hides = |id: &ShapeId| {
         let Scratch { crossed, intersector, ties, .. } = &mut scratch.search;
-        let (ray, look) = (&RayView::new(ray, ties), Look::Whole);
+        let (ray, detail) = (&RayView::new(ray, ties), CrossingDetail::FirstHit);
         Some(*id) != own_shape
-            && (scene.hides_or_is_crossed(*id, (ray, limit), look, crossed, intersector)
-                || !are_clear && !crossed.is_empty())
+            && (scene.occludes_or_is_crossed(*id, (ray, limit), detail, crossed, intersector)
+                || !are_unoccluded && !crossed.is_empty())
     };
     match scene.geometry().ids_in_order().find(hides) {
         Some(id) => Err(id),

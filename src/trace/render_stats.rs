@@ -2,7 +2,7 @@
 
 use std::ops::AddAssign;
 
-use crate::trace::query::Escalations;
+use crate::trace::intersect::Escalations;
 
 /// The statistics of rendering a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

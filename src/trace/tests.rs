@@ -126,7 +126,7 @@ struct Clear {
 
 /// Returns a scene with shapes of all kinds above a floor and in front of a wall. Most are transparent. They may be separate, nested, or
 /// around the lights.
-fn clear_scene(places: &[(u8, [f64; 3], f64)], clear: Clear) -> PreparedScene {
+fn clear_scene(places: &[(u8, [f64; 3], f64)], transparent: Clear) -> PreparedScene {
     let floor = PreparedShape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap());
     let wall = PreparedShape::Plane(Plane::new(DVec3::Z * 4.0, DVec3::NEG_Z).unwrap());
     let mut geometry = Geometry::default();
@@ -144,10 +144,11 @@ fn clear_scene(places: &[(u8, [f64; 3], f64)], clear: Clear) -> PreparedScene {
             2 => PreparedShape::SphereImage(SphereImage::new(map, 1.0)),
             _ => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE).unwrap()),
         });
-        let absorption = if clear.absorbs && kind % 3 != 0 { Rgb::new(0.2, 0.0, 0.9) } else { Rgb::ZERO };
-        let ior = if clear.bends { 1.4 } else { 1.0 };
-        let refraction = Refraction { transmitted: 0.7, ior, absorption, fresnel: clear.branches };
-        let reflected = if clear.branches { 0.1 } else { 0.0 };
+        let absorption =
+            if transparent.absorbs && kind % 3 != 0 { Rgb::new(0.2, 0.0, 0.9) } else { Rgb::ZERO };
+        let ior = if transparent.bends { 1.4 } else { 1.0 };
+        let refraction = Refraction { transmitted: 0.7, ior, absorption, fresnel: transparent.branches };
+        let reflected = if transparent.branches { 0.1 } else { 0.0 };
         materials.push(SurfaceMaterial {
             refraction: (index % 5 != 4).then_some(refraction),
             reflected,

@@ -147,7 +147,7 @@ fn documentation_in_sources_links_to_no_files() {
     }
 }
 
-/// Checks the files that the kernel's documentation names, as `stages/shadows`.
+/// Checks the files that the kernel's documentation names, as `stages/surfaces`.
 #[test]
 fn files_named_by_the_kernel_s_documentation_exist() {
     let kernel = root().join("src/trace");

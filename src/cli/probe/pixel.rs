@@ -77,10 +77,10 @@ fn ensure_sample(sample: u32, samples: u32) -> anyhow::Result<()> {
 fn met(prepared: &Preparation, traced: &TracedRay) -> Vec<Entity> {
     let RayEnd::Surface(lit) = &traced.end else { return Vec::new() };
     let hiding = lit.lights.iter().filter_map(|reach| match reach {
-        LightReach::Hidden(slot) => Some(*slot),
-        LightReach::NotAsked | LightReach::Reaches { .. } => None,
+        LightReach::Occluded(slot) => Some(*slot),
+        LightReach::NoShadowRay | LightReach::Reaches { .. } => None,
     });
-    let slots = std::iter::once(lit.surface.hit.id).chain(lit.also_there.iter().copied()).chain(hiding);
+    let slots = std::iter::once(lit.surface.hit.id).chain(lit.coincident.iter().copied()).chain(hiding);
     slots.map(|slot| prepared.entity(slot)).collect()
 }
 
@@ -188,7 +188,7 @@ impl PixelExplanation<'_> {
                     ("point", vector(surface.point)),
                     ("normal", vector(surface.facing_normal())),
                 ]);
-                for slot in lit.also_there.iter().copied() {
+                for slot in lit.coincident.iter().copied() {
                     facts.push(("also there", format!(" {}", self.lines.text(self.prepared.entity(slot)))));
                 }
                 let entity = self.lines.text(self.prepared.entity(surface.hit.id));
@@ -216,15 +216,15 @@ impl PixelExplanation<'_> {
         let lights =
             self.prepared.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
                 let told = match reach {
-                    LightReach::Reaches { color, hidden: 0 } => adds(*color),
-                    LightReach::Reaches { color, hidden } => {
+                    LightReach::Reaches { color, occluded: 0 } => adds(*color),
+                    LightReach::Reaches { color, occluded } => {
                         let samples = self.prepared.light_samples(index);
-                        format!("{} ({hidden} of {samples} samples are hidden)", adds(*color))
+                        format!("{} ({occluded} of {samples} samples are hidden)", adds(*color))
                     }
-                    LightReach::NotAsked => {
+                    LightReach::NoShadowRay => {
                         "no shadow ray: off, behind, aimed elsewhere or not scattered".to_owned()
                     }
-                    LightReach::Hidden(slot) => {
+                    LightReach::Occluded(slot) => {
                         format!("hidden by {}", self.lines.text(self.prepared.entity(*slot)))
                     }
                 };
@@ -283,11 +283,11 @@ impl PixelExplanation<'_> {
         let entity = |slot| self.lines.json(self.prepared.entity(slot));
         let lights = self.prepared.lights().iter().zip(&lit.lights).map(|(light, reach)| {
             let (outcome, adds, hidden_samples, hidden_by) = match reach {
-                LightReach::Reaches { color, hidden } => {
-                    ("reaches", Some(color.to_array()), Some(*hidden), None)
+                LightReach::Reaches { color, occluded } => {
+                    ("reaches", Some(color.to_array()), Some(*occluded), None)
                 }
-                LightReach::NotAsked => ("no shadow ray", None, None, None),
-                LightReach::Hidden(slot) => ("hidden", None, None, Some(entity(*slot))),
+                LightReach::NoShadowRay => ("no shadow ray", None, None, None),
+                LightReach::Occluded(slot) => ("hidden", None, None, Some(entity(*slot))),
             };
             json!({
                 "entity": self.lines.json(*light),
@@ -304,7 +304,7 @@ impl PixelExplanation<'_> {
             "point": surface.point.to_array(),
             "normal": surface.facing_normal().to_array(),
             "from_outside": surface.from_outside,
-            "also_there": lit.also_there.iter().copied().map(entity).collect::<Vec<_>>(),
+            "also_there": lit.coincident.iter().copied().map(entity).collect::<Vec<_>>(),
             "ambient": lit.ambient.to_array(),
             "lights": lights.collect::<Vec<_>>(),
         })

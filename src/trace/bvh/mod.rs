@@ -5,45 +5,23 @@
 //! tree.
 //!
 //! - [`frame`]: the coordinate frame in which boxes are stored in `f32`, and the transformation of rays to it.
-//! - [`build`]: builds a tree of nodes with eight children from boxes. [`morton`] sorts neighbours together, [`ploc`] clusters them into a
-//!   binary tree, and [`collapse`] merges its levels.
-//! - [`refit`]: updates the boxes instead of rebuilding the tree if few shapes have moved.
 //! - [`node`]: a node, which tests eight boxes against one ray.
-//! - [`traverse`]: traversal with one ray from the root to the leaves, nearest first.
-//! - [`packet`]: traversal with sixteen rays.
-//! - [`frustum`]: traversal with all rays from one point whose slopes lie in a range, eight boxes at once. [`beam`] finds the parts of a
-//!   bundle, between a point or a box and points, that may hit a shape before their [`limits`], and [`cover`] the parts whose rays all hit it.
-//!   [`slopes`] and [`depth`] compute the data that they share.
+//! - [`build`]: builds a tree of nodes with eight children from boxes, and updates its boxes if few shapes have moved.
+//! - [`traverse`]: traversal with one ray, with packets, and with bundles of rays.
 
-mod beam;
 mod build;
-mod collapse;
-mod cover;
-mod depth;
 mod frame;
-mod frustum;
-mod index;
-mod limits;
-mod morton;
 mod node;
-mod packet;
-mod ploc;
-mod refit;
-mod slopes;
 #[cfg(test)]
 mod tests;
 mod traverse;
 
-pub(crate) use beam::{Beam, Shaft};
-pub(crate) use build::Builder;
-pub(crate) use depth::Depth;
-pub(crate) use frustum::{FARTHEST, Frustum, FrustumVisitor, LeafBox};
-pub(crate) use limits::Limits;
+pub(crate) use build::{Builder, Refitter};
 pub(crate) use node::LeafId;
-pub(crate) use packet::{FramePacket, PacketStack, PacketVisitor};
-pub(crate) use refit::Refitter;
-pub(crate) use slopes::{Ends, PACKETS, PARTS, SlopeRange, Slopes};
-pub(crate) use traverse::Stack;
+pub(crate) use traverse::{
+    Beam, Depth, Ends, FARTHEST, FramePacket, Frustum, FrustumVisitor, LeafBox, Limits, PACKETS, PARTS,
+    PacketStack, PacketVisitor, Shaft, SlopeRange, Slopes, Stack,
+};
 
 use frame::Frame;
 use node::Node;

@@ -3,7 +3,6 @@
 use fearless_simd::{f32x8, prelude::*};
 
 use super::frame::{FrameBox, FrameRay};
-use super::index::to_u32;
 
 /// Number of children of a node.
 pub(crate) const WIDTH: usize = 8;
@@ -190,4 +189,10 @@ impl Node {
         }
         (mask & self.used, entry)
     }
+}
+
+/// Converts an index to 32 bits. Shape indices are below 2^28.
+pub(super) fn to_u32(index: usize) -> u32 {
+    debug_assert!(u32::try_from(index).is_ok(), "{index}");
+    u32::try_from(index).unwrap_or(u32::MAX)
 }

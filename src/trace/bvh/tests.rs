@@ -28,8 +28,8 @@ impl Built {
     fn check(&self, bounds: &[Bounds]) -> usize {
         let mut found = Vec::new();
         let mut deepest = 0;
-        let mut open = Vec::from_iter((!self.tree.nodes.is_empty()).then_some((0, 1)));
-        while let Some((index, depth)) = open.pop() {
+        let mut pending = Vec::from_iter((!self.tree.nodes.is_empty()).then_some((0, 1)));
+        while let Some((index, depth)) = pending.pop() {
             deepest = deepest.max(depth);
             let node = &self.tree.nodes[index];
             for place in node.places() {
@@ -38,7 +38,7 @@ impl Built {
                     Link::Node(child) => {
                         assert!(child > index, "{child} lies below {index}");
                         assert_eq!(self.tree.nodes[child].around(), around);
-                        open.push((child, depth + 1));
+                        pending.push((child, depth + 1));
                     }
                     Link::Leaf(leaf) => {
                         let shape = self.shapes[leaf.index()];

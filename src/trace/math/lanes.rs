@@ -262,7 +262,7 @@ pub(crate) struct Scaled<S: Simd> {
     /// Reciprocal of the power of two that the direction was multiplied by.
     pub(crate) length: F64s<S>,
     /// Lanes with a valid result. The other lanes have numbers so large or so small that the scalar function must handle them.
-    pub(crate) usual: Mask<S>,
+    pub(crate) in_range: Mask<S>,
 }
 
 /// Scales the direction of each lane as [`scaled`](super::scaled) does.
@@ -276,11 +276,11 @@ pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> Scaled<S> {
     let longest = x.max(y).max(z);
     // A NaN makes the sum NaN, and the comparison false.
     let within = longest.simd_ge(splat(simd, SMALLEST)) & (x + y + z).simd_lt(splat(simd, LARGEST));
-    let usual = within & none_below(simd, [x, y, z], NORMAL);
+    let in_range = within & none_below(simd, [x, y, z], NORMAL);
     let exponent: u64x8<S> = longest.bitcast();
     let exponent = exponent & u64x8::splat(simd, 0x7ff << 52);
     let scale: F64s<S> = (u64x8::splat(simd, 2046 << 52) - exponent).bitcast();
-    Scaled { direction: times(direction, scale), length: exponent.bitcast(), usual }
+    Scaled { direction: times(direction, scale), length: exponent.bitcast(), in_range }
 }
 
 /// Returns whether `mul_sub` is fused, that is, rounded once.
@@ -339,13 +339,13 @@ mod tests {
             let direction = DVec3::new(coordinate(0), coordinate(1), coordinate(2));
             for (name, level) in SimdLevel::all() {
                 let (mut found, mut lengths) = (Vectors::splat(direction), Numbers::splat(0.0));
-                let usual = dispatch!(level.level(), simd => {
-                    let Scaled { direction, length, usual } = scaled_lanes(simd, found.load(simd, 0));
+                let in_range = dispatch!(level.level(), simd => {
+                    let Scaled { direction, length, in_range } = scaled_lanes(simd, found.load(simd, 0));
                     found.store(0, direction);
                     lengths.store(0, length);
-                    usual.any_true()
+                    in_range.any_true()
                 });
-                if usual {
+                if in_range {
                     prop_assert_eq!(scaled(direction), Some((found.get(0), lengths.get(0).recip())), "{}", name);
                 }
             }

@@ -276,7 +276,7 @@ mod tests {
     /// Applies every operation of [`Real`] and converts masks to numbers.
     fn operations<R: Real>(a: R, b: R) -> [R; 17] {
         let (one, zero) = (a.of(1.0), a.of(0.0));
-        let truth = |mask: R::Mask| R::pick(mask, one, zero);
+        let number = |mask: R::Mask| R::pick(mask, one, zero);
         let (less, greater) = (a.less(b), a.greater(b));
         [
             a + b,
@@ -288,12 +288,12 @@ mod tests {
             a * 0.5,
             a.abs().sqrt(),
             a.copysign(b),
-            truth(less),
-            truth(greater),
-            truth(less & !greater),
-            truth(less | greater),
+            number(less),
+            number(greater),
+            number(less & !greater),
+            number(less | greater),
             a.if_less(b, b, a),
-            truth(a.less_or_equal(b)),
+            number(a.less_or_equal(b)),
             // The sign of a zero is unspecified.
             R::pick(!(less | greater), zero, a.min(b)),
             R::pick(!(less | greater), zero, a.max(b)),

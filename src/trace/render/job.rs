@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::effects::Effects;
+use crate::trace::intersect::{Naive, Scratch};
 use crate::trace::math::{Colors, LANES, Numbers, PixelSampling, SimdLevel, Vectors};
-use crate::trace::query::{Naive, Scratch};
 use crate::trace::render::accumulator::{NO_SUMS, TileAccumulator, TileSamples, TileSums, means};
 use crate::trace::render::adaptive::{
     Adaptive, ErrorTarget, EstimatedError, InstantOrder, PacketSums, PixelMemory, SampleSums,
@@ -119,21 +119,21 @@ impl SampleMemory {
 impl Sums {
     /// Resizes the sums for `tiles` tiles and clears them.
     fn clear(&mut self, tiles: usize, plan: &SamplePlan) {
-        let packets = |asked| if asked { tiles * PACKETS } else { 0 };
+        let packets = |used| if used { tiles * PACKETS } else { 0 };
         let vectors = [
             (&mut self.all, true),
             (&mut self.squares, plan.target.is_some()),
             (&mut self.covered, plan.alpha),
         ];
-        for (sums, asked) in vectors {
+        for (sums, used) in vectors {
             sums.clear();
-            sums.resize(packets(asked), NO_SUMS);
+            sums.resize(packets(used), NO_SUMS);
         }
-        for (counts, asked) in
+        for (counts, used) in
             [(&mut self.counts, plan.target.is_some()), (&mut self.covered_counts, plan.alpha)]
         {
             counts.clear();
-            counts.resize(packets(asked), Numbers::splat(0.0));
+            counts.resize(packets(used), Numbers::splat(0.0));
         }
     }
 
@@ -266,9 +266,9 @@ impl<E: Encoding> RenderJob<E> {
         };
         self.stats += stats;
         if let Some(adaptive) = &mut self.adaptive {
-            features.iter().for_each(|(tile, features)| adaptive.note_features(tile, features));
+            features.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));
             if adaptive.wants_images() {
-                adaptive.note_images(&visibility::hidden_images(context.scene, context.camera));
+                adaptive.record_images(&visibility::hidden_images(context.scene, context.camera));
             }
         }
         whole
@@ -290,7 +290,7 @@ impl<E: Encoding> RenderJob<E> {
             )
             .collect();
         if !cancelled.load(Ordering::Relaxed) {
-            found.iter().for_each(|(tile, features)| adaptive.note_features(tile, features));
+            found.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));
         }
     }
 

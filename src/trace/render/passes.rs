@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::color::Rgb;
-use crate::trace::query::{Naive, Scratch};
+use crate::trace::intersect::{Naive, Scratch};
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 
 /// A value of each pixel besides its radiance.

@@ -11,7 +11,7 @@ use super::accumulator::{TileAccumulator, TileSamples};
 use super::adaptive::Adaptive;
 use super::visibility::{self, FeatureScratch, TileFeatures};
 use super::work_queue::WorkQueue;
-use crate::trace::query::Naive;
+use crate::trace::intersect::Naive;
 use crate::trace::render_stats::RenderStats;
 use crate::trace::shading::RenderContext;
 use crate::trace::stages::{Portion, Slots, Tile, TileBuffers, render_sample};
@@ -113,7 +113,7 @@ impl TileWork<'_> {
     ) -> bool {
         let Self { context, adaptive, .. } = *self;
         let tile = progress.tile;
-        buffers.ask_for_coverage(light.asks_for_coverage());
+        buffers.record_coverage(light.asks_for_coverage());
         if let Some(adaptive) = adaptive {
             let searches = self.finds_features && progress.batches == 0;
             let tile_features = searches.then(|| {

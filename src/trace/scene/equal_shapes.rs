@@ -26,7 +26,7 @@ pub(crate) struct EqualGroup {
     /// All shapes of the group, in document order.
     ids: Vec<ShapeId>,
     /// The transparent shapes, in document order.
-    clear: Vec<ShapeId>,
+    transparent: Vec<ShapeId>,
     /// The first two opaque shapes.
     opaque: Vec<ShapeId>,
     /// See [`EqualGroup::media`].
@@ -85,9 +85,9 @@ impl EqualShapes {
     }
 
     /// Divides each group into transparent and opaque shapes.
-    pub(crate) fn sort(&mut self, is_clear: impl Fn(ShapeId) -> bool) {
+    pub(crate) fn sort(&mut self, is_transparent: impl Fn(ShapeId) -> bool) {
         for group in &mut self.groups {
-            group.sort(&is_clear);
+            group.sort(&is_transparent);
         }
     }
 
@@ -114,17 +114,17 @@ impl EqualShapes {
 impl EqualGroup {
     /// Creates a group; `None` for a single shape.
     fn new(ids: Vec<ShapeId>) -> Option<Self> {
-        let (clear, opaque, media) = (Vec::new(), Vec::new(), Vec::new());
-        (ids.len() > 1).then_some(Self { ids, clear, opaque, media })
+        let (transparent, opaque, media) = (Vec::new(), Vec::new(), Vec::new());
+        (ids.len() > 1).then_some(Self { ids, transparent, opaque, media })
     }
 
-    fn sort(&mut self, is_clear: impl Fn(ShapeId) -> bool) {
+    fn sort(&mut self, is_transparent: impl Fn(ShapeId) -> bool) {
         const EACH_END: usize = 2;
-        self.clear = self.ids.iter().copied().filter(|id| is_clear(*id)).collect();
-        self.opaque = self.ids.iter().copied().filter(|id| !is_clear(*id)).take(2).collect();
-        let last = self.clear.len().saturating_sub(EACH_END).max(EACH_END);
-        self.media = self.clear.iter().copied().take(EACH_END).collect();
-        self.media.extend(self.clear.iter().skip(last));
+        self.transparent = self.ids.iter().copied().filter(|id| is_transparent(*id)).collect();
+        self.opaque = self.ids.iter().copied().filter(|id| !is_transparent(*id)).take(2).collect();
+        let last = self.transparent.len().saturating_sub(EACH_END).max(EACH_END);
+        self.media = self.transparent.iter().copied().take(EACH_END).collect();
+        self.media.extend(self.transparent.iter().skip(last));
     }
 
     /// Returns all shapes of the group, in document order.
@@ -138,8 +138,8 @@ impl EqualGroup {
     }
 
     /// Returns the transparent shapes, in document order.
-    pub(crate) fn clear(&self) -> &[ShapeId] {
-        &self.clear
+    pub(crate) fn transparent(&self) -> &[ShapeId] {
+        &self.transparent
     }
 
     /// Returns the transparent shapes that may count among the solids that contain a ray. They are entered and left together, so that only

@@ -79,13 +79,13 @@ impl PreparedLight {
         let PreparedFalloff { constant, linear, quadratic } =
             falloff.unwrap_or(PreparedFalloff { constant: 1.0, linear: 0.0, quadratic: 0.0 });
         [constant, linear, quadratic].into_iter().for_each(|number| bytes.number(number));
-        bytes.count(self.places());
+        bytes.count(self.sample_count());
         bytes.count(*casts_shadows);
         bytes.count(own_shape.map_or(0, |shape| 1 + rank(shape)));
     }
 
     /// Returns the number of sample points that light a point: 1 unless it is an area light.
-    pub(crate) fn places(&self) -> u32 {
+    pub(crate) fn sample_count(&self) -> u32 {
         if self.source.is_extended() { self.samples.max(1) } else { 1 }
     }
 }

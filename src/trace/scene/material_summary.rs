@@ -19,7 +19,7 @@ pub struct MaterialSummary {
     /// The shapes that mirror, by ascending ids.
     pub mirrors: Vec<ShapeId>,
     /// The transparent shapes, by ascending ids.
-    pub clear: Vec<ShapeId>,
+    pub transparent: Vec<ShapeId>,
     /// True if a transparent material absorbs.
     pub absorbs: bool,
     /// True if a transparent material divides light by Fresnel's equations.
@@ -92,7 +92,7 @@ impl MaterialSummary {
                 all.mirrors.push(id);
             }
             if material.refraction.is_some() {
-                all.clear.push(id);
+                all.transparent.push(id);
             }
         }
         for answer in all.answers.values() {

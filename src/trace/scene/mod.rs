@@ -18,7 +18,7 @@ mod prepared_scene;
 mod tree_maintenance;
 
 pub use camera::PreparedCamera;
-pub(crate) use camera::{PixelCenters, SIDE, SpreadKeys, Square};
+pub(crate) use camera::{PixelCenters, PixelKeys, SIDE, Square};
 pub use changes::{BvhUpdate, SceneChanges, ShapeChange};
 pub use checker::CheckerPattern;
 pub(crate) use environment::transmittance;

@@ -43,7 +43,7 @@ pub struct PreparedScene {
     pub background: PreparedBackground,
     /// The fog between shapes.
     pub fog: PreparedFog,
-    /// Maximum ray depth: the number of ray generations that are traced. Camera rays are always traced.
+    /// Maximum ray depth: the number of ray bounces that are traced. Camera rays are always traced.
     pub depth: u32,
     /// Maximum loss of a sample's light, in linear light, by not tracing rays of low contribution; 0 traces all rays.
     pub cutoff: f32,
@@ -222,16 +222,16 @@ impl PreparedScene {
     }
 
     /// Returns the transparent shapes, of a shape and its equals, that may count among the solids that contain a ray.
-    pub(crate) fn media_at<'a>(&'a self, asked: &'a ShapeId) -> &'a [ShapeId] {
-        match self.equal_shapes.group(*asked) {
+    pub(crate) fn media_at<'a>(&'a self, id: &'a ShapeId) -> &'a [ShapeId] {
+        match self.equal_shapes.group(*id) {
             Some(group) => group.media(),
-            None if self.material(*asked).refraction.is_some() => std::slice::from_ref(asked),
+            None if self.material(*id).refraction.is_some() => std::slice::from_ref(id),
             None => &[],
         }
     }
 
     /// Returns whether a transparent shape may count among the solids that contain a ray.
-    pub(crate) fn may_be_medium(&self, clear: ShapeId) -> bool {
-        self.equal_shapes.group(clear).is_none_or(|group| group.media().contains(&clear))
+    pub(crate) fn may_be_medium(&self, transparent: ShapeId) -> bool {
+        self.equal_shapes.group(transparent).is_none_or(|group| group.media().contains(&transparent))
     }
 }

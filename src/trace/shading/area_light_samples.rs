@@ -20,18 +20,18 @@ impl AreaLightSamples {
     /// Sequences for no shading points.
     pub(crate) const NONE: Self = Self { keys: SampleKeys::NONE, first: [0; LANES] };
 
-    /// Chooses the sequences of light number `index` for shading points in the lanes `asked`. `asker` returns the pixel of a lane, the
+    /// Chooses the sequences of light number `index` for shading points in the lanes `active`. `sample_id` returns the pixel of a lane, the
     /// index of its sample, and the index of its ray in the sample's ray tree.
     #[inline(always)]
     pub(crate) fn choose(
         &mut self,
         index: usize,
         light: &PreparedLight,
-        asked: u32,
-        asker: impl Fn(usize) -> (PixelSamples, u32, u64),
+        active: u32,
+        sample_id: impl Fn(usize) -> (PixelSamples, u32, u64),
     ) {
-        for lane in lanes(asked) {
-            let (samples, of_pixel, path) = asker(lane);
+        for lane in lanes(active) {
+            let (samples, of_pixel, path) = sample_id(lane);
             self.first[lane] = light_point(light, of_pixel, 0);
             self.keys.set(lane, &samples, light_dimension(index, path));
         }
@@ -45,19 +45,19 @@ impl AreaLightSamples {
         simd: S,
         source: &LightSource,
         points: &Vectors,
-        asked: u32,
+        active: u32,
         sample: u32,
         places: &mut Vectors,
     ) {
         let squares = self.keys.pairs(simd, &self.first.map(|first| first.wrapping_add(sample)));
-        let mut unusual = 0;
+        let mut escalated = 0;
         for half in 0..2 {
             let square = [squares[0].load(simd, half), squares[1].load(simd, half)];
             match source {
                 LightSource::Sphere { center, radius } => {
                     let from_point = subtract(splat3(simd, *center), points.load(simd, half));
-                    let Scaled { direction, usual, .. } = scaled_lanes(simd, from_point);
-                    unusual |= asked & half_lanes(half) & !bits(usual, half);
+                    let Scaled { direction, in_range, .. } = scaled_lanes(simd, from_point);
+                    escalated |= active & half_lanes(half) & !bits(in_range, half);
                     places.store(half, on_sphere(*center, *radius, direction, square));
                 }
                 LightSource::Rectangle { center, halves } => {
@@ -68,7 +68,7 @@ impl AreaLightSamples {
                 }
             }
         }
-        for lane in lanes(unusual) {
+        for lane in lanes(escalated) {
             let square = [squares[0].get(lane), squares[1].get(lane)];
             places.set(lane, source.place(points.get(lane), square));
         }

@@ -43,8 +43,8 @@ impl<'a> RenderContext<'a> {
         Self { scene, camera, sampling, effects, radiance_bound, pixel_centers, lights, start }
     }
 
-    /// Returns the number of ray generations to trace; camera rays are always traced.
-    pub(crate) fn generations(&self) -> u32 {
+    /// Returns the number of ray bounces to trace; camera rays are always traced.
+    pub(crate) fn bounces(&self) -> u32 {
         self.scene.depth.max(1)
     }
 
@@ -59,7 +59,7 @@ impl<'a> RenderContext<'a> {
     }
 
     /// Returns the light that is seen if the camera position is not finite.
-    pub(crate) fn nowhere(&self) -> Rgb {
+    pub(crate) fn unplaced_camera_color(&self) -> Rgb {
         self.scene.background.towards(DVec3::Z)
     }
 
@@ -79,8 +79,8 @@ impl StartMedia {
                 (min - reach).cmple(eye).all() && (max + reach).cmpge(eye).all()
             })
         };
-        let clear = scene.surfaces().clear.iter().copied().filter(|id| scene.may_be_medium(*id));
-        let mut solids: Vec<ShapeId> = clear.filter(near).collect();
+        let transparent = scene.surfaces().transparent.iter().copied().filter(|id| scene.may_be_medium(*id));
+        let mut solids: Vec<ShapeId> = transparent.filter(near).collect();
         // Nested solids are smaller, and half-spaces are the largest. Of solids of equal extent, the first in document order is the medium.
         let extent =
             |id: &ShapeId| scene.geometry().bounds(*id).map_or(f64::INFINITY, |bounds| bounds.extent());

@@ -1,17 +1,17 @@
 //! Upper bounds of the contribution of rays to their pixel, used to cut rays of negligible contribution.
 //!
-//! B(n) bounds the radiance, per channel, along any ray with n ray generations left. B(0) is the bound of the background. A ray with more
-//! generations left sees the background, fog, or a surface of some material. The radiance of a surface is its own light plus the radiance
+//! B(n) bounds the radiance, per channel, along any ray with n ray bounces left. B(0) is the bound of the background. A ray with more
+//! bounces left sees the background, fog, or a surface of some material. The radiance of a surface is its own light plus the radiance
 //! along its secondary rays. Its own light is at most the surface's response to all lights together, and the shares of the secondary rays
 //! add up to at most k_r + k_t of its material. So B(n) is the maximum of direct + (k_r + k_t) B(n-1) over all materials. The maximum is
 //! taken over materials, not over each term, because the brightest material is seldom the one with the largest k_r + k_t: glass with no
 //! light of its own and k_r + k_t of at most 1 does not raise B(n), for any n.
 //!
 //! Each sample has an [`ErrorBudget`], the light that it may lose. A ray that is cut is charged with its maximum contribution, its
-//! throughput times B, so the loss of a sample is at most its budget. The budget is spent generation by generation, when all rays of a
-//! sample's next generation are known, on the rays with the smallest maximum contribution. So no part of it is reserved for rays that end
+//! throughput times B, so the loss of a sample is at most its budget. The budget is spent bounce by bounce, when all rays of a
+//! sample's next bounce are known, on the rays with the smallest maximum contribution. So no part of it is reserved for rays that end
 //! by themselves. If it were divided from ray to ray instead, most of it would be lost with rays that leave for the sky, and ten times as
-//! many rays would be traced. The stages and the reference path both know a complete generation before they trace any ray of it, so no cut
+//! many rays would be traced. The stages and the reference path both know a complete bounce before they trace any ray of it, so no cut
 //! depends on the order of rays.
 
 use fearless_simd::{f32x16, prelude::*};
@@ -57,20 +57,19 @@ impl RadianceBound {
     }
 
     /// Returns the maximum contribution of a ray in any channel.
-    pub(crate) fn most(&self, throughput: Rgb, generations: u32) -> f32 {
-        (throughput * self.bound(generations)).max_element()
+    pub(crate) fn most(&self, throughput: Rgb, bounces: u32) -> f32 {
+        (throughput * self.bound(bounces)).max_element()
     }
 
-    fn bound(&self, generations: u32) -> Rgb {
-        self.bounds.get(generations as usize).copied().unwrap_or(Rgb::INFINITY)
+    fn bound(&self, bounces: u32) -> Rgb {
+        self.bounds.get(bounces as usize).copied().unwrap_or(Rgb::INFINITY)
     }
 
     /// Computes [`most`](Self::most) for the rays of a packet whose throughput is not zero.
     #[inline(always)]
-    pub(crate) fn mosts<S: Simd>(&self, simd: S, throughputs: &Colors, generations: u32) -> [f32; LANES] {
+    pub(crate) fn mosts<S: Simd>(&self, simd: S, throughputs: &Colors, bounces: u32) -> [f32; LANES] {
         let mut mosts = f32x16::splat(simd, 0.0);
-        for (throughput, bound) in throughputs.load(simd).into_iter().zip(self.bound(generations).to_array())
-        {
+        for (throughput, bound) in throughputs.load(simd).into_iter().zip(self.bound(bounces).to_array()) {
             // NaN, an infinite bound times zero throughput, does not compare greater.
             let most = throughput * bound;
             mosts = most.simd_gt(mosts).select(most, mosts);
@@ -78,14 +77,13 @@ impl RadianceBound {
         *mosts.as_array()
     }
 
-    /// Returns the lanes of rays to cut, for rays of nonzero throughput that are, like their ancestors, alone in the generation of their
+    /// Returns the lanes of rays to cut, for rays of nonzero throughput that are, like their ancestors, alone in the bounce of their
     /// sample. This is the decision of [`ErrorBudget::cut`] with an unspent budget: nothing is charged earlier, because such a ray is the
     /// last of its sample if it is cut.
     #[inline(always)]
-    pub(crate) fn negligible<S: Simd>(&self, simd: S, throughputs: &Colors, generations: u32) -> u32 {
+    pub(crate) fn negligible<S: Simd>(&self, simd: S, throughputs: &Colors, bounces: u32) -> u32 {
         let mut shows = 0;
-        for (throughput, bound) in throughputs.load(simd).into_iter().zip(self.bound(generations).to_array())
-        {
+        for (throughput, bound) in throughputs.load(simd).into_iter().zip(self.bound(bounces).to_array()) {
             // NaN, an infinite bound times zero throughput, does not compare greater.
             shows |= bits16((throughput * bound).simd_gt(f32x16::splat(simd, self.negligible)));
         }
@@ -98,18 +96,18 @@ impl RadianceBound {
 pub(crate) struct ErrorBudget {
     /// The total remaining budget.
     rest: f64,
-    /// The part of `rest` available to the smallest contributions of generations that are only partly cut.
+    /// The part of `rest` available to the smallest contributions of bounces that are only partly cut.
     least: f64,
 }
 
 impl ErrorBudget {
     /// Share of the cutoff that is spent, slightly below 1: bounds are rounded, and throughputs are rounded twice in each of 1000
-    /// generations.
+    /// bounces.
     const OF_CUTOFF: f64 = 1.0 - 1.0 / 1024.0;
-    /// Share of the budget available to partly cut generations. The remainder is kept for a generation that fits into the budget
+    /// Share of the budget available to partly cut bounces. The remainder is kept for a bounce that fits into the budget
     /// completely.
     const FOR_LEAST: f64 = 0.8;
-    /// Share of `least` that one generation may spend.
+    /// Share of `least` that one bounce may spend.
     const AT_ONCE: f64 = 0.1;
 
     pub(crate) fn new(scene: &PreparedScene) -> Self {
@@ -127,14 +125,14 @@ impl ErrorBudget {
         }
     }
 
-    /// Decides which rays of a sample's next generation are cut, and charges the budget for them. Each ray is given by its maximum
+    /// Decides which rays of a sample's next bounce are cut, and charges the budget for them. Each ray is given by its maximum
     /// contribution and its index in tracing order. Returns the number of cut rays, which come first in `rays` afterwards.
     pub(crate) fn cut(&mut self, rays: &mut [(f32, usize)]) -> usize {
         if self.rest <= 0.0 {
             return 0;
         }
         let all: f64 = rays.iter().map(|(most, _)| f64::from(*most)).sum();
-        // The whole generation fits into the budget.
+        // The whole bounce fits into the budget.
         if all <= self.rest {
             self.rest -= all;
             return rays.len();
@@ -251,7 +249,7 @@ mod tests {
             cutoff in prop_oneof![Just(0.0_f32), 1e-3..1e-1_f32],
             ambient in prop_oneof![Just(1.0_f32), Just(f32::MAX)],
             shares in prop::collection::vec(prop::array::uniform3(prop_oneof![Just(0.0_f32), 0.99..1.01_f32, 0.0..2.0_f32]), LANES),
-            generations in 0..4_u32,
+            bounces in 0..4_u32,
         ) {
             let mut scene = scene(vec![lit(0.5), glass(1.0, 1.0)]);
             (scene.cutoff, scene.ambient, scene.depth) = (cutoff, Rgb::splat(ambient), 3);
@@ -262,10 +260,10 @@ mod tests {
                 throughputs.set(lane, Rgb::from_array(*share) * limit);
             }
             for (name, level) in SimdLevel::all() {
-                let cut = dispatch!(level.level(), simd => radiance_bound.negligible(simd, &throughputs, generations));
-                let mosts = dispatch!(level.level(), simd => radiance_bound.mosts(simd, &throughputs, generations));
+                let cut = dispatch!(level.level(), simd => radiance_bound.negligible(simd, &throughputs, bounces));
+                let mosts = dispatch!(level.level(), simd => radiance_bound.mosts(simd, &throughputs, bounces));
                 for lane in (0..LANES).filter(|lane| throughputs.get(*lane) != Rgb::ZERO) {
-                    let most = radiance_bound.most(throughputs.get(lane), generations);
+                    let most = radiance_bound.most(throughputs.get(lane), bounces);
                     prop_assert_eq!(mosts[lane], most, "{}", name);
                     let alone = ErrorBudget::new(&scene).cut(&mut [(most, 0)]) == 1;
                     prop_assert_eq!(cut & (1 << lane) != 0, alone, "{} {}", name, most);
@@ -273,19 +271,19 @@ mod tests {
             }
         }
 
-        /// In each generation the rays with the smallest maximum contributions are cut. The cut contributions add up to less than the
+        /// In each bounce the rays with the smallest maximum contributions are cut. The cut contributions add up to less than the
         /// cutoff, and the order of rays does not matter.
         #[test]
         fn budgets_hold_whatever_comes(
             cutoff in 1e-4..1.0_f32,
-            generations in prop::collection::vec(prop::collection::vec(-9.0..1.0_f32, 0..40), 1..20),
+            bounces in prop::collection::vec(prop::collection::vec(-9.0..1.0_f32, 0..40), 1..20),
         ) {
             let mut scene = scene(Vec::new());
             scene.cutoff = cutoff;
             let (mut budget, mut backwards) = (ErrorBudget::new(&scene), ErrorBudget::new(&scene));
             let mut spent = 0.0;
-            for generation in generations {
-                let most = generation.iter().map(|digits| libm::exp10f(*digits));
+            for bounce in bounces {
+                let most = bounce.iter().map(|digits| libm::exp10f(*digits));
                 let mut rays: Vec<(f32, usize)> = most.zip(0..).collect();
                 let mut reversed: Vec<(f32, usize)> = rays.iter().rev().copied().collect();
                 let count = budget.cut(&mut rays);

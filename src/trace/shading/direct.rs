@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::terms::{diffuse, intensity, length, specular};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
+use crate::trace::intersect::SurfacePoint;
 use crate::trace::math::{Dimension, PixelSamples, scaled};
-use crate::trace::query::SurfacePoint;
 use crate::trace::rays::{PreparedRay, ShadowLimit};
 use crate::trace::scene::{LightSource, PreparedLight, SurfaceMaterial};
 
@@ -20,7 +20,7 @@ pub(crate) struct ShadingPoint<'a> {
     pub(crate) material: &'a SurfaceMaterial,
     /// Diffuse colour at the point.
     pub(crate) diffuse: Rgb,
-    pub(crate) asker: SampleId,
+    pub(crate) sample_id: SampleId,
     /// Unit normal on the side from which the ray arrived.
     pub(crate) normal: DVec3,
 }
@@ -51,12 +51,12 @@ pub(crate) struct LightSample {
     /// The unoccluded contribution.
     pub(crate) color: Rgb,
     /// Direction and end of the shadow ray to trace; `None` if nothing can occlude the light.
-    pub(crate) shadow: Option<WayToLight>,
+    pub(crate) shadow: Option<ShadowSegment>,
 }
 
 /// The direction from a shading point to a light, [`scaled`], and its end.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct WayToLight {
+pub(crate) struct ShadowSegment {
     pub(crate) direction: DVec3,
     /// End of the shadow ray, at the light.
     pub(crate) limit: ShadowLimit,
@@ -64,7 +64,7 @@ pub(crate) struct WayToLight {
     pub(crate) from_behind: bool,
 }
 
-impl WayToLight {
+impl ShadowSegment {
     /// Returns the shadow ray from a surface point, which must be the one that was sampled.
     #[inline(always)]
     pub(crate) fn ray(&self, surface: &SurfacePoint) -> ShadowRay {
@@ -94,21 +94,21 @@ pub(crate) fn sample_light(
         }
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            let place = light_place((index, light), lit.point, (lit.asker, lit.path), sample);
+            let place = light_place((index, light), lit.point, (lit.sample_id, lit.path), sample);
             from_place(effects, light, lit, place)
         }
     }
 }
 
 /// Returns sample point `sample` of an area light for a shading point. `path` is the index of the ray that hit the point in the ray tree of
-/// pixel sample `asker`.
+/// pixel sample `sample_id`.
 fn light_place(
     (index, light): (usize, &PreparedLight),
     point: DVec3,
-    (asker, path): (SampleId, u64),
+    (sample_id, path): (SampleId, u64),
     sample: u32,
 ) -> DVec3 {
-    let SampleId { seed, pixel: (i, j), sample: of_pixel } = asker;
+    let SampleId { seed, pixel: (i, j), sample: of_pixel } = sample_id;
     let index_in_sequence = light_point(light, of_pixel, sample);
     let square = PixelSamples::new(seed, i, j).pair(light_dimension(index, path), index_in_sequence);
     light.source.place(point, square)
@@ -123,7 +123,7 @@ pub(super) fn light_dimension(index: usize, path: u64) -> Dimension {
 /// Returns the index, in the sequence of a pixel, of sample `sample` of a light for sample `of_pixel` of the pixel.
 #[inline(always)]
 pub(super) fn light_point(light: &PreparedLight, of_pixel: u32, sample: u32) -> u32 {
-    of_pixel.wrapping_mul(light.places()).wrapping_add(sample)
+    of_pixel.wrapping_mul(light.sample_count()).wrapping_add(sample)
 }
 
 /// Returns the contribution of a light from `place`; `None` if the shading point is at `place`.
@@ -152,7 +152,7 @@ fn arriving(
     let ShadingPoint { material, normal, .. } = *lit;
     let length = length::<f64>(to_light.into());
     let cosine = normal.dot(to_light) / length;
-    let from_behind = effects.clear_shadows() && cosine < 0.0 && material.refraction.is_some();
+    let from_behind = effects.transparent_shadows() && cosine < 0.0 && material.refraction.is_some();
     if !(cosine > 0.0 || from_behind) {
         return None;
     }
@@ -167,7 +167,7 @@ fn arriving(
     if !(effects.shadows() && light.casts_shadows) {
         return Some(LightSample { color, shadow: None });
     }
-    Some(LightSample { color, shadow: Some(WayToLight { direction: to_light, limit, from_behind }) })
+    Some(LightSample { color, shadow: Some(ShadowSegment { direction: to_light, limit, from_behind }) })
 }
 
 fn to_u32(index: usize) -> u32 {

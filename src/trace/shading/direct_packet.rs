@@ -13,7 +13,7 @@ use crate::trace::math::{
 };
 use crate::trace::scene::{LightSource, PreparedLight, PreparedScene, SurfaceMaterial};
 
-/// Computes the contribution of sample `sample` of light number `index` at each shading point, before occlusion. `asker` returns the pixel
+/// Computes the contribution of sample `sample` of light number `index` at each shading point, before occlusion. `sample_id` returns the pixel
 /// sample of a lane.
 #[inline(always)]
 pub(crate) fn sample_light_lanes<S: Simd>(
@@ -22,18 +22,18 @@ pub(crate) fn sample_light_lanes<S: Simd>(
     (index, light): (usize, &PreparedLight),
     lit: &ShadingPacket<'_>,
     sample: u32,
-    asker: impl Fn(usize) -> SampleId,
+    sample_id: impl Fn(usize) -> SampleId,
     light_samples: &mut LightSamplePacket,
 ) {
-    (light_samples.lanes, light_samples.asking, light_samples.from_behind) = (0, 0, 0);
+    (light_samples.lanes, light_samples.needs_shadow_ray, light_samples.from_behind) = (0, 0, 0);
     light_samples.rays.clear();
     if lit.surfaces.lanes == 0 {
         return;
     }
     let Some(target) = target(simd, light, effects, lit, sample, light_samples) else { return };
-    let Aim { cosines, lengths, facing, behind, unusual } = aim(simd, &target, lit, light_samples);
-    if effects.clear_shadows() {
-        light_samples.from_behind = behind & lit.clear;
+    let Aim { cosines, lengths, facing, behind, escalated } = aim(simd, &target, lit, light_samples);
+    if effects.transparent_shadows() {
+        light_samples.from_behind = behind & lit.transparent;
     }
     light_samples.lanes = facing | light_samples.from_behind;
     let arriving = intensities(simd, effects, light, &lengths, light_samples);
@@ -50,11 +50,11 @@ pub(crate) fn sample_light_lanes<S: Simd>(
     let [red, green, blue] = light_samples.colors.load(simd);
     light_samples.lanes &= bits16(!(red.simd_eq(black) & green.simd_eq(black) & blue.simd_eq(black)));
     if effects.shadows() && light.casts_shadows {
-        light_samples.asking = light_samples.lanes;
+        light_samples.needs_shadow_ray = light_samples.lanes;
     }
-    for lane in lanes(unusual) {
+    for lane in lanes(escalated) {
         let Some(id) = lit.hits.ids.get(lane) else { continue };
-        let point = lit_point(lit, lane, scene.material(id), asker(lane));
+        let point = lit_point(lit, lane, scene.material(id), sample_id(lane));
         if let Some(light_sample) = sample_light(effects, (index, light), &point, sample) {
             light_samples.set(lane, &light_sample);
         }
@@ -73,7 +73,7 @@ struct Aim {
     /// Lanes whose surfaces face away from the light.
     behind: u32,
     /// Lanes left to the scalar function [`sample_light`].
-    unusual: u32,
+    escalated: u32,
 }
 
 /// Computes the directions to a light and its `t` along them, and stores them as rays and limits of `light_samples`.
@@ -84,12 +84,12 @@ fn aim<S: Simd>(
     lit: &ShadingPacket<'_>,
     light_samples: &mut LightSamplePacket,
 ) -> Aim {
-    let asked = lit.surfaces.lanes;
+    let active = lit.surfaces.lanes;
     let (cosines, lengths) = (Numbers::splat(0.0), Numbers::splat(1.0));
-    let mut aim = Aim { cosines, lengths, facing: 0, behind: 0, unusual: 0 };
-    let (mut usual, mut above, mut below) = (0, 0, 0);
+    let mut aim = Aim { cosines, lengths, facing: 0, behind: 0, escalated: 0 };
+    let (mut in_range, mut above, mut below) = (0, 0, 0);
     for half in 0..2 {
-        if half_of(asked, half) == 0 {
+        if half_of(active, half) == 0 {
             continue;
         }
         let point = lit.surfaces.points.load(simd, half);
@@ -98,7 +98,7 @@ fn aim<S: Simd>(
         // Uses the outward normal. The normal that faces the ray differs at most in its sign, and so does the cosine.
         let cosine = dot(lit.surfaces.normals.load(simd, half), to_light) / length;
         let zero = splat(simd, 0.0);
-        usual |= bits(found, half);
+        in_range |= bits(found, half);
         above |= bits(cosine.simd_gt(zero), half);
         below |= bits(cosine.simd_lt(zero), half);
         aim.cosines.store(half, cosine.abs());
@@ -108,9 +108,9 @@ fn aim<S: Simd>(
         light_samples.limits.store(half, limit);
     }
     let outside = lit.surfaces.from_outside;
-    aim.facing = (above & outside | below & !outside) & asked & usual;
-    aim.behind = (below & outside | above & !outside) & asked & usual;
-    aim.unusual = asked & !usual;
+    aim.facing = (above & outside | below & !outside) & active & in_range;
+    aim.behind = (below & outside | above & !outside) & active & in_range;
+    aim.escalated = active & !in_range;
     aim
 }
 
@@ -118,7 +118,7 @@ fn lit_point<'a>(
     lit: &ShadingPacket<'_>,
     lane: usize,
     material: &'a SurfaceMaterial,
-    asker: SampleId,
+    sample_id: SampleId,
 ) -> ShadingPoint<'a> {
     ShadingPoint {
         arriving: lit.rays.directions.get(lane),
@@ -127,7 +127,7 @@ fn lit_point<'a>(
         normal: facing_normal(lit.surfaces, lane),
         material,
         diffuse: lit.diffuse.get(lane),
-        asker,
+        sample_id,
     }
 }
 
@@ -178,6 +178,6 @@ fn way<S: Simd>(
             return (splat3(simd, direction), splat(simd, f64::INFINITY), finite3(simd, point));
         }
     };
-    let Scaled { direction, length, usual } = scaled_lanes(simd, subtract(place, point));
-    (direction, length, usual)
+    let Scaled { direction, length, in_range } = scaled_lanes(simd, subtract(place, point));
+    (direction, length, in_range)
 }

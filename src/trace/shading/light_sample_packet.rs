@@ -4,11 +4,11 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::area_light_samples::AreaLightSamples;
-use super::direct::{LightSample, WayToLight};
+use super::direct::{LightSample, ShadowSegment};
 use super::path_packet::PathPacket;
 use crate::color::Rgb;
+use crate::trace::intersect::{HitPacket, SurfacePacket};
 use crate::trace::math::{Colors, F64s3, Numbers, Vectors, mask, negative, pick3};
-use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShadowLimit};
 use crate::trace::scene::{LightSource, PreparedLight};
 
@@ -27,7 +27,7 @@ pub(crate) struct ShadingPacket<'a> {
     /// Lanes whose materials have highlights.
     pub(crate) shiny: u32,
     /// Lanes whose materials are transparent.
-    pub(crate) clear: u32,
+    pub(crate) transparent: u32,
 }
 
 /// Contributions of a light before occlusion, lane by lane.
@@ -36,12 +36,12 @@ pub(crate) struct LightSamplePacket {
     /// Lanes with a contribution.
     pub(crate) lanes: u32,
     /// Lanes, among `lanes`, that need a shadow ray.
-    pub(crate) asking: u32,
+    pub(crate) needs_shadow_ray: u32,
     /// Lanes in which light arrives from the other side, through the transparent medium behind the surface.
     pub(crate) from_behind: u32,
     /// The unoccluded contributions.
     pub(crate) colors: Colors,
-    /// Shadow rays, in the lanes `asking`. Directions are also valid in all other lanes whose contribution was computed by packet
+    /// Shadow rays, in the lanes `needs_shadow_ray`. Directions are also valid in all other lanes whose contribution was computed by packet
     /// operations.
     pub(crate) rays: RayPacket,
     /// The light's `t` along the rays.
@@ -54,7 +54,7 @@ impl LightSamplePacket {
     /// A packet without contributions.
     pub(crate) const EMPTY: Self = Self {
         lanes: 0,
-        asking: 0,
+        needs_shadow_ray: 0,
         from_behind: 0,
         colors: Colors::splat(Rgb::ZERO),
         rays: RayPacket::EMPTY,
@@ -64,7 +64,7 @@ impl LightSamplePacket {
 
     /// Returns the direction to the light and its end, in a lane that has a direction.
     #[inline]
-    pub(crate) fn way(&self, light: &PreparedLight, lane: usize) -> WayToLight {
+    pub(crate) fn segment(&self, light: &PreparedLight, lane: usize) -> ShadowSegment {
         let limit = match light.source {
             LightSource::Point(place) | LightSource::Spot(place, _) => {
                 ShadowLimit::new(self.limits.get(lane), place)
@@ -75,25 +75,25 @@ impl LightSamplePacket {
             }
         };
         let from_behind = self.from_behind & (1 << lane) != 0;
-        WayToLight { direction: self.rays.directions.get(lane), limit, from_behind }
+        ShadowSegment { direction: self.rays.directions.get(lane), limit, from_behind }
     }
 
     /// Drops the occluded lanes.
     #[inline]
-    pub(crate) fn drop_hidden(&mut self, hidden: u32) {
-        self.lanes &= !hidden;
-        self.rays.keep(!hidden);
+    pub(crate) fn drop_occluded(&mut self, occluded: u32) {
+        self.lanes &= !occluded;
+        self.rays.keep(!occluded);
     }
 
     /// Makes the shadow rays leave their surfaces.
     #[inline(always)]
     pub(super) fn leave(&mut self, surfaces: &SurfacePacket) {
-        self.rays.lanes = self.asking;
+        self.rays.lanes = self.needs_shadow_ray;
         self.rays.left = surfaces.first_equals;
-        self.rays.departing = self.asking;
+        self.rays.departing = self.needs_shadow_ray;
         self.rays.outward = surfaces.from_outside ^ self.from_behind;
         // Tied shapes that the rays also leave are handled when the rays are traced one by one.
-        self.rays.tied = surfaces.tied & self.asking;
+        self.rays.tied = surfaces.tied & self.needs_shadow_ray;
     }
 
     /// Puts a light sample into an empty lane.
@@ -101,8 +101,8 @@ impl LightSamplePacket {
         let bit = 1 << lane;
         self.lanes |= bit;
         self.colors.set(lane, light_sample.color);
-        if let Some(WayToLight { direction, limit, from_behind }) = light_sample.shadow {
-            self.asking |= bit;
+        if let Some(ShadowSegment { direction, limit, from_behind }) = light_sample.shadow {
+            self.needs_shadow_ray |= bit;
             self.rays.directions.set(lane, direction);
             self.limits.set(lane, limit.t());
             self.places.set(lane, limit.place());

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use glam::DVec3;
 
 use crate::color::Rgb;
-use crate::trace::query::SurfacePoint;
+use crate::trace::intersect::SurfacePoint;
 use crate::trace::rays::{ShapeId, TieLists};
 use crate::trace::scene::{PreparedScene, Refraction};
 

@@ -27,22 +27,22 @@ pub(crate) struct Absorbers {
 }
 
 impl Absorbers {
-    /// Finds the attenuated rays in the lanes `asked`.
+    /// Finds the attenuated rays in the lanes `active`.
     #[inline(always)]
     pub(crate) fn of(
         scene: &PreparedScene,
         effects: Effects,
         (paths, media): (&PathPacket, &MediumStacks),
-        asked: u32,
+        active: u32,
     ) -> Self {
         let in_fog = effects.extras && scene.fog.density != 0.0;
         let mut all = Self {
-            lanes: if in_fog { asked } else { 0 },
+            lanes: if in_fog { active } else { 0 },
             absorption: Colors::splat(Rgb::ZERO),
             in_solids: false,
         };
         if effects.in_media() {
-            for lane in lanes(asked).filter(|lane| paths.media[*lane] != MediumStack::NONE) {
+            for lane in lanes(active).filter(|lane| paths.media[*lane] != MediumStack::NONE) {
                 let absorption = media.absorption(scene, paths.media[lane]);
                 if absorption != Rgb::ZERO {
                     all.lanes |= 1 << lane;
@@ -74,13 +74,13 @@ impl Absorbers {
             let density = splat(simd, fog.density);
             seen = shares(simd, (density, density), lengths);
         }
-        let hidden = one - seen;
+        let fogged = one - seen;
         PassageLanes {
             transmitted: [absorbed[0] * seen, absorbed[1] * seen, absorbed[2] * seen],
             added: [
-                absorbed[0] * (hidden * fog.color.x),
-                absorbed[1] * (hidden * fog.color.y),
-                absorbed[2] * (hidden * fog.color.z),
+                absorbed[0] * (fogged * fog.color.x),
+                absorbed[1] * (fogged * fog.color.y),
+                absorbed[2] * (fogged * fog.color.z),
             ],
         }
     }

@@ -8,8 +8,8 @@ use super::light_sample_packet::facing_normals;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
 use super::terms::{length, over};
+use crate::trace::intersect::{HitPacket, SurfacePacket};
 use crate::trace::math::{LANES, Numbers, Vectors, bits, half_lanes, half_of, lanes, mask, moderate, splat};
-use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeId};
 use crate::trace::scene::{self, PreparedScene};
 
@@ -25,7 +25,7 @@ pub(super) struct RefractionPacket {
     /// Lanes with refracted rays.
     pub(super) lanes: u32,
     /// Lanes left to the scalar function.
-    pub(super) unusual: u32,
+    pub(super) escalated: u32,
 }
 
 /// The media on both sides of surfaces, lane by lane.
@@ -66,14 +66,14 @@ impl MediumBoundary {
 }
 
 impl RefractionPacket {
-    /// Computes the refraction at the surfaces in lanes `clear`, all of them transparent. Light that they mirror is added to `reflected`.
+    /// Computes the refraction at the surfaces in lanes `transparent`, all of them transparent. Light that they mirror is added to `reflected`.
     #[inline(always)]
     pub(super) fn at<S: Simd>(
         simd: S,
         (scene, media): (&PreparedScene, &mut MediumStacks),
         (rays, paths): (&RayPacket, &PathPacket),
         (hits, surfaces): (&HitPacket, &SurfacePacket),
-        clear: u32,
+        transparent: u32,
         reflected: &mut [f32; LANES],
     ) -> Self {
         let mut refraction = Self {
@@ -81,12 +81,12 @@ impl RefractionPacket {
             directions: Vectors::splat(DVec3::ONE),
             beyond: [MediumStack::NONE; LANES],
             lanes: 0,
-            unusual: 0,
+            escalated: 0,
         };
-        if clear != 0 {
-            let boundaries = refraction.gather((scene, media), paths, (hits, surfaces), clear);
-            let usual = clear & !refraction.unusual;
-            refraction.refract(simd, rays, surfaces, &boundaries, usual, reflected);
+        if transparent != 0 {
+            let boundaries = refraction.gather((scene, media), paths, (hits, surfaces), transparent);
+            let in_range = transparent & !refraction.escalated;
+            refraction.refract(simd, rays, surfaces, &boundaries, in_range, reflected);
         }
         refraction
     }
@@ -97,12 +97,12 @@ impl RefractionPacket {
         (scene, media): (&PreparedScene, &mut MediumStacks),
         paths: &PathPacket,
         (hits, surfaces): (&HitPacket, &SurfacePacket),
-        clear: u32,
+        transparent: u32,
     ) -> Media {
         let one = Numbers::splat(1.0);
         let mut found = Media { from: one, into: one, transmitted: [0.0; LANES], fresnel: 0 };
         let mut last = None;
-        for lane in lanes(clear) {
+        for lane in lanes(transparent) {
             let bit = 1 << lane;
             let crossing = (hits.ids.get(lane), paths.media[lane], surfaces.from_outside & bit != 0);
             // Neighbouring rays usually cross the same surface from the same side.
@@ -112,7 +112,7 @@ impl RefractionPacket {
             };
             last = Some((crossing, boundary));
             let Some(MediumBoundary { beyond, from, into, refraction }) = boundary else {
-                self.unusual |= bit;
+                self.escalated |= bit;
                 continue;
             };
             self.beyond[lane] = beyond;
@@ -133,13 +133,13 @@ impl RefractionPacket {
         rays: &RayPacket,
         surfaces: &SurfacePacket,
         Media { from, into, transmitted, fresnel }: &Media,
-        clear: u32,
+        transparent: u32,
         reflected: &mut [f32; LANES],
     ) {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let mut mirrored = Numbers::splat(0.0);
         for half in 0..2 {
-            if half_of(clear, half) == 0 {
+            if half_of(transparent, half) == 0 {
                 continue;
             }
             let (from, into) = (from.load(simd, half), into.load(simd, half));
@@ -158,10 +158,10 @@ impl RefractionPacket {
                 self.directions.axis_mut(axis).store(half, along);
             }
             // Numbers of other sizes may make the products inexact.
-            let usual = same | (moderate(cosine) & moderate(from * from) & moderate(into * into));
-            let here = clear & half_lanes(half);
-            self.unusual |= here & !bits(usual, half);
-            self.lanes |= here & bits(usual & (same | passes), half);
+            let in_range = same | (moderate(cosine) & moderate(from * from) & moderate(into * into));
+            let here = transparent & half_lanes(half);
+            self.escalated |= here & !bits(in_range, half);
+            self.lanes |= here & bits(in_range & (same | passes), half);
         }
         let transmitted = f32x16::load_array_ref(simd, transmitted);
         let rest = [one - mirrored.load(simd, 0), one - mirrored.load(simd, 1)];

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::filter::Filter;
 use super::medium_stack::MediumStacks;
-use crate::trace::query::{Naive, Scratch};
+use crate::trace::intersect::{Naive, Scratch};
 
 /// Buffers that lighting needs in addition to the scene, reused from ray to ray to avoid allocation.
 #[derive(Clone, Debug, Default)]

@@ -8,7 +8,7 @@ use super::medium_stack::{MediumStack, MediumStacks};
 use super::scratch::LightScratch;
 use crate::color::{Rgb, to_f32};
 use crate::trace::effects::Effects;
-use crate::trace::query::SurfacePoint;
+use crate::trace::intersect::SurfacePoint;
 use crate::trace::rays::PreparedRay;
 use crate::trace::scene::{Attenuation, PreparedScene, Refraction};
 
@@ -54,7 +54,7 @@ impl PathState {
 }
 
 /// Maximum number of rays traced per sample, which bounds time and memory for any scene. Rays beyond it are not traced and see the
-/// background, like rays beyond the last generation.
+/// background, like rays beyond the last bounce.
 pub(crate) const LARGEST_TREE: u32 = 4096;
 
 /// The rays spawned at a surface.

@@ -7,8 +7,8 @@ use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
 use super::refraction_packet::RefractionPacket;
 use super::secondary::TreeRay;
+use crate::trace::intersect::{HitPacket, SurfacePacket};
 use crate::trace::math::{F64s3, LANES, Scaled, bits, bits16, finite3, half_of, lanes, scaled_lanes};
-use crate::trace::query::{HitPacket, SurfacePacket};
 use crate::trace::rays::{RayPacket, ShapeIds};
 use crate::trace::scene::PreparedScene;
 
@@ -31,7 +31,7 @@ impl BranchPacket {
     }
 }
 
-/// Spawns the secondary rays at the surfaces in lanes `asked`, of which `clear` are transparent: [`secondary_rays`](super::secondary_rays),
+/// Spawns the secondary rays at the surfaces in lanes `active`, of which `transparent` are transparent: [`secondary_rays`](super::secondary_rays),
 /// with the same operations in the same order. `rays`, with path states `paths`, arrive at the surfaces. The transparent solids that
 /// contain refracted rays are recorded in `media`. Returns the lanes left to the scalar function.
 #[inline(always)]
@@ -40,43 +40,49 @@ pub(crate) fn branch_lanes<S: Simd>(
     (scene, media): (&PreparedScene, &mut MediumStacks),
     (rays, paths): (&RayPacket, &PathPacket),
     (hits, surfaces): (&HitPacket, &SurfacePacket),
-    (asked, clear): (u32, u32),
+    (active, transparent): (u32, u32),
     (reflections, refracted): (&mut BranchPacket, Option<&mut BranchPacket>),
 ) -> u32 {
-    let mut unusual = asked & surfaces.tied;
-    let mut reflected = reflected_shares(simd, scene, &hits.ids, asked);
+    let mut escalated = active & surfaces.tied;
+    let mut reflected = reflected_shares(simd, scene, &hits.ids, active);
     if let Some(branches) = refracted {
         let at = (hits, surfaces);
-        let refraction =
-            RefractionPacket::at(simd, (scene, media), (rays, paths), at, clear & !unusual, &mut reflected);
-        unusual |= refraction.unusual;
+        let refraction = RefractionPacket::at(
+            simd,
+            (scene, media),
+            (rays, paths),
+            at,
+            transparent & !escalated,
+            &mut reflected,
+        );
+        escalated |= refraction.escalated;
         let RefractionPacket { transmitted, directions, beyond, lanes, .. } = refraction;
-        let sent = carry(simd, paths, (&transmitted, &beyond, 1), lanes & !unusual, branches);
-        let mut usual = 0;
-        for half in (0..2).filter(|half| half_of(sent, *half) != 0) {
-            usual |= start(simd, surfaces, (half, directions.load(simd, half)), &mut branches.rays);
+        let spawned = carry(simd, paths, (&transmitted, &beyond, 1), lanes & !escalated, branches);
+        let mut in_range = 0;
+        for half in (0..2).filter(|half| half_of(spawned, *half) != 0) {
+            in_range |= start(simd, surfaces, (half, directions.load(simd, half)), &mut branches.rays);
         }
-        unusual |= sent & !usual;
-        depart(surfaces, (sent & usual, !surfaces.from_outside), &mut branches.rays);
+        escalated |= spawned & !in_range;
+        depart(surfaces, (spawned & in_range, !surfaces.from_outside), &mut branches.rays);
     }
-    let sent = carry(simd, paths, (&reflected, &paths.media, 0), asked & !unusual, reflections);
-    let mut usual = 0;
-    for half in (0..2).filter(|half| half_of(sent, *half) != 0) {
+    let spawned = carry(simd, paths, (&reflected, &paths.media, 0), active & !escalated, reflections);
+    let mut in_range = 0;
+    for half in (0..2).filter(|half| half_of(spawned, *half) != 0) {
         let (direction, normal) = (rays.directions.load(simd, half), surfaces.normals.load(simd, half));
-        usual |= start(simd, surfaces, (half, mirrored(direction, normal)), &mut reflections.rays);
+        in_range |= start(simd, surfaces, (half, mirrored(direction, normal)), &mut reflections.rays);
     }
-    depart(surfaces, (sent & usual, surfaces.from_outside), &mut reflections.rays);
-    unusual | sent & !usual
+    depart(surfaces, (spawned & in_range, surfaces.from_outside), &mut reflections.rays);
+    escalated | spawned & !in_range
 }
 
 /// Returns the coefficients k_r of the shapes in some lanes.
 #[inline(always)]
-fn reflected_shares<S: Simd>(simd: S, scene: &PreparedScene, ids: &ShapeIds, asked: u32) -> [f32; LANES] {
-    if let Some(id) = ids.common(simd, asked) {
+fn reflected_shares<S: Simd>(simd: S, scene: &PreparedScene, ids: &ShapeIds, active: u32) -> [f32; LANES] {
+    if let Some(id) = ids.common(simd, active) {
         return [scene.material(id).reflected; LANES];
     }
     let mut shares = [0.0; LANES];
-    for lane in lanes(asked) {
+    for lane in lanes(active) {
         let Some(id) = ids.get(lane) else { continue };
         shares[lane] = scene.material(id).reflected;
     }
@@ -84,13 +90,13 @@ fn reflected_shares<S: Simd>(simd: S, scene: &PreparedScene, ids: &ShapeIds, ask
 }
 
 /// Computes the path states of secondary rays in `media` that carry `shares` of the arriving light. They are child `place`, 0 or 1, of the
-/// rays that they continue. Returns the lanes, among `asked`, of nonzero throughput, as [`reaching`](super::secondary::reaching) does.
+/// rays that they continue. Returns the lanes, among `active`, of nonzero throughput, as [`reaching`](super::secondary::reaching) does.
 #[inline(always)]
 fn carry<S: Simd>(
     simd: S,
     arrived: &PathPacket,
     (shares, media, place): (&[f32; LANES], &[MediumStack; LANES], u64),
-    asked: u32,
+    active: u32,
     branches: &mut BranchPacket,
 ) -> u32 {
     let (share, most) = (f32x16::load_array_ref(simd, shares), f32x16::splat(simd, f32::MAX));
@@ -107,7 +113,7 @@ fn carry<S: Simd>(
     for (place_below, above) in paths.places.iter_mut().zip(&arrived.places) {
         *place_below = above.wrapping_mul(2).wrapping_add(place);
     }
-    asked & lit
+    active & lit
 }
 
 /// Starts half of the rays at surfaces, in directions of any length. Returns the lanes of that half with valid rays; the others are left to
@@ -119,16 +125,16 @@ fn start<S: Simd>(
     (half, direction): (usize, F64s3<S>),
     rays: &mut RayPacket,
 ) -> u32 {
-    let Scaled { direction, usual, .. } = scaled_lanes(simd, direction);
+    let Scaled { direction, in_range, .. } = scaled_lanes(simd, direction);
     let point = surfaces.points.load(simd, half);
     rays.origins.store(half, point);
     rays.directions.store(half, direction);
-    bits(usual & finite3(simd, point), half)
+    bits(in_range & finite3(simd, point), half)
 }
 
-/// Makes the rays in lanes `sent`, outward in lanes `outward`, leave surfaces without ties.
+/// Makes the rays in lanes `spawned`, outward in lanes `outward`, leave surfaces without ties.
 #[inline(always)]
-fn depart(surfaces: &SurfacePacket, (sent, outward): (u32, u32), rays: &mut RayPacket) {
-    (rays.lanes, rays.departing, rays.outward) = (sent, sent, outward & sent);
+fn depart(surfaces: &SurfacePacket, (spawned, outward): (u32, u32), rays: &mut RayPacket) {
+    (rays.lanes, rays.departing, rays.outward) = (spawned, spawned, outward & spawned);
     rays.left = surfaces.first_equals;
 }

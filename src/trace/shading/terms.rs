@@ -16,7 +16,7 @@ pub(crate) fn ambient(scene: &PreparedScene, color: Rgb) -> Rgb {
 
 /// Clamps light that exceeds the finite numbers to the largest one.
 #[inline]
-pub(crate) fn held(light: Rgb) -> Rgb {
+pub(crate) fn clamped(light: Rgb) -> Rgb {
     if light.x + light.y + light.z < f32::INFINITY { light } else { light.min(Rgb::splat(f32::MAX)) }
 }
 

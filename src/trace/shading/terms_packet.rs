@@ -71,12 +71,12 @@ pub(super) fn add_highlights<S: Simd>(
     intensity: [f32x16<S>; 3],
     light_samples: &mut LightSamplePacket,
 ) {
-    let asked = lit.shiny & light_samples.lanes & !light_samples.from_behind;
-    if asked == 0 {
+    let active = lit.shiny & light_samples.lanes & !light_samples.from_behind;
+    if active == 0 {
         return;
     }
     let (mut coefficients, mut exponents) = ([0.0; LANES], [0.0; LANES]);
-    for lane in lanes(asked) {
+    for lane in lanes(active) {
         let Some(id) = lit.hits.ids.get(lane) else { continue };
         let material = scene.material(id);
         (coefficients[lane], exponents[lane]) = (material.specular, f64::from(material.shininess));
@@ -84,7 +84,7 @@ pub(super) fn add_highlights<S: Simd>(
     let exponents = Numbers::new(&exponents);
     let mut shares = Numbers::splat(0.0);
     for half in 0..2 {
-        if half_of(asked, half) == 0 {
+        if half_of(active, half) == 0 {
             continue;
         }
         let back = negative(lit.rays.directions.load(simd, half));

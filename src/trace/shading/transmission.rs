@@ -3,14 +3,14 @@
 //! Opaque shapes occlude the light. Transparent shapes transmit k_t at each crossing of their surface, and exp(-absorption length) inside
 //! (Beer's law), without bending the ray: shadows of glass are tinted, and there are no caustics.
 
-use super::direct::{ShadowRay, WayToLight};
+use super::direct::{ShadowRay, ShadowSegment};
 use super::filter::Filter;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::scratch::LightScratch;
 use crate::color::Rgb;
 use crate::trace::bvh::LeafId;
 use crate::trace::effects::Effects;
-use crate::trace::query::{Crossed, Crossing, Scratch, SurfacePoint};
+use crate::trace::intersect::{Crossed, Crossing, Scratch, SurfacePoint};
 use crate::trace::rays::{RayView, ShapeId};
 use crate::trace::scene::{PreparedScene, transmittance};
 
@@ -35,7 +35,7 @@ pub(crate) fn visibility(
     {
         return None;
     }
-    if !effects.clear_shadows() {
+    if !effects.transparent_shadows() {
         *last_occluder = scene.occluder(ray, limit, (own_shape, candidates), &mut scratch.search);
         return last_occluder.is_none().then_some(Rgb::ONE);
     }
@@ -121,14 +121,15 @@ pub(crate) fn filtered_and_absorbed(
     for crossed in crossed.iter() {
         crossed.cross(scene, (ray, limit), crossings, intersector);
     }
-    let way = WayToLight { direction: ray.direction(), limit: *limit, from_behind: shadow_ray.from_behind };
+    let way =
+        ShadowSegment { direction: ray.direction(), limit: *limit, from_behind: shadow_ray.from_behind };
     absorbed_along(scene, &way, own_shape, (surface, medium), scratch)
 }
 
 /// Computes the transmittance of transparent shapes from the crossings of the ray in `scratch.search.crossings`, in any order.
 pub(crate) fn filtered_along(
     scene: &PreparedScene,
-    way: &WayToLight,
+    way: &ShadowSegment,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
@@ -151,7 +152,7 @@ pub(crate) fn filtered_along(
 /// Computes [`filtered_along`] for any number of solids.
 fn absorbed_along(
     scene: &PreparedScene,
-    WayToLight { direction, limit, from_behind }: &WayToLight,
+    ShadowSegment { direction, limit, from_behind }: &ShadowSegment,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,

@@ -37,7 +37,7 @@ pub(super) struct SlabRoots<R: Real> {
     /// Rays that run towards larger heights, by axis.
     upwards: [R::Mask; 3],
     /// Rays that are parallel to a slab and outside of it, before any slab is undecided.
-    beside: R::Mask,
+    outside: R::Mask,
     /// Rays that are nearly parallel to a slab, or on one of its planes.
     undecided: R::Mask,
 }
@@ -92,7 +92,7 @@ impl<R: Real> SlabRoots<R> {
             entries: [nothing; 3],
             exits: [nothing; 3],
             upwards: [never; 3],
-            beside: never,
+            outside: never,
             undecided: never,
         };
         let mut fast = !never;
@@ -121,13 +121,13 @@ impl<R: Real> SlabRoots<R> {
             let parallel = !certain & !speed_error.greater(zero);
             let (lowest, highest) = (origin - origin_error, origin + origin_error);
             let inside = parallel & lowest.greater(low) & highest.less(high);
-            let beside = parallel & (highest.less(low) | lowest.greater(high));
+            let outside = parallel & (highest.less(low) | lowest.greater(high));
             let (first, last) = (zero.of(f64::NEG_INFINITY), zero.of(f64::INFINITY));
             let (entry, exit) = (or_exact(self.entries[axis]), or_exact(self.exits[axis]));
             self.entries[axis] = BoundedT::pick(certain, entry, BoundedT::within(first, zero));
             self.exits[axis] = BoundedT::pick(certain, exit, BoundedT::within(last, zero));
-            self.beside = self.beside | (beside & !self.undecided);
-            self.undecided = self.undecided | !(certain | inside | beside);
+            self.outside = self.outside | (outside & !self.undecided);
+            self.undecided = self.undecided | !(certain | inside | outside);
         }
     }
 
@@ -143,8 +143,8 @@ impl<R: Real> SlabRoots<R> {
         let [x, y, z] = self.entries;
         let (entry, exit) = (x.later(y).later(z), self.exit());
         let zero = entry.t().of(0.0);
-        let undecided = self.undecided & !self.beside;
-        let missed = self.beside | entry.earliest().greater(exit.latest()) | exit.latest().less(zero);
+        let undecided = self.undecided & !self.outside;
+        let missed = self.outside | entry.earliest().greater(exit.latest()) | exit.latest().less(zero);
         let touching = exit.earliest().less_or_equal(entry.latest());
         let through = !(undecided | missed | touching);
         let enters = through & entry.earliest().greater(zero);

@@ -11,9 +11,9 @@ use super::tile_sampler::TileSampler;
 use super::trees::Trees;
 use super::wavefront::Wavefront;
 use crate::color::Rgb;
+use crate::trace::intersect::{Candidates, PacketScratch};
+use crate::trace::intersect::{HitPacket, Naive, Scratch, SurfacePacket};
 use crate::trace::math::{Colors, Vectors};
-use crate::trace::packet::{Candidates, PacketScratch};
-use crate::trace::query::{HitPacket, Naive, Scratch, SurfacePacket};
 use crate::trace::rays::ShapeId;
 use crate::trace::render_stats::{RayCounts, RenderStats, StageCounts, TreeEnds};
 use crate::trace::shading::{AreaLightSamples, ErrorBudget, LightSamplePacket, LightScratch, RenderContext};
@@ -28,7 +28,7 @@ pub(crate) struct TileBuffers<'a> {
     /// The surface points, where lighting, a medium or secondary rays need them.
     pub(super) surfaces: Box<[SurfacePacket; PACKETS]>,
     /// The material properties at the hits.
-    pub(super) answers: Box<[MaterialFlags; PACKETS]>,
+    pub(super) material_flags: Box<[MaterialFlags; PACKETS]>,
     /// The radiance from the far end of each ray towards its origin.
     pub(super) radiance: Box<[Colors; PACKETS]>,
     /// The contribution of one light sample at each surface point.
@@ -44,7 +44,7 @@ pub(crate) struct TileBuffers<'a> {
     /// By enabled light: a recent occluder in this tile, if any. It is tested first.
     pub(super) last_occluders: Vec<Option<ShapeId>>,
     /// By enabled light: true if this tile has too many possible occluders for candidate lists.
-    pub(super) crowded_lights: Vec<bool>,
+    pub(super) overflowed_lights: Vec<bool>,
     /// The secondary rays spawned at this bounce.
     pub(super) next: RayQueue,
     /// The rays of the current bounce. The wavefront is a part of them.
@@ -54,7 +54,7 @@ pub(crate) struct TileBuffers<'a> {
     /// The state of samples whose paths can branch.
     pub(super) trees: Trees,
     /// The data that all sample batches of the last tile of camera rays share.
-    pub(super) spread: TileSampler,
+    pub(super) tile_sampler: TileSampler,
     pub(super) scratch: LightScratch<'a>,
     pub(super) packet_scratch: PacketScratch,
     /// By packet of the camera rays: the radiance accumulated in each slot.
@@ -73,7 +73,7 @@ impl<'a> TileBuffers<'a> {
             wavefront: Wavefront::new(),
             hits: Box::new([const { HitPacket::EMPTY }; PACKETS]),
             surfaces: Box::new([const { SurfacePacket::EMPTY }; PACKETS]),
-            answers: Box::new([const { MaterialFlags::EMPTY }; PACKETS]),
+            material_flags: Box::new([const { MaterialFlags::EMPTY }; PACKETS]),
             radiance: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
             light_samples: Box::new([const { LightSamplePacket::EMPTY }; PACKETS]),
             area_light_samples: Box::new([const { AreaLightSamples::NONE }; PACKETS]),
@@ -81,12 +81,12 @@ impl<'a> TileBuffers<'a> {
             candidates: Candidates::default(),
             listed: false,
             last_occluders: Vec::new(),
-            crowded_lights: Vec::new(),
+            overflowed_lights: Vec::new(),
             next: RayQueue::default(),
             current: RayQueue::default(),
             beyond: Vec::new(),
             trees: Trees::default(),
-            spread: TileSampler::default(),
+            tile_sampler: TileSampler::default(),
             scratch: LightScratch::new(cancelled, naive),
             packet_scratch: PacketScratch::default(),
             pixels: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
@@ -114,8 +114,8 @@ impl<'a> TileBuffers<'a> {
         if context.effects.lights() {
             self.last_occluders.clear();
             self.last_occluders.resize(context.lights.len(), None);
-            self.crowded_lights.clear();
-            self.crowded_lights.resize(context.lights.len(), false);
+            self.overflowed_lights.clear();
+            self.overflowed_lights.resize(context.lights.len(), false);
         }
     }
 
@@ -126,8 +126,8 @@ impl<'a> TileBuffers<'a> {
     }
 
     /// Enables or disables recording of the slots that the scene covers.
-    pub(crate) fn ask_for_coverage(&mut self, asked: bool) {
-        self.covered = asked.then_some(TileLanes::NONE);
+    pub(crate) fn record_coverage(&mut self, record: bool) {
+        self.covered = record.then_some(TileLanes::NONE);
     }
 
     /// Returns the scratch memory of queries.

@@ -3,7 +3,7 @@
 //! Light is added to a slot in the order of the wavefront. A ray therefore goes into a packet after all packets with earlier rays of its slot.
 //! The rays of a slot keep their order, and no packet has two of them.
 
-use super::ray_queue::{RayQueue, SentPacket};
+use super::ray_queue::{QueuedPacket, RayQueue};
 use super::tile::{PACKETS, TILE_PIXELS};
 use super::wavefront::Wavefront;
 use crate::trace::math::{LANES, lanes};
@@ -12,24 +12,24 @@ use crate::trace::math::{LANES, lanes};
 const FEW: u32 = 12;
 
 /// Fills the wavefront with the next rays of a bounce, up to its capacity. Returns `false` if none are left.
-pub(super) fn fill(wavefront: &mut Wavefront, generation: &mut RayQueue) -> bool {
+pub(super) fn fill(wavefront: &mut Wavefront, bounce: &mut RayQueue) -> bool {
     wavefront.clear();
     let mut shared = SharedPackets::default();
-    let rest = &generation.packets()[generation.taken..];
+    let rest = &bounce.packets()[bounce.taken..];
     let mut taken = 0;
-    for sent in rest {
+    for queued in rest {
         if wavefront.count == PACKETS {
             break;
         }
         taken += 1;
-        if sent.branches.rays.lanes.count_ones() >= FEW {
-            wavefront.add(&sent.branches, &sent.slots);
-            shared.note(sent, wavefront.count);
+        if queued.branches.rays.lanes.count_ones() >= FEW {
+            wavefront.add(&queued.branches, &queued.slots);
+            shared.record(queued, wavefront.count);
         } else {
-            shared.add(sent, wavefront);
+            shared.add(queued, wavefront);
         }
     }
-    generation.taken += taken;
+    bounce.taken += taken;
     wavefront.count > 0
 }
 
@@ -51,24 +51,24 @@ impl Default for SharedPackets {
 
 impl SharedPackets {
     /// Records that a packet was kept as the last of `count` packets.
-    fn note(&mut self, sent: &SentPacket, count: usize) {
-        for slot in sent.slots {
+    fn record(&mut self, queued: &QueuedPacket, count: usize) {
+        for slot in queued.slots {
             self.behind[slot as usize % TILE_PIXELS] = byte(count);
         }
     }
 
     /// Merges the rays of a packet into shared packets. The wavefront must have room for one more packet.
-    fn add(&mut self, sent: &SentPacket, wavefront: &mut Wavefront) {
-        for lane in lanes(sent.branches.rays.lanes) {
-            let slot = sent.slots[lane];
+    fn add(&mut self, queued: &QueuedPacket, wavefront: &mut Wavefront) {
+        for lane in lanes(queued.branches.rays.lanes) {
+            let slot = queued.slots[lane];
             let behind = &mut self.behind[slot as usize % TILE_PIXELS];
             let from = self.first.max(usize::from(*behind));
-            let open = (from..wavefront.count).find(|packet| self.filled[*packet] < LANES);
-            let packet = open.unwrap_or_else(|| {
+            let partial = (from..wavefront.count).find(|packet| self.filled[*packet] < LANES);
+            let packet = partial.unwrap_or_else(|| {
                 self.filled[wavefront.count] = 0;
                 wavefront.add_empty()
             });
-            wavefront.copy((packet, self.filled[packet]), (&sent.branches, lane), slot);
+            wavefront.copy((packet, self.filled[packet]), (&queued.branches, lane), slot);
             self.filled[packet] += 1;
             *behind = byte(packet + 1);
             while self.first < wavefront.count && self.filled[self.first] == LANES {
@@ -92,20 +92,20 @@ mod tests {
     use crate::trace::rays::PreparedRay;
 
     /// Creates packets from their active lanes, first pixels and pixel strides. Also returns the pixel and the number of each ray.
-    fn generation(packets: &[(u32, u32, u32)]) -> (RayQueue, Vec<(u32, f64)>) {
-        let (mut generation, mut rays) = (RayQueue::default(), Vec::new());
+    fn bounce(packets: &[(u32, u32, u32)]) -> (RayQueue, Vec<(u32, f64)>) {
+        let (mut bounce, mut rays) = (RayQueue::default(), Vec::new());
         for (filled, first, step) in packets {
             let mut pixels = [0; LANES];
             pixels.iter_mut().zip(0..).for_each(|(pixel, lane)| *pixel = (first + step * lane) % 256);
-            generation.add(&pixels, false);
-            let sent = generation.packets_mut().last_mut().unwrap();
+            bounce.add(&pixels, false);
+            let queued = bounce.packets_mut().last_mut().unwrap();
             for lane in lanes(*filled) {
                 let number = f64::from(u32::try_from(rays.len()).unwrap());
-                sent.branches.rays.set(lane, &PreparedRay::new(DVec3::splat(number), DVec3::X).unwrap());
+                queued.branches.rays.set(lane, &PreparedRay::new(DVec3::splat(number), DVec3::X).unwrap());
                 rays.push((pixels[lane], number));
             }
         }
-        (generation, rays)
+        (bounce, rays)
     }
 
     /// Returns the pixel and the number of each ray of a wavefront, packet by packet.
@@ -125,9 +125,9 @@ mod tests {
                 0..60,
             ),
         ) {
-            let (mut generation, mut expected) = generation(&packets);
+            let (mut bounce, mut expected) = bounce(&packets);
             let (mut wavefront, mut found, mut whole) = (Wavefront::new(), Vec::new(), 0);
-            while fill(&mut wavefront, &mut generation) {
+            while fill(&mut wavefront, &mut bounce) {
                 for packet in rays_of(&wavefront) {
                     let mut pixels: Vec<u32> = packet.iter().map(|(pixel, _)| *pixel).collect();
                     pixels.sort_unstable();
@@ -148,12 +148,11 @@ mod tests {
 
     #[test]
     fn few_rays_of_different_pixels_share_a_packet() {
-        let (mut generation, _) =
-            generation(&[(0b1111, 0, 1), (0b11, 0, 1), (0xffff, 100, 1), (0b11_1111, 50, 1)]);
+        let (mut bounce, _) = bounce(&[(0b1111, 0, 1), (0b11, 0, 1), (0xffff, 100, 1), (0b11_1111, 50, 1)]);
         let mut wavefront = Wavefront::new();
-        assert!(fill(&mut wavefront, &mut generation));
+        assert!(fill(&mut wavefront, &mut bounce));
         let sizes: Vec<usize> = rays_of(&wavefront).iter().map(Vec::len).collect();
         assert_eq!(sizes, [10, 2, 16]);
-        assert!(!fill(&mut wavefront, &mut generation));
+        assert!(!fill(&mut wavefront, &mut bounce));
     }
 }

@@ -8,59 +8,59 @@ use crate::trace::math::{WHOLE, lanes};
 use crate::trace::shading::{BranchPacket, LARGEST_TREE, RenderContext};
 
 /// Makes the spawned rays the current bounce, without the rays that are not traced: those whose contribution is negligible, and those beyond
-/// the last bounce or the maximum number of rays per sample. `generations` is the number of bounces left, including this one; it is 0 if these
+/// the last bounce or the maximum number of rays per sample. `bounces` is the number of bounces left, including this one; it is 0 if these
 /// rays see the background untraced.
-pub(super) fn select(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
+pub(super) fn drop_negligible(context: &RenderContext<'_>, bounces: u32, buffers: &mut TileBuffers<'_>) {
     std::mem::swap(&mut buffers.current, &mut buffers.next);
     buffers.next.clear();
     if context.branches() {
-        select_trees(context, generations, buffers);
+        select_trees(context, bounces, buffers);
     } else {
-        select_chains(context, generations, buffers);
+        select_chains(context, bounces, buffers);
     }
     buffers.scratch.search.ties.keep(buffers.current.ties_mut());
 }
 
 /// Selects the rays of samples whose paths do not branch: nothing is transparent, or transparent surfaces do not reflect as well. A sample has
 /// a single ray per bounce.
-fn select_chains(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
+fn select_chains(context: &RenderContext<'_>, bounces: u32, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { current, beyond, rays_traced, trees_ended, .. } = buffers;
-    let before = context.generations() - generations;
-    let traced = generations > 0 && before < LARGEST_TREE;
-    for sent in current.packets_mut() {
-        let BranchPacket { rays, paths } = &mut sent.branches;
+    let before = context.bounces() - bounces;
+    let traced = bounces > 0 && before < LARGEST_TREE;
+    for queued in current.packets_mut() {
+        let BranchPacket { rays, paths } = &mut queued.branches;
         let cut = dispatch!(context.scene.simd.level(), simd => {
-            context.radiance_bound.negligible(simd, &paths.throughputs, generations) & rays.lanes
+            context.radiance_bound.negligible(simd, &paths.throughputs, bounces) & rays.lanes
         });
         trees_ended.cutoff += u64::from(cut.count_ones());
         rays.keep(!cut);
         if traced {
-            rays_traced.add_secondary(sent.mirrored, rays.lanes.count_ones());
+            rays_traced.add_secondary(queued.mirrored, rays.lanes.count_ones());
         } else {
-            sent.give_up(WHOLE, beyond);
+            queued.terminate(WHOLE, beyond);
         }
     }
 }
 
 /// Selects the rays of samples whose paths can branch into a reflected and a refracted ray.
-fn select_trees(context: &RenderContext<'_>, generations: u32, buffers: &mut TileBuffers<'_>) {
+fn select_trees(context: &RenderContext<'_>, bounces: u32, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { current, beyond, trees, rays_traced, trees_ended, .. } = buffers;
-    trees.weigh(context.scene.simd, &context.radiance_bound, current.packets(), generations);
+    trees.weigh(context.scene.simd, &context.radiance_bound, current.packets(), bounces);
     trees.find_cut(current.packets());
-    for (sent, cut) in current.packets_mut().iter_mut().zip(&trees.cut) {
+    for (queued, cut) in current.packets_mut().iter_mut().zip(&trees.cut) {
         trees_ended.cutoff += u64::from(cut.count_ones());
-        sent.branches.rays.keep(!cut);
+        queued.branches.rays.keep(!cut);
         let mut traced = 0_u32;
-        if generations > 0 {
-            for lane in lanes(sent.branches.rays.lanes) {
-                let size = &mut trees.sizes[sent.slots[lane] as usize % TILE_PIXELS];
+        if bounces > 0 {
+            for lane in lanes(queued.branches.rays.lanes) {
+                let size = &mut trees.sizes[queued.slots[lane] as usize % TILE_PIXELS];
                 if *size < LARGEST_TREE {
                     *size += 1;
                     traced |= 1 << lane;
                 }
             }
         }
-        rays_traced.add_secondary(sent.mirrored, traced.count_ones());
-        sent.give_up(!traced, beyond);
+        rays_traced.add_secondary(queued.mirrored, traced.count_ones());
+        queued.terminate(!traced, beyond);
     }
 }

@@ -14,8 +14,8 @@ use super::slots::Sample;
 use super::tile::{PACKETS, Tile};
 use crate::color::Rgb;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
+use crate::trace::intersect::Scratch;
 use crate::trace::math::{Colors, Vectors, lanes};
-use crate::trace::query::Scratch;
 use crate::trace::scene::{Precision, PreparedBackground, PreparedCamera, SIDE};
 use crate::trace::shading::RenderContext;
 

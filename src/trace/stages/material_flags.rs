@@ -12,7 +12,7 @@ pub(super) struct MaterialFlags {
     /// Lanes with specular highlights.
     pub(super) shiny: u32,
     /// Lanes with transparent materials.
-    pub(super) clear: u32,
+    pub(super) transparent: u32,
     /// Lanes whose materials spawn secondary rays.
     pub(super) continues: u32,
     /// Lanes with a checker pattern.
@@ -23,15 +23,21 @@ pub(super) struct MaterialFlags {
 
 impl MaterialFlags {
     /// No surfaces.
-    pub(super) const EMPTY: Self =
-        Self { diffuse: Colors::splat(Rgb::ZERO), shiny: 0, clear: 0, continues: 0, checkered: 0, wanted: 0 };
+    pub(super) const EMPTY: Self = Self {
+        diffuse: Colors::splat(Rgb::ZERO),
+        shiny: 0,
+        transparent: 0,
+        continues: 0,
+        checkered: 0,
+        wanted: 0,
+    };
 
     /// Records the properties of a material for some lanes, given as a bit mask.
     #[inline(always)]
-    pub(super) fn note(&mut self, lanes: u32, material: &SurfaceMaterial) {
+    pub(super) fn record(&mut self, lanes: u32, material: &SurfaceMaterial) {
         let in_lanes = |holds: bool| if holds { lanes } else { 0 };
         self.shiny = self.shiny & !lanes | in_lanes(material.specular > 0.0);
-        self.clear = self.clear & !lanes | in_lanes(material.refraction.is_some());
+        self.transparent = self.transparent & !lanes | in_lanes(material.refraction.is_some());
         self.continues = self.continues & !lanes | in_lanes(material.continues());
         self.checkered = self.checkered & !lanes | in_lanes(material.checker.is_some());
     }

@@ -3,20 +3,15 @@
 //! Each stage is a function over the plain arrays of the tile's buffers. [`sample`] runs them in turn:
 //!
 //! ```text
-//! camera_rays -> closest_hits -> surfaces -> direct_light, shadows -> sums -> next_rays
-//!                     ^                                                           |
-//!                     +----------------------- the next wavefront ----------------+
+//! camera_rays -> closest_hits -> surfaces -> direct_light -> add_to_pixels -> next_rays
+//!                     ^                                                            |
+//!                     +----------------------- the next wavefront -----------------+
 //! ```
 //!
-//! [`coverage`] records which camera rays hit something, if requested. Tiles that are certainly empty skip all stages: see [`empty_tiles`].
+//! Tiles that are certainly empty skip all stages: see [`empty_tiles`].
 
-mod accumulate;
 mod buffers;
-mod camera_rays;
-mod clear_shadows;
-mod closest_hits;
 mod compaction;
-mod coverage;
 mod cutoff;
 mod direct_light;
 mod empty_tiles;
@@ -24,11 +19,11 @@ mod material_flags;
 mod next_rays;
 mod ray_queue;
 mod sample;
-mod shadows;
 mod slots;
 mod surfaces;
 mod tile;
 mod tile_sampler;
+mod transparent_shadows;
 mod trees;
 mod wavefront;
 

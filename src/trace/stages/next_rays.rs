@@ -11,36 +11,37 @@ use crate::trace::shading::{RenderContext, branch_lanes, secondary_rays};
 /// Spawns the secondary rays of the wavefront's surfaces.
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.next_rays += 1;
-    let TileBuffers { wavefront, hits, surfaces, answers, next, scratch, .. } = buffers;
+    let TileBuffers { wavefront, hits, surfaces, material_flags, next, scratch, .. } = buffers;
     let scene = context.scene;
     for packet in 0..wavefront.count {
         let (hits, surfaces) = (&hits[packet], &surfaces[packet]);
-        let continues = answers[packet].continues & surfaces.lanes;
+        let continues = material_flags[packet].continues & surfaces.lanes;
         if continues == 0 {
             continue;
         }
-        let clear = if context.effects.media() { continues & answers[packet].clear } else { 0 };
+        let transparent =
+            if context.effects.media() { continues & material_flags[packet].transparent } else { 0 };
         let mirrored = next.add(&wavefront.slots[packet], true);
-        let refracted = (clear != 0).then(|| next.add(&wavefront.slots[packet], false));
+        let refracted = (transparent != 0).then(|| next.add(&wavefront.slots[packet], false));
         let (rays, paths) = (&wavefront.rays[packet], &wavefront.paths[packet]);
         let media = (scene, &mut scratch.media);
         let branches = next.branches_mut(mirrored, refracted);
-        let unusual = dispatch!(scene.simd.level(), simd => {
-            branch_lanes(simd, media, (rays, paths), (hits, surfaces), (continues, clear), branches)
+        let escalated = dispatch!(scene.simd.level(), simd => {
+            branch_lanes(simd, media, (rays, paths), (hits, surfaces), (continues, transparent), branches)
         });
-        for lane in lanes(unusual) {
+        for lane in lanes(escalated) {
             // Many solids may be entered at one point.
             if scratch.search.is_cancelled() {
                 return;
             }
             let Some(point) = surfaces.get(lane, hits) else { continue };
             let arrived = (rays.directions.get(lane), &paths.get(lane));
-            let sent = secondary_rays(context, scratch, arrived, &point);
+            let queued = secondary_rays(context, scratch, arrived, &point);
             let (mirrored, refracted) = next.branches_mut(mirrored, refracted);
-            if let Some(ray) = sent.reflected {
+            if let Some(ray) = queued.reflected {
                 mirrored.set(lane, &ray);
             }
-            if let (Some(ray), Some(refracted)) = (sent.refracted, refracted) {
+            if let (Some(ray), Some(refracted)) = (queued.refracted, refracted) {
                 refracted.set(lane, &ray);
             }
         }
@@ -48,12 +49,12 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
 }
 
 /// Fills the wavefront with rays of the current bounce. Returns `false` if none are left.
-pub(super) fn fill_wave(buffers: &mut TileBuffers<'_>) -> bool {
+pub(super) fn fill_wavefront(buffers: &mut TileBuffers<'_>) -> bool {
     fill(&mut buffers.wavefront, &mut buffers.current)
 }
 
 /// Adds the background, as seen by the rays that are not traced.
-pub(super) fn give_up(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
+pub(super) fn terminate(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
     for UntracedRay { direction, throughput, slot } in beyond.iter() {
         let light = *throughput * context.scene.background.towards(*direction);

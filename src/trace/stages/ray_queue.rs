@@ -12,7 +12,7 @@ use crate::trace::shading::BranchPacket;
 #[derive(Clone, Debug, Default)]
 pub(super) struct RayQueue {
     /// The packets in use, followed by spare ones whose memory is reused.
-    packets: Vec<SentPacket>,
+    packets: Vec<QueuedPacket>,
     used: usize,
     /// The number of packets already moved to a wavefront.
     pub(super) taken: usize,
@@ -20,7 +20,7 @@ pub(super) struct RayQueue {
 
 /// Secondary rays spawned at the surfaces of one packet.
 #[derive(Clone, Debug)]
-pub(super) struct SentPacket {
+pub(super) struct QueuedPacket {
     pub(super) branches: BranchPacket,
     /// The slots of the camera rays from which they descend.
     pub(super) slots: [u32; LANES],
@@ -52,7 +52,7 @@ impl RayQueue {
     pub(super) fn add(&mut self, slots: &[u32; LANES], mirrored: bool) -> usize {
         if self.used == self.packets.len() {
             let branches = BranchPacket::EMPTY;
-            self.packets.push(SentPacket { branches, slots: *slots, mirrored });
+            self.packets.push(QueuedPacket { branches, slots: *slots, mirrored });
         }
         let added = &mut self.packets[self.used];
         added.branches.rays.clear();
@@ -62,12 +62,12 @@ impl RayQueue {
     }
 
     /// Returns the packets in use.
-    pub(super) fn packets(&self) -> &[SentPacket] {
+    pub(super) fn packets(&self) -> &[QueuedPacket] {
         &self.packets[..self.used]
     }
 
     /// Returns the packets in use, mutably.
-    pub(super) fn packets_mut(&mut self) -> &mut [SentPacket] {
+    pub(super) fn packets_mut(&mut self) -> &mut [QueuedPacket] {
         &mut self.packets[..self.used]
     }
 
@@ -88,9 +88,9 @@ impl RayQueue {
     }
 }
 
-impl SentPacket {
+impl QueuedPacket {
     /// Moves the rays in the lanes `lanes_beyond` to `beyond`: they are not traced.
-    pub(super) fn give_up(&mut self, lanes_beyond: u32, beyond: &mut Vec<UntracedRay>) {
+    pub(super) fn terminate(&mut self, lanes_beyond: u32, beyond: &mut Vec<UntracedRay>) {
         let Self { branches: BranchPacket { rays, paths }, slots, .. } = self;
         beyond.extend(lanes(rays.lanes & lanes_beyond).map(|lane| UntracedRay {
             direction: rays.directions.get(lane),

@@ -6,9 +6,9 @@ use super::buffers::TileBuffers;
 use super::material_flags::MaterialFlags;
 use super::tile::PACKETS;
 use super::wavefront::Wavefront;
+use crate::trace::intersect::refine;
+use crate::trace::intersect::{HitPacket, SurfacePacket, SurfacePoint};
 use crate::trace::math::{Colors, lanes};
-use crate::trace::packet::refine;
-use crate::trace::query::{HitPacket, SurfacePacket, SurfacePoint};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::{PreparedBackground, SurfaceMaterial};
 use crate::trace::shading::{MediumStack, RenderContext, ambient};
@@ -16,11 +16,11 @@ use crate::trace::shading::{MediumStack, RenderContext, ambient};
 /// Computes the surface points of the wavefront's hits, and the radiance that does not come from light sources: background and ambient light.
 pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.surfaces += 1;
-    let TileBuffers { wavefront, hits, surfaces, answers, radiance, scratch, .. } = buffers;
+    let TileBuffers { wavefront, hits, surfaces, material_flags, radiance, scratch, .. } = buffers;
     let mut special = [0; PACKETS];
     dispatch!(context.scene.simd.level(), simd => {
         for packet in 0..wavefront.count {
-            let found = (&mut answers[packet], &mut radiance[packet], &mut surfaces[packet]);
+            let found = (&mut material_flags[packet], &mut radiance[packet], &mut surfaces[packet]);
             special[packet] = find(simd, context, (wavefront, packet), &hits[packet], found);
         }
     });
@@ -37,18 +37,18 @@ pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
             surfaces.set(lane, &point, hits);
             // Among coincident surfaces, the visible one can differ from the first one hit.
             let material = context.scene.material(point.hit.id);
-            answers[packet].note(1 << lane, material);
+            material_flags[packet].record(1 << lane, material);
             radiance[packet].set(lane, ambient(context.scene, material.ambient));
-            answers[packet].diffuse.set(lane, material.diffuse);
+            material_flags[packet].diffuse.set(lane, material.diffuse);
         }
         if context.effects.extras {
-            for lane in lanes(answers[packet].checkered & surfaces.lanes) {
+            for lane in lanes(material_flags[packet].checkered & surfaces.lanes) {
                 let Some(SurfacePoint { hit, point, normal, .. }) = surfaces.get(lane, hits) else {
                     continue;
                 };
                 let (color, diffuse) = context.scene.material(hit.id).colors_at(point, normal);
                 radiance[packet].set(lane, ambient(context.scene, color));
-                answers[packet].diffuse.set(lane, diffuse);
+                material_flags[packet].diffuse.set(lane, diffuse);
             }
         }
     }
@@ -61,45 +61,49 @@ fn find<S: Simd>(
     context: &RenderContext<'_>,
     (wavefront, packet): (&Wavefront, usize),
     hits: &HitPacket,
-    (answers, radiance, surfaces): (&mut MaterialFlags, &mut Colors, &mut SurfacePacket),
+    (material_flags, radiance, surfaces): (&mut MaterialFlags, &mut Colors, &mut SurfacePacket),
 ) -> u32 {
     let rays = &wavefront.rays[packet];
     surfaces.clear();
-    answers.wanted = 0;
-    let met = hits.ids.lanes(simd) & rays.lanes;
-    if met != rays.lanes {
+    material_flags.wanted = 0;
+    let hit = hits.ids.lanes(simd) & rays.lanes;
+    if hit != rays.lanes {
         background(context, rays, radiance);
     }
-    if met == 0 {
+    if hit == 0 {
         return 0;
     }
     let scene = context.scene;
-    if let Some(id) = hits.ids.common(simd, met) {
+    if let Some(id) = hits.ids.common(simd, hit) {
         let material = scene.material(id);
         let (color, diffuse) = (ambient(scene, material.ambient), material.diffuse);
-        answers.note(met, material);
-        answers.diffuse = Colors::splat(diffuse);
-        if met == rays.lanes {
+        material_flags.record(hit, material);
+        material_flags.diffuse = Colors::splat(diffuse);
+        if hit == rays.lanes {
             *radiance = Colors::splat(color);
         } else {
-            lanes(met).for_each(|lane| radiance.set(lane, color));
+            lanes(hit).for_each(|lane| radiance.set(lane, color));
         }
-        answers.wanted = if needs_point(context, material) { met } else { 0 };
+        material_flags.wanted = if needs_point(context, material) { hit } else { 0 };
     } else {
-        for lane in lanes(met) {
+        for lane in lanes(hit) {
             let Some(id) = hits.ids.get(lane) else { continue };
             let material = scene.material(id);
-            answers.note(1 << lane, material);
-            answers.diffuse.set(lane, material.diffuse);
+            material_flags.record(1 << lane, material);
+            material_flags.diffuse.set(lane, material.diffuse);
             radiance.set(lane, ambient(scene, material.ambient));
-            answers.wanted |= u32::from(needs_point(context, material)) << lane;
+            material_flags.wanted |= u32::from(needs_point(context, material)) << lane;
         }
     }
     if context.effects.in_media() {
         let in_medium = |lane: &usize| wavefront.paths[packet].media[*lane] != MediumStack::NONE;
-        answers.wanted |= lanes(met).filter(in_medium).fold(0, |mask, lane| mask | 1 << lane);
+        material_flags.wanted |= lanes(hit).filter(in_medium).fold(0, |mask, lane| mask | 1 << lane);
     }
-    if answers.wanted == 0 { 0 } else { refine(simd, scene, rays, hits, answers.wanted, surfaces) }
+    if material_flags.wanted == 0 {
+        0
+    } else {
+        refine(simd, scene, rays, hits, material_flags.wanted, surfaces)
+    }
 }
 
 /// Sets the radiance of all rays of a packet to the background.

@@ -2,10 +2,10 @@
 
 use super::slots::Slots;
 use super::tile::{PACKETS, Tile};
+use crate::trace::intersect::LensCandidates;
+use crate::trace::intersect::Scratch;
 use crate::trace::math::LANES;
-use crate::trace::packet::LensCandidates;
-use crate::trace::query::Scratch;
-use crate::trace::scene::{Precision, SpreadKeys};
+use crate::trace::scene::{PixelKeys, Precision};
 use crate::trace::shading::RenderContext;
 
 /// The sampling keys and lens candidates of a tile's slots, reused while batches have the same pixels in the same slots.
@@ -13,7 +13,7 @@ use crate::trace::shading::RenderContext;
 pub(super) struct TileSampler {
     known: Option<KnownSlots>,
     /// By packet: the sampling keys of its slots.
-    pub(super) keys: Box<[SpreadKeys; PACKETS]>,
+    pub(super) keys: Box<[PixelKeys; PACKETS]>,
     /// The shapes that rays through the lens can hit.
     pub(super) candidates: LensCandidates,
 }
@@ -28,14 +28,14 @@ struct KnownSlots {
 
 impl Default for TileSampler {
     fn default() -> Self {
-        let keys = Box::new([const { SpreadKeys::NONE }; PACKETS]);
+        let keys = Box::new([const { PixelKeys::NONE }; PACKETS]);
         Self { known: None, keys, candidates: LensCandidates::default() }
     }
 }
 
 impl TileSampler {
     /// Computes the keys of a tile's slots, unless the last batch had the same slots.
-    pub(super) fn find(
+    pub(super) fn prepare(
         &mut self,
         context: &RenderContext<'_>,
         (tile, slots): (Tile, &Slots),
@@ -64,7 +64,7 @@ impl TileSampler {
 impl KnownSlots {
     /// Returns whether keys were computed for these slots. The last batch of a tile may leave some slots empty.
     fn serves(&self, tile: Tile, slots: &Slots) -> bool {
-        let covers = |(known, asked): (&u32, &u32)| asked & !known == 0;
+        let covers = |(known, needed): (&u32, &u32)| needed & !known == 0;
         self.tile == tile
             && self.lanes.iter().zip(&slots.lanes).all(covers)
             && self.pixels[..slots.count] == slots.pixels[..slots.count]

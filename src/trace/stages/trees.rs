@@ -3,7 +3,7 @@
 
 use fearless_simd::dispatch;
 
-use super::ray_queue::SentPacket;
+use super::ray_queue::QueuedPacket;
 use super::tile::TILE_PIXELS;
 use crate::trace::math::{LANES, SimdLevel, lanes};
 use crate::trace::shading::{ErrorBudget, RadianceBound};
@@ -34,24 +34,24 @@ impl Trees {
         self.budgets.resize(TILE_PIXELS, budget);
     }
 
-    /// Bounds the contributions of a bounce's rays. `generations` is the number of bounces left, including this one.
+    /// Bounds the contributions of a bounce's rays. `bounces` is the number of bounces left, including this one.
     pub(super) fn weigh(
         &mut self,
         level: SimdLevel,
         radiance_bound: &RadianceBound,
-        packets: &[SentPacket],
-        generations: u32,
+        packets: &[QueuedPacket],
+        bounces: u32,
     ) {
         self.mosts.clear();
         dispatch!(level.level(), simd => {
-            for sent in packets {
-                self.mosts.push(radiance_bound.mosts(simd, &sent.branches.paths.throughputs, generations));
+            for queued in packets {
+                self.mosts.push(radiance_bound.mosts(simd, &queued.branches.paths.throughputs, bounces));
             }
         });
     }
 
     /// Decides which rays of a bounce are cut, by the bounds that `weigh` has computed.
-    pub(super) fn find_cut(&mut self, packets: &[SentPacket]) {
+    pub(super) fn find_cut(&mut self, packets: &[QueuedPacket]) {
         self.cut.clear();
         self.cut.resize(packets.len(), 0);
         self.sort(packets);
@@ -70,13 +70,13 @@ impl Trees {
     }
 
     /// Sorts the rays of a bounce by slot, stably.
-    fn sort(&mut self, packets: &[SentPacket]) {
+    fn sort(&mut self, packets: &[QueuedPacket]) {
         let Self { weighed, ends, mosts, .. } = self;
-        let rays = |sent: &SentPacket| lanes(sent.branches.rays.lanes);
+        let rays = |queued: &QueuedPacket| lanes(queued.branches.rays.lanes);
         ends.clear();
         ends.resize(TILE_PIXELS, 0);
-        for sent in packets {
-            rays(sent).for_each(|lane| ends[sent.slots[lane] as usize % TILE_PIXELS] += 1);
+        for queued in packets {
+            rays(queued).for_each(|lane| ends[queued.slots[lane] as usize % TILE_PIXELS] += 1);
         }
         // First, the start of each slot's rays.
         let mut count = 0;
@@ -85,9 +85,9 @@ impl Trees {
         }
         weighed.clear();
         weighed.resize(count, (0.0, 0));
-        for (packet, (sent, mosts)) in packets.iter().zip(&*mosts).enumerate() {
-            for lane in rays(sent) {
-                let end = &mut ends[sent.slots[lane] as usize % TILE_PIXELS];
+        for (packet, (queued, mosts)) in packets.iter().zip(&*mosts).enumerate() {
+            for lane in rays(queued) {
+                let end = &mut ends[queued.slots[lane] as usize % TILE_PIXELS];
                 weighed[*end] = (mosts[lane], packet * LANES + lane);
                 *end += 1;
             }
@@ -112,7 +112,7 @@ mod tests {
         #[test]
         fn each_pixel_has_a_budget_of_its_own(
             cutoff in prop_oneof![Just(0.0_f32), 1e-3..1.0_f32],
-            generations in prop::collection::vec(prop::collection::vec((0..0x10000_u32, 0..8_u32, prop::array::uniform16(-9.0..1.0_f32)), 0..12), 2),
+            bounces in prop::collection::vec(prop::collection::vec((0..0x10000_u32, 0..8_u32, prop::array::uniform16(-9.0..1.0_f32)), 0..12), 2),
         ) {
             let mut scene = PreparedScene::new(Geometry::default(), Vec::new());
             (scene.cutoff, scene.background) = (cutoff, PreparedBackground::Flat(Rgb::ONE));
@@ -120,24 +120,24 @@ mod tests {
             let mut trees = Trees::default();
             trees.begin(ErrorBudget::new(&scene));
             let mut budgets = vec![ErrorBudget::new(&scene); TILE_PIXELS];
-            for packets in generations {
-                let mut generation = RayQueue::default();
+            for packets in bounces {
+                let mut bounce = RayQueue::default();
                 let mut by_pixel: Vec<Vec<(f32, usize)>> = vec![Vec::new(); TILE_PIXELS];
                 for (number, (filled, first, digits)) in packets.into_iter().enumerate() {
                     let mut pixels = [0; LANES];
                     pixels.iter_mut().zip(first * 8..).for_each(|(pixel, place)| *pixel = place % 64);
-                    generation.add(&pixels, false);
-                    let sent = generation.packets_mut().last_mut().unwrap();
+                    bounce.add(&pixels, false);
+                    let queued = bounce.packets_mut().last_mut().unwrap();
                     for lane in lanes(filled) {
                         let throughput = Rgb::splat(libm::exp10f(digits[lane]));
                         let state = PathState { throughput, ..PathState::at_camera(MediumStack::NONE) };
-                        sent.branches.set(lane, &TreeRay { ray: PreparedRay::new(DVec3::ZERO, DVec3::X).unwrap(), state });
-                        by_pixel[sent.slots[lane] as usize].push((radiance_bound.most(throughput, 0), number * LANES + lane));
+                        queued.branches.set(lane, &TreeRay { ray: PreparedRay::new(DVec3::ZERO, DVec3::X).unwrap(), state });
+                        by_pixel[queued.slots[lane] as usize].push((radiance_bound.most(throughput, 0), number * LANES + lane));
                     }
                 }
-                trees.weigh(SimdLevel::best(), &radiance_bound, generation.packets(), 0);
-                trees.find_cut(generation.packets());
-                let mut expected = vec![0; generation.packets().len()];
+                trees.weigh(SimdLevel::best(), &radiance_bound, bounce.packets(), 0);
+                trees.find_cut(bounce.packets());
+                let mut expected = vec![0; bounce.packets().len()];
                 for (rays, budget) in by_pixel.iter_mut().zip(&mut budgets) {
                     let count = budget.cut(rays);
                     rays[..count].iter().for_each(|(_, ray)| expected[ray / LANES] |= 1 << (ray % LANES));

@@ -78,10 +78,10 @@ impl Wavefront {
 
     /// Returns the packet of camera rays from which the rays of a packet descend lane by lane, if there is one.
     #[inline(always)]
-    pub(super) fn home(&self, packet: usize) -> Option<usize> {
+    pub(super) fn source_packet(&self, packet: usize) -> Option<usize> {
         let slots = &self.slots[packet];
-        let home = slots[0] as usize / LANES % PACKETS;
-        (*slots == PIXELS[home]).then_some(home)
+        let source_packet = slots[0] as usize / LANES % PACKETS;
+        (*slots == PIXELS[source_packet]).then_some(source_packet)
     }
 
     /// Returns the number of rays.

@@ -247,7 +247,7 @@ impl Adaptive {
     }
 
     /// Stores the images in mirrors and glass that the picture may show.
-    pub(crate) fn note_images(&mut self, found: &[Image]) {
+    pub(crate) fn record_images(&mut self, found: &[Image]) {
         let mut images = BTreeMap::new();
         for Image { area, radiance, count } in found {
             #[expect(clippy::cast_possible_truncation, reason = "of a few pixels")]
@@ -315,7 +315,7 @@ impl Adaptive {
     }
 
     /// Stores the features of a tile's pixels at an instant.
-    pub(crate) fn note_features(&mut self, tile: &Tile, found: &TileFeatures) {
+    pub(crate) fn record_features(&mut self, tile: &Tile, found: &TileFeatures) {
         let (first, most) = (self.first_packet(tile), self.most);
         let mut covers = self.covers.get_mut(first..).unwrap_or_default().iter_mut();
         for (packet, pixels) in self.packets[first..][..PACKETS].iter_mut().enumerate() {
@@ -428,7 +428,7 @@ impl Adaptive {
             gains += band;
             sums.iter_mut().zip(band_sums).for_each(|(sum, band)| *sum += band);
         }
-        self.note_error(norm, &gains, sums);
+        self.record_error(norm, &gains, sums);
         gains
     }
 
@@ -538,7 +538,7 @@ impl Adaptive {
     }
 
     /// Stores the picture's error, given the sum of squared errors of each class.
-    fn note_error(&mut self, norm: ErrorNorm, gains: &SquaresByGain, sums: [f64; CLASSES]) {
+    fn record_error(&mut self, norm: ErrorNorm, gains: &SquaresByGain, sums: [f64; CLASSES]) {
         let rms = (sums.iter().sum::<f64>() / self.pixels).sqrt();
         let variance: f64 =
             self.scales.iter().zip(sums).map(|(scale, sum)| scale.uncertain * sum * sum).sum();

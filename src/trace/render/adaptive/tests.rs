@@ -73,9 +73,9 @@ fn rendered(
     (means, counts, adaptive)
 }
 
-fn rms(pixels: &[f64], truth: impl Fn(usize) -> f64) -> f64 {
+fn rms(pixels: &[f64], exact: impl Fn(usize) -> f64) -> f64 {
     let square = |(index, pixel): (usize, &f64)| {
-        let error = 255.0 * (pixel - truth(index));
+        let error = 255.0 * (pixel - exact(index));
         error * error
     };
     (pixels.iter().enumerate().map(square).sum::<f64>() / COUNT as f64).sqrt()

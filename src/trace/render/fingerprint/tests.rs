@@ -28,7 +28,7 @@ const ONE: FrameConstants = FrameConstants {
     transfer: Transfer::Srgb,
     sampling: PixelSampling { samples: 1, seed: 7 },
     target: None,
-    lighting: Lighting::ClearShadows,
+    lighting: Lighting::TransparentShadows,
     instants: 1,
 };
 

@@ -29,8 +29,8 @@ use glam::{DVec2, DVec3};
 
 use crate::color::to_f32;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
+use crate::trace::intersect::Scratch;
 use crate::trace::math::{LANES, Vectors, WHOLE, lanes};
-use crate::trace::query::Scratch;
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::shading::most_radiance;
@@ -325,7 +325,7 @@ fn resolve(
     dispatch!(scene.simd.level(), _simd => {
         let mut covers = Vec::with_capacity(seen.len());
         let mut nearest = NearestCovers::<PACKETS>::new();
-        seen.iter().for_each(|shape| nearest.note(shape, &shape.blocks));
+        seen.iter().for_each(|shape| nearest.update(shape, &shape.blocks));
         let in_sight: Vec<u32> = seen.iter().map(|shape| nearest.visible(&shape.blocks)).collect();
         for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
             let pixels = pixels(packet);
@@ -333,7 +333,7 @@ fn resolve(
             covers.clear();
             covers.extend(shapes.map(|(shape, _)| (shape, shape.covers(packet, &pixels))));
             let mut nearest = NearestCovers::<LANES>::new();
-            covers.iter().for_each(|(shape, cover)| nearest.note(shape, cover));
+            covers.iter().for_each(|(shape, cover)| nearest.update(shape, cover));
             let place = |lane: usize| DVec2::new(pixels.x[lane], pixels.y[lane]);
             let (features, whole) = (&mut found.features[packet * LANES..], &mut found.covers[packet]);
             for (shape, cover) in &covers {
@@ -377,7 +377,7 @@ impl<const N: usize> NearestCovers<N> {
 
     /// Updates the nearest covers with a shape.
     #[inline(always)]
-    fn note(&mut self, shape: &SeenShape, cover: &Covers<N>) {
+    fn update(&mut self, shape: &SeenShape, cover: &Covers<N>) {
         for lane in 0..N {
             let (depth, id) = (cover.depth[0][lane], self.ids[lane]);
             // Ties are resolved by id, independently of the order of shapes.

@@ -5,7 +5,6 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::trace::math::PixelSampling;
-use crate::trace::query::closest;
 use crate::trace::rays::PreparedRay;
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{Geometry, PreparedShape, SurfaceMaterial};
@@ -16,7 +15,7 @@ const SIDE_PIXELS: u32 = 20;
 type Surface = Option<(ShapeId, [i8; 3])>;
 
 fn surface(scene: &PreparedScene, ray: &PreparedRay, search: &mut Scratch<'_>) -> Surface {
-    let hit = closest(scene, ray, search)?;
+    let hit = scene.closest_of_all(ray, search)?;
     let point = scene.surface(ray, &hit, search);
     let is_box = matches!(scene.geometry().shape(point.hit.id), crate::trace::scene::ShapeRef::AlignedBox(_));
     #[expect(clippy::cast_possible_truncation, reason = "-1, 0 or 1")]

@@ -4,7 +4,7 @@ mod packet;
 
 use glam::DVec3;
 
-pub(crate) use packet::{PixelCenters, SIDE, SpreadKeys, Square};
+pub(crate) use packet::{PixelCenters, PixelKeys, SIDE, Square};
 
 use crate::trace::math::{
     Bytes, Dimension, Double, PixelSamples, PixelSampling, Real, add, disc, scaled, spread, subtract, times,

@@ -84,16 +84,16 @@ impl PixelCenters {
         let (across, upwards) = (&self.columns[(i / SIDE) as usize], &self.rows[(j / SIDE) as usize]);
         rays.origins = Vectors::splat(self.eye);
         let forward = splat3(simd, self.forward);
-        let asked = square.lanes();
-        let mut unusual = 0;
+        let active = square.lanes();
+        let mut escalated = 0;
         for half in 0..2 {
             let towards = add(add(across.load(simd, half), upwards.load(simd, half)), forward);
-            let Scaled { direction, usual, .. } = scaled_lanes(simd, towards);
-            unusual |= asked & bits(!usual, half);
+            let Scaled { direction, in_range, .. } = scaled_lanes(simd, towards);
+            escalated |= active & bits(!in_range, half);
             rays.directions.store(half, direction);
         }
-        rays.lanes = asked & !unusual;
-        for lane in lanes(unusual) {
+        rays.lanes = active & !escalated;
+        for lane in lanes(escalated) {
             let towards = across.get(lane) + upwards.get(lane) + self.forward;
             if let Some(ray) = PreparedRay::new(self.eye, towards) {
                 rays.set(lane, &ray);
@@ -104,7 +104,7 @@ impl PixelCenters {
 
 /// The keys of the sample positions of a packet's pixels, which all samples share.
 #[derive(Clone, Debug)]
-pub(crate) struct SpreadKeys {
+pub(crate) struct PixelKeys {
     /// The lanes that have a pixel, as a bit mask.
     lanes: u32,
     /// Columns and rows, by lane.
@@ -115,7 +115,7 @@ pub(crate) struct SpreadKeys {
     on_lens: SampleKeys,
 }
 
-impl SpreadKeys {
+impl PixelKeys {
     /// The keys of no pixels.
     pub(crate) const NONE: Self = Self {
         lanes: 0,
@@ -141,7 +141,7 @@ impl SpreadKeys {
         }
     }
 
-    /// Selects the lanes that have a pixel, among the lanes passed to [`SpreadKeys::find`].
+    /// Selects the lanes that have a pixel, among the lanes passed to [`PixelKeys::find`].
     pub(crate) fn set_lanes(&mut self, lanes: u32) {
         self.lanes = lanes;
     }
@@ -151,22 +151,22 @@ impl PreparedCamera {
     /// Stores the rays of pixels' samples in the lanes, given a sample index for each lane. Each is the [`PreparedCamera::spread_ray`] of its
     /// pixel.
     #[inline(always)]
-    pub(crate) fn spread_rays<S: Simd>(
+    pub(crate) fn sample_rays<S: Simd>(
         &self,
         simd: S,
         sampling: PixelSampling,
-        keys: &SpreadKeys,
+        keys: &PixelKeys,
         indices: &[u32; LANES],
         rays: &mut RayPacket,
     ) {
         rays.clear();
-        let asked = keys.lanes;
-        if asked == 0 {
+        let active = keys.lanes;
+        if active == 0 {
             return;
         }
         let on_screen = keys.on_screen.pairs(simd, indices);
         let on_lens = self.lens.map(|_| keys.on_lens.pairs(simd, indices));
-        let mut unusual = 0;
+        let mut escalated = 0;
         for half in 0..2 {
             let column = keys.columns.load(simd, half) + (on_screen[0].load(simd, half) - 0.5);
             let row = keys.rows.load(simd, half) + (on_screen[1].load(simd, half) - 0.5);
@@ -176,13 +176,13 @@ impl PreparedCamera {
                 places = Some(on_disc([x.load(simd, half), y.load(simd, half)]));
             }
             let Rays { origin, direction } = self.rays_through(column, row, places);
-            let Scaled { direction, usual, .. } = scaled_lanes(simd, direction);
-            unusual |= asked & half_lanes(half) & !bits(usual & finite3(simd, origin), half);
+            let Scaled { direction, in_range, .. } = scaled_lanes(simd, direction);
+            escalated |= active & half_lanes(half) & !bits(in_range & finite3(simd, origin), half);
             rays.origins.store(half, origin);
             rays.directions.store(half, direction);
         }
-        rays.lanes = asked & !unusual;
-        for lane in lanes(unusual) {
+        rays.lanes = active & !escalated;
+        for lane in lanes(escalated) {
             let (i, j) = keys.pixels[lane];
             if let Some(ray) = self.spread_ray(sampling, i, j, indices[lane]) {
                 rays.set(lane, &ray);
@@ -246,10 +246,10 @@ mod tests {
                 for (i, j) in [(0, 0), (4, 4), (20, 8)] {
                     let size = (columns.saturating_sub(i).min(SIDE), rows.saturating_sub(j).min(SIDE));
                     let square = Square { first: (i, j), size };
-                    let (mut rays, mut keys) = (RayPacket::EMPTY, SpreadKeys::NONE);
+                    let (mut rays, mut keys) = (RayPacket::EMPTY, PixelKeys::NONE);
                     let pixels = std::array::from_fn(|lane| square.pixel(lane));
                     keys.find(sampling.seed, (&pixels, square.lanes()), camera.has_lens());
-                    dispatch!(level.level(), simd => camera.spread_rays(simd, sampling, &keys, &indices, &mut rays));
+                    dispatch!(level.level(), simd => camera.sample_rays(simd, sampling, &keys, &indices, &mut rays));
                     for (lane, index) in indices.into_iter().enumerate() {
                         let (i, j) = square.pixel(lane);
                         let ray =
