@@ -210,7 +210,7 @@ impl Geometry {
     #[must_use]
     pub(crate) fn far_side(&self, id: ShapeId, point: DVec3, direction: DVec3) -> Option<f64> {
         match ask!(self, id, shape => shape.exit(point, direction)) {
-            Intersection::ShapeHit(root) => Some(root.t()),
+            Intersection::Hit(root) => Some(root.t()),
             Intersection::Miss => None,
             Intersection::Ambiguous => {
                 let exit = ask!(self, id, shape => shape.exit_exactly(point, &direction.into()))?;
@@ -242,7 +242,7 @@ impl Geometry {
         escalations: &mut Escalations,
     ) -> Option<ShapeHit> {
         let root = match intersection {
-            Intersection::ShapeHit(root) => root,
+            Intersection::Hit(root) => root,
             Intersection::Miss => return None,
             Intersection::Ambiguous => {
                 escalations.ambiguous += 1;

@@ -45,7 +45,7 @@ impl From<Refined<f64>> for Option<RefinedHit> {
 #[derive(Clone, Copy, Debug)]
 pub enum Intersection {
     /// The ray hits the shape.
-    ShapeHit(BoundedT),
+    Hit(BoundedT),
     /// The ray misses the shape.
     Miss,
     /// The rounding errors are too large to decide.
@@ -66,7 +66,7 @@ impl From<Intersections<f64>> for Intersection {
     #[inline(always)]
     fn from(intersections: Intersections<f64>) -> Self {
         if intersections.hit {
-            Self::ShapeHit(intersections.root)
+            Self::Hit(intersections.root)
         } else if intersections.undecided {
             Self::Ambiguous
         } else {
@@ -141,7 +141,7 @@ impl Intersection {
         exact: impl FnOnce() -> Option<ExactCrossing>,
     ) -> Option<f64> {
         match self {
-            Self::ShapeHit(root) => {
+            Self::Hit(root) => {
                 let ray = PreparedRay::new(glam::DVec3::ZERO, direction)?;
                 Some(root.t() * ray.direction().abs().max_element() / direction.abs().max_element())
             }
