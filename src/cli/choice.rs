@@ -324,7 +324,7 @@ fn ensure_unset(arguments: &RenderArguments) -> anyhow::Result<()> {
     // With an error target, the samples are the maximum per pixel.
     let count = if arguments.max_error.is_some() { 1 } else { 2 };
     match chosen.into_iter().take(count).find_map(|path| arguments.overrides.last(path)) {
-        Some(set) => Err(anyhow!("{option} decides over `{set}`: leave one of them out")),
+        Some(set) => Err(anyhow!("{option} decides over `{set}`: omit one of them")),
         None => Ok(()),
     }
 }

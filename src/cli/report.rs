@@ -117,14 +117,14 @@ impl RenderReport {
     pub(super) fn plan(&self) -> String {
         let needed =
             |effect: &Effect| self.frames.iter().any(|frame| frame.needed().any(|needed| needed == *effect));
-        let (needed, left_out): (Vec<_>, Vec<_>) = Effect::ALL.into_iter().partition(needed);
+        let (needed, omitted): (Vec<_>, Vec<_>) = Effect::ALL.into_iter().partition(needed);
         let names: Vec<_> = needed.iter().map(|effect| effect.name()).collect();
         let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
-        let others = match left_out.len() {
+        let others = match omitted.len() {
             1 => "1 other effect".to_owned(),
             count => format!("{count} other effects"),
         };
-        format!("needed: {names}; {others} left out (`rayreel explain` says why)")
+        format!("needed: {names}; {others} omitted (`rayreel explain` says why)")
     }
 
     /// Lists the frames that took much longer than the median, slowest first. Returns `None` if there are none.

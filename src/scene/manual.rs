@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(named, known, "{name}");
         let required = section.fields.iter().filter(|(.., required)| *required);
         let needed: String = required.map(|(field, example, _)| format!("{field}: {example}, ")).collect();
-        let left_out: T = read(&format!("({needed})"));
+        let written_without: T = read(&format!("({needed})"));
         for (field, default, required) in &section.fields {
             if *required {
                 let rest = needed.replace(&format!("{field}: {default}, "), "");
@@ -104,7 +104,7 @@ mod tests {
                 );
             } else {
                 let written: T = read(&format!("({field}: {default}, {needed})"));
-                assert_eq!(written, left_out, "the default of {name}.{field}");
+                assert_eq!(written, written_without, "the default of {name}.{field}");
             }
         }
     }

@@ -25,11 +25,11 @@ pub(super) fn short(text: &str) -> String {
 pub(super) fn linked(links: &[String], joint: &str) -> String {
     /// The number of links shown at each end.
     const MOST: usize = 4;
-    let left_out = links.len().saturating_sub(2 * MOST);
-    if left_out < 2 {
+    let omitted = links.len().saturating_sub(2 * MOST);
+    if omitted < 2 {
         return links.join(joint);
     }
-    let between = format!("({left_out} more)");
+    let between = format!("({omitted} more)");
     let (first, last) = (&links[..MOST], &links[links.len() - MOST..]);
     [first.join(joint), between, last.join(joint)].join(joint)
 }

@@ -8,7 +8,7 @@ use crate::trace::{LightSource, PreparedBackground, PreparedFog, SurfaceMaterial
 
 /// The effects that render settings disable without a copy of the data: of lights, samples, instants, or the kernel's own.
 const IN_SETTINGS: [Effect; 4] =
-    [Effect::Shadows, Effect::ClearShadows, Effect::Antialiasing, Effect::MotionBlur];
+    [Effect::Shadows, Effect::TransparentShadows, Effect::Antialiasing, Effect::MotionBlur];
 
 impl Preparation {
     /// Returns the data without these effects.
@@ -62,7 +62,7 @@ impl Preparation {
                 }
             }
             Effect::DepthOfField => self.camera = self.camera.without_lens(),
-            Effect::Shadows | Effect::ClearShadows | Effect::Antialiasing | Effect::MotionBlur => {}
+            Effect::Shadows | Effect::TransparentShadows | Effect::Antialiasing | Effect::MotionBlur => {}
         }
     }
 

@@ -22,7 +22,7 @@ table! {
         /// Shadows of opaque objects.
         Shadows => ("shadows", APART),
         /// Shadows of transparent objects.
-        ClearShadows => ("clear shadows", APART),
+        TransparentShadows => ("transparent shadows", APART),
         /// Area lights with soft shadows.
         AreaLights => ("area lights", EXTRA),
         /// Spot lights.

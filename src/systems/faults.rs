@@ -154,7 +154,7 @@ impl fmt::Display for Fault {
                 write!(formatter, "is not as it says: {}, and ", self.cause)?;
                 match instead {
                     Fallback::Number(number) => write!(formatter, "counts as {}", brief(number)),
-                    Fallback::Nothing => write!(formatter, "is left out"),
+                    Fallback::Nothing => write!(formatter, "is omitted"),
                     Fallback::AlongZ => write!(formatter, "looks along +z"),
                 }
             }

@@ -176,7 +176,7 @@ impl Simulation {
         }
         if let Some(plan) = &mut plan {
             plan.set_motion_blur(frame.motion_blur(moves));
-            plan.leave_out(frame.settings.without);
+            plan.disable(frame.settings.without);
         }
         report.plan = plan;
         Ok(())
@@ -280,7 +280,7 @@ impl FrameInstants {
 
     /// Returns the most elaborate lighting that is enabled. The other disabled effects are absent from the prepared data.
     pub(crate) fn lighting(&self) -> Lighting {
-        match self.settings.without.contains(Effect::ClearShadows) {
+        match self.settings.without.contains(Effect::TransparentShadows) {
             true => Lighting::Shadows,
             false => Lighting::TransparentShadows,
         }
@@ -295,10 +295,10 @@ impl FrameInstants {
 
     fn motion_blur(&self, moves: bool) -> Need {
         match self.shutter {
-            Shutter::None => Need::LeftOut("the camera has no shutter"),
-            Shutter::OneInstant => Need::LeftOut("all samples are taken at one instant"),
+            Shutter::None => Need::Omitted("the camera has no shutter"),
+            Shutter::OneInstant => Need::Omitted("all samples are taken at one instant"),
             Shutter::Open(..) if moves => Need::Needed("something moves while the shutter is open"),
-            Shutter::Open(..) => Need::LeftOut("nothing moves while the shutter is open"),
+            Shutter::Open(..) => Need::Omitted("nothing moves while the shutter is open"),
         }
     }
 }

@@ -16,7 +16,7 @@ pub enum Need {
     /// The effect is needed for this reason.
     Needed(&'static str),
     /// The effect is not needed for this reason.
-    LeftOut(&'static str),
+    Omitted(&'static str),
 }
 
 /// The effects that one moment needs.
@@ -37,7 +37,7 @@ impl Need {
     #[must_use]
     pub fn reason(self) -> &'static str {
         match self {
-            Self::Needed(reason) | Self::LeftOut(reason) => reason,
+            Self::Needed(reason) | Self::Omitted(reason) => reason,
         }
     }
 }
@@ -85,9 +85,9 @@ impl Plan {
     }
 
     /// Marks effects as disabled by request.
-    pub(crate) fn leave_out(&mut self, effects: EffectSet) {
+    pub(crate) fn disable(&mut self, effects: EffectSet) {
         for effect in effects.iter() {
-            self.needs[effect as usize] = Need::LeftOut("it is left out by request");
+            self.needs[effect as usize] = Need::Omitted("it is disabled by request");
         }
     }
 
@@ -142,60 +142,64 @@ impl<'a> EffectScan<'a> {
     }
 
     fn need(&self, effect: Effect) -> Need {
-        use Need::{LeftOut, Needed};
+        use Need::{Needed, Omitted};
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
         match effect {
-            Effect::Ambient if scene.ambient == Rgb::ZERO => LeftOut("there is no ambient light"),
-            Effect::Ambient if surfaces.ambient == 0.0 => LeftOut("no surface answers it: k_a is 0"),
+            Effect::Ambient if scene.ambient == Rgb::ZERO => Omitted("there is no ambient light"),
+            Effect::Ambient if surfaces.ambient == 0.0 => Omitted("k_a is 0 on all surfaces"),
             Effect::Ambient => Needed("k_a is above 0"),
-            Effect::Diffuse | Effect::Specular | Effect::Shadows | Effect::ClearShadows if !self.is_lit() => {
+            Effect::Diffuse | Effect::Specular | Effect::Shadows | Effect::TransparentShadows
+                if !self.is_lit() =>
+            {
                 self.unlit()
             }
-            Effect::Diffuse if surfaces.diffuse == 0.0 => LeftOut("no surface answers it: k_d is 0"),
+            Effect::Diffuse if surfaces.diffuse == 0.0 => Omitted("k_d is 0 on all surfaces"),
             Effect::Diffuse => Needed("k_d is above 0 and a light is on"),
-            Effect::Specular if !self.has::<Specular>() => LeftOut("no material has `specular`"),
-            Effect::Specular if surfaces.specular == 0.0 => LeftOut("k_s is 0 at this time"),
+            Effect::Specular if !self.has::<Specular>() => Omitted("no material has `specular`"),
+            Effect::Specular if surfaces.specular == 0.0 => Omitted("k_s is 0 at this time"),
             Effect::Specular => Needed("k_s is above 0 and a light is on"),
-            Effect::Shadows | Effect::ClearShadows => self.shadows(effect),
-            Effect::AreaLights => {
-                self.light_of(|light| light.source.is_extended(), "no light has a size", "a light has a size")
-            }
+            Effect::Shadows | Effect::TransparentShadows => self.shadows(effect),
+            Effect::AreaLights => self.light_of(
+                |light| light.source.is_extended(),
+                "there are no area lights",
+                "a light is an area light",
+            ),
             Effect::SpotLights => self.light_of(
                 |light| matches!(light.source, LightSource::Spot(..)),
                 "no light is a spot light",
-                "a light shines into a cone",
+                "a light is a spot light",
             ),
             Effect::Falloff => self.light_of(
                 |light| light.falloff.is_some(),
                 "no light has `falloff`",
-                "a light weakens with distance",
+                "a light has `falloff`",
             ),
             Effect::Reflection | Effect::Refraction | Effect::Fresnel | Effect::Absorption => {
                 self.continued(effect)
             }
-            Effect::Checker if !self.has::<Checker>() => LeftOut("no material has `checker`"),
-            Effect::Checker if !surfaces.checkered => LeftOut("no checkered surface is drawn"),
-            Effect::Checker => Needed("a surface has squares"),
+            Effect::Checker if !self.has::<Checker>() => Omitted("no material has `checker`"),
+            Effect::Checker if !surfaces.checkered => Omitted("no checkered surface is drawn"),
+            Effect::Checker => Needed("a surface is checkered"),
             Effect::Fog if scene.fog.density > 0.0 => Needed("its density is above 0"),
-            Effect::Fog if self.has::<Fog>() => LeftOut("its density is 0"),
-            Effect::Fog => LeftOut("the scene has no `fog`"),
+            Effect::Fog if self.has::<Fog>() => Omitted("its density is 0"),
+            Effect::Fog => Omitted("the scene has no `fog`"),
             Effect::Gradient => match scene.background {
-                PreparedBackground::Flat(_) => LeftOut("the background is the same everywhere"),
+                PreparedBackground::Flat(_) => Omitted("the background is the same everywhere"),
                 PreparedBackground::Gradient { .. } => Needed("the background is a gradient"),
             },
             Effect::Antialiasing | Effect::DepthOfField => self.sampled(effect),
-            Effect::MotionBlur => LeftOut("the camera has no shutter"),
+            Effect::MotionBlur => Omitted("the camera has no shutter"),
         }
     }
 
     fn sampled(&self, effect: Effect) -> Need {
-        use Need::{LeftOut, Needed};
+        use Need::{Needed, Omitted};
         match effect {
-            Effect::Antialiasing if self.samples() == 1 => LeftOut("a pixel has one sample"),
+            Effect::Antialiasing if self.samples() == 1 => Omitted("a pixel has one sample"),
             Effect::Antialiasing => Needed("a pixel has several samples"),
-            _ if !self.preparation.camera().has_lens() => LeftOut("the camera has no lens"),
-            _ if self.samples() == 1 => LeftOut("a pixel has one sample, through the middle of the lens"),
+            _ if !self.preparation.camera().has_lens() => Omitted("the camera has no lens"),
+            _ if self.samples() == 1 => Omitted("a pixel has one sample, through the middle of the lens"),
             _ => Needed("the camera has a lens"),
         }
     }
@@ -206,7 +210,7 @@ impl<'a> EffectScan<'a> {
 
     fn unlit(&self) -> Need {
         let none = !self.has::<Light>();
-        Need::LeftOut(if none { "there are no lights" } else { "all lights are off at this time" })
+        Need::Omitted(if none { "there are no lights" } else { "all lights are off at this time" })
     }
 
     fn light_of(
@@ -218,31 +222,31 @@ impl<'a> EffectScan<'a> {
         let scene = self.preparation.scene();
         let on = |light: &&trace::PreparedLight| light.intensity != Rgb::ZERO;
         if !scene.lights.iter().any(&kind) {
-            Need::LeftOut(missing)
+            Need::Omitted(missing)
         } else if !scene.lights.iter().filter(on).any(kind) {
-            Need::LeftOut("it is off at this time")
+            Need::Omitted("it is off at this time")
         } else if !self.scatters() {
-            Need::LeftOut("no surface answers lights: k_d and k_s are 0")
+            Need::Omitted("k_d and k_s are 0 on all surfaces")
         } else {
             Need::Needed(needed)
         }
     }
 
     fn shadows(&self, effect: Effect) -> Need {
-        use Need::{LeftOut, Needed};
+        use Need::{Needed, Omitted};
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
         let casts = scene.lights.iter().any(|light| light.casts_shadows && light.intensity != Rgb::ZERO);
         let (transparent, all) = (surfaces.transparent.len(), scene.geometry().len());
         match effect {
-            _ if !self.scatters() => LeftOut("no surface answers lights: k_d and k_s are 0"),
-            _ if !casts => LeftOut("no light that is on casts shadows"),
-            Effect::Shadows if transparent == all => LeftOut("nothing is opaque"),
-            Effect::Shadows if !self.can_occlude() => LeftOut("nothing stands before anything"),
+            _ if !self.scatters() => Omitted("k_d and k_s are 0 on all surfaces"),
+            _ if !casts => Omitted("no light that is on casts shadows"),
+            Effect::Shadows if transparent == all => Omitted("no surface is opaque"),
+            Effect::Shadows if !self.can_occlude() => Omitted("no surface can occlude another"),
             Effect::Shadows => Needed("a light casts shadows"),
-            _ if transparent == 0 && !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
-            _ if transparent == 0 => LeftOut("k_t is 0 at this time"),
-            _ => Needed("a light casts shadows, and something is clear"),
+            _ if transparent == 0 && !self.has::<Refractive>() => Omitted("no material has `refractive`"),
+            _ if transparent == 0 => Omitted("k_t is 0 at this time"),
+            _ => Needed("a light casts shadows, and a surface is transparent"),
         }
     }
 
@@ -254,30 +258,32 @@ impl<'a> EffectScan<'a> {
     }
 
     fn continued(&self, effect: Effect) -> Need {
-        use Need::{LeftOut, Needed};
-        const OUT_OF_REACH: &str = "none can be seen, nor a mirror or glass that could show it";
+        use Need::{Needed, Omitted};
+        const OUT_OF_REACH: &str = "no reflective or transparent surface is in view";
         let surfaces = self.preparation.scene().surfaces();
         match effect {
             Effect::Reflection if !surfaces.mirrors.is_empty() => {
                 if self.continues {
                     Needed("k_r is above 0")
                 } else {
-                    LeftOut(OUT_OF_REACH)
+                    Omitted(OUT_OF_REACH)
                 }
             }
             Effect::Reflection if !surfaces.transparent.is_empty() && self.continues => {
-                Needed("inside of clear media, light may be reflected totally")
+                Needed("transparent media can reflect light totally")
             }
-            Effect::Reflection if self.has::<Reflective>() => LeftOut("k_r is 0 at this time"),
-            Effect::Reflection => LeftOut("no material has `reflective`"),
-            _ if !self.has::<Refractive>() => LeftOut("no material has `refractive`"),
-            _ if surfaces.transparent.is_empty() => LeftOut("k_t is 0 at this time"),
-            Effect::Absorption if !surfaces.absorbs => LeftOut("no medium absorbs"),
+            Effect::Reflection if self.has::<Reflective>() => Omitted("k_r is 0 at this time"),
+            Effect::Reflection => Omitted("no material has `reflective`"),
+            _ if !self.has::<Refractive>() => Omitted("no material has `refractive`"),
+            _ if surfaces.transparent.is_empty() => Omitted("k_t is 0 at this time"),
+            Effect::Absorption if !surfaces.absorbs => Omitted("no medium absorbs"),
             // Tinted shadows can be in view when the object that casts them is not.
-            Effect::Absorption if self.need(Effect::ClearShadows).is_needed() => Needed("a medium absorbs"),
-            _ if !self.continues => LeftOut(OUT_OF_REACH),
-            Effect::Fresnel if !surfaces.fresnel => LeftOut("no material asks for it"),
-            Effect::Fresnel => Needed("a clear material asks for it"),
+            Effect::Absorption if self.need(Effect::TransparentShadows).is_needed() => {
+                Needed("a medium absorbs")
+            }
+            _ if !self.continues => Omitted(OUT_OF_REACH),
+            Effect::Fresnel if !surfaces.fresnel => Omitted("no material has `fresnel`"),
+            Effect::Fresnel => Needed("a transparent material has `fresnel`"),
             Effect::Absorption => Needed("a medium absorbs"),
             _ => Needed("k_t is above 0"),
         }

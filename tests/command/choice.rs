@@ -222,7 +222,7 @@ fn impossible_targets_are_reported() {
     for option in [["--max-error", "1"], ["--deadline", "9s"], ["--settings", "s.json"]] {
         let (code, message) = refused(folder, &[&option[..], &["--set", "sampling.max_error=2"]].concat());
         assert_eq!(code, Some(1));
-        let expected = format!("{} decides over `sampling.max_error=2`: leave one of them out", option[0]);
+        let expected = format!("{} decides over `sampling.max_error=2`: omit one of them", option[0]);
         assert!(message.contains(&expected), "{message}");
     }
 

@@ -105,14 +105,14 @@ fn every_effect_has_its_frames_and_reasons() {
             ],
         ),
         (
-            "clear shadows",
+            "transparent shadows",
             vec![
                 (json!([[0, 2]]), false, "all lights are off at this time"),
                 (json!([[3, 5]]), false, "k_t is 0 at this time"),
-                (json!([[6, 9]]), true, "a light casts shadows, and something is clear"),
+                (json!([[6, 9]]), true, "a light casts shadows, and a surface is transparent"),
             ],
         ),
-        ("area lights", vec![(json!([[0, 9]]), false, "no light has a size")]),
+        ("area lights", vec![(json!([[0, 9]]), false, "there are no area lights")]),
         ("spot lights", vec![(json!([[0, 9]]), false, "no light is a spot light")]),
         ("falloff", vec![(json!([[0, 9]]), false, "no light has `falloff`")]),
         (
@@ -134,7 +134,7 @@ fn every_effect_has_its_frames_and_reasons() {
             "Fresnel",
             vec![
                 (json!([[0, 5]]), false, "k_t is 0 at this time"),
-                (json!([[6, 9]]), false, "no material asks for it"),
+                (json!([[6, 9]]), false, "no material has `fresnel`"),
             ],
         ),
         (
@@ -182,7 +182,7 @@ fn costs_are_the_rays_and_bytes_that_effects_make() {
         ("diffuse light", 1.0, 102, 2.0),
         ("highlights", 0.0, 51, 1.0),
         ("shadows", 2.0, 0, 0.0),
-        ("clear shadows", 0.0, 0, 0.0),
+        ("transparent shadows", 0.0, 0, 0.0),
         ("reflection", 1.0, 51, 1.0),
         ("refraction", 0.0, 0, 0.0),
         // It adds three of four samples.
@@ -229,24 +229,31 @@ fn the_text_tells_the_same_in_a_table() {
         ["diffuse light", "3-9", "k_d is above 0 and a light is on", "3 k", "102.0", "83.28"],
         ["highlights", "8-9", "k_s is above 0 and a light is on", "-", "51.0", "29.44"],
         ["shadows", "3-9", "a light casts shadows", "6 k", "0.0", "0.00"],
-        ["clear shadows", "6-9", "a light casts shadows, and something is clear", "-", "0.0", "0.00"],
+        [
+            "transparent shadows",
+            "6-9",
+            "a light casts shadows, and a surface is transparent",
+            "-",
+            "0.0",
+            "0.00",
+        ],
         ["reflection", "5-9", "k_r is above 0", "3 k", "51.0", "29.44"],
         ["refraction", "6-9", "k_t is above 0", "-", "0.0", "0.00"],
         ["antialiasing", "all", "a pixel has several samples", "14 k", "0.0", "0.00"],
         ["motion blur", "7-9", "something moves while the shutter is open", "-", "0.0", "0.00"],
     ];
     assert_eq!(needed, expected);
-    let left_out = blocks.next().unwrap();
+    let omitted = blocks.next().unwrap();
     for line in [
-        "left out        frames  why",
-        "highlights      0-2     all lights are off at this time",
-        "highlights      3-7     k_s is 0 at this time",
-        "fog             all     its density is 0",
-        "motion blur     0-6     nothing moves while the shutter is open",
+        "omitted              frames  why",
+        "highlights           0-2     all lights are off at this time",
+        "highlights           3-7     k_s is 0 at this time",
+        "fog                  all     its density is 0",
+        "motion blur          0-6     nothing moves while the shutter is open",
     ] {
-        assert!(left_out.lines().any(|told| told == line), "{line}\n{left_out}");
+        assert!(omitted.lines().any(|told| told == line), "{line}\n{omitted}");
     }
-    assert_eq!(left_out.lines().count(), 1 + 20);
+    assert_eq!(omitted.lines().count(), 1 + 20);
     assert_eq!(blocks.next(), None);
 }
 

@@ -156,7 +156,7 @@ fn what_is_no_value_and_no_effect_is_wrong_usage() {
         (["--samples", "many"], "write a whole number"),
         (
             ["--without", "shadow"],
-            "the effects are ambient-light, diffuse-light, highlights, shadows, clear-shadows",
+            "the effects are ambient-light, diffuse-light, highlights, shadows, transparent-shadows",
         ),
     ] {
         let output = rayreel(folder.path(), ["render", "a.ron"].into_iter().chain(arguments));

@@ -274,7 +274,7 @@ fn every_value_moves_while_the_shutter_is_open() {
             plan.need(Effect::MotionBlur)
         };
         assert!(verdict(seconds(1)).is_needed(), "{}", property.name());
-        let still = Need::LeftOut("nothing moves while the shutter is open");
+        let still = Need::Omitted("nothing moves while the shutter is open");
         assert_eq!(verdict(Time::from_ratio(5, 2).unwrap()), still, "{}", property.name());
     }
 }

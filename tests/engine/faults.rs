@@ -323,8 +323,8 @@ fn check_film(engine: &Engine, film: &Film) -> TestCaseResult {
 
 /// Returns the shapes that are not drawn.
 fn not_drawn(faults: &[Fault]) -> BTreeSet<Entity> {
-    let left_out = faults.iter().filter(|fault| fault.consequence == Consequence::NotDrawn);
-    left_out.map(|fault| fault.entity).collect()
+    let not_drawn = faults.iter().filter(|fault| fault.consequence == Consequence::NotDrawn);
+    not_drawn.map(|fault| fault.entity).collect()
 }
 
 /// Checks that a shape is reported if and only if rays cannot hit it, and that every fault has a message and a remedy.

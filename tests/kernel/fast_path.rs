@@ -243,10 +243,10 @@ proptest! {
         eye in point(),
         samples in prop_oneof![3 => Just(1), 1 => 2..=4u32],
         cutoff in prop_oneof![Just(0.0f32), Just(0.25), Just(20.0)],
-        left_out in prop::option::weighted(0.3, prop::sample::select(&Effect::ALL[..])),
+        omitted in prop::option::weighted(0.3, prop::sample::select(&Effect::ALL[..])),
     ) {
         let mut engine = Engine::new(world(effects, &things, &lights, eye, samples, cutoff));
-        engine.set_settings(RenderSettings { without: left_out.into_iter().collect(), ..engine.settings() });
+        engine.set_settings(RenderSettings { without: omitted.into_iter().collect(), ..engine.settings() });
         let reference = engine.render_reference(Time::ZERO, false).unwrap().film;
         let planned = engine.render_at(Time::ZERO).unwrap();
         assert_same(&planned, &reference)?;

@@ -243,10 +243,10 @@ fn a_mirror_that_cannot_be_seen_costs_nothing() {
                 (shape: Sphere(radius: 1.5), material: "mirror", transform: (translation: (0, 0, {z:?}))), {more}]"#
         ))
     };
-    let reason = "none can be seen, nor a mirror or glass that could show it";
+    let reason = "no reflective or transparent surface is in view";
     let behind = ball(-9.0, "");
     assert_eq!(rays(&behind), each(1, 0, 0, 0));
-    assert_eq!(need(&behind, Effect::Reflection), Need::LeftOut(reason));
+    assert_eq!(need(&behind, Effect::Reflection), Need::Omitted(reason));
 
     let before = ball(-2.0, "");
     assert_eq!(rays(&before), each(1, 0, 1, 0), "the ball fills the view");
@@ -312,7 +312,7 @@ fn total_reflection_keeps_rays_inside() {
     };
     assert_eq!(rays(&inside(1.5)), each(1, 0, 1, 0));
     assert_eq!(rays(&inside(1.33)), each(1, 0, 0, 1));
-    let reason = "inside of clear media, light may be reflected totally";
+    let reason = "transparent media can reflect light totally";
     assert_eq!(need(&inside(1.5), Effect::Reflection), Need::Needed(reason));
 }
 
@@ -328,10 +328,10 @@ fn glass_out_of_the_view_is_asked_for_shadows_only() {
     let glass = scene("refractive: (k_t: 0.5, ior: 1.5, absorption: (1, 0, 0))");
     let needs = |effect| need(&glass, effect).is_needed();
     assert_eq!(rays(&glass), each(1, 1, 0, 0));
-    assert!(!needs(Effect::Refraction) && needs(Effect::ClearShadows) && needs(Effect::Absorption));
+    assert!(!needs(Effect::Refraction) && needs(Effect::TransparentShadows) && needs(Effect::Absorption));
     let opaque = scene("k_a: 1");
     assert_eq!(rays(&opaque), each(1, 1, 0, 0));
-    assert!(!need(&opaque, Effect::ClearShadows).is_needed());
+    assert!(!need(&opaque, Effect::TransparentShadows).is_needed());
 }
 
 #[test]
@@ -362,7 +362,7 @@ fn every_effect_is_called_for_by_something_and_left_out_without_it() {
         ),
         (Effect::Shadows, (MATTE, lamp, each(1, 1, 0, 0)), (MATTE, "]", each(1, 0, 0, 0))),
         // The light is in front of the glass half-space, so refracted rays reach nothing that it lights.
-        (Effect::ClearShadows, (clear, lamp, each(1, 1, 0, 1)), (MATTE, lamp, each(1, 1, 0, 0))),
+        (Effect::TransparentShadows, (clear, lamp, each(1, 1, 0, 1)), (MATTE, lamp, each(1, 1, 0, 0))),
         (Effect::AreaLights, (MATTE, area, each(1, 4, 0, 0)), (MATTE, lamp, each(1, 1, 0, 0))),
         (Effect::SpotLights, (MATTE, spot, each(1, 1, 0, 0)), (MATTE, lamp, each(1, 1, 0, 0))),
         (Effect::Falloff, (MATTE, faint, each(1, 1, 0, 0)), (MATTE, lamp, each(1, 1, 0, 0))),
@@ -445,7 +445,7 @@ fn walled(material: &str, more: &str) -> String {
 }
 
 /// The text of a scene after the camera, an effect, and the reason for which the first frame does not need it.
-const LEFT_OUT: &[(&str, Effect, &str)] = &[
+const OMITTED: &[(&str, Effect, &str)] = &[
     (
         r#"materials: { "m": (k_a: 1) }, entities: [(shape: Sphere(radius: 1), material: "m")]"#,
         Effect::Ambient,
@@ -454,37 +454,37 @@ const LEFT_OUT: &[(&str, Effect, &str)] = &[
     (
         r#"ambient: (1, 1, 1), materials: { "m": (k_d: 1) }, entities: [(shape: Sphere(radius: 1), material: "m")]"#,
         Effect::Ambient,
-        "no surface answers it: k_a is 0",
+        "k_a is 0 on all surfaces",
     ),
     ("", Effect::Diffuse, "there are no lights"),
     ("", Effect::Specular, "there are no lights"),
     ("", Effect::Shadows, "there are no lights"),
-    ("", Effect::ClearShadows, "there are no lights"),
+    ("", Effect::TransparentShadows, "there are no lights"),
     (OFF, Effect::Diffuse, "all lights are off at this time"),
     (OFF, Effect::Specular, "all lights are off at this time"),
     (OFF, Effect::Shadows, "all lights are off at this time"),
-    (OFF, Effect::ClearShadows, "all lights are off at this time"),
-    (UNANSWERED, Effect::Diffuse, "no surface answers it: k_d is 0"),
-    (UNANSWERED, Effect::Specular, "no material has `specular`"),
-    (UNANSWERED, Effect::Shadows, "no surface answers lights: k_d and k_s are 0"),
-    (UNANSWERED, Effect::ClearShadows, "no surface answers lights: k_d and k_s are 0"),
-    (UNANSWERED, Effect::AreaLights, "no surface answers lights: k_d and k_s are 0"),
-    (UNANSWERED, Effect::SpotLights, "no surface answers lights: k_d and k_s are 0"),
-    (UNANSWERED, Effect::Falloff, "no surface answers lights: k_d and k_s are 0"),
+    (OFF, Effect::TransparentShadows, "all lights are off at this time"),
+    (BLACK, Effect::Diffuse, "k_d is 0 on all surfaces"),
+    (BLACK, Effect::Specular, "no material has `specular`"),
+    (BLACK, Effect::Shadows, "k_d and k_s are 0 on all surfaces"),
+    (BLACK, Effect::TransparentShadows, "k_d and k_s are 0 on all surfaces"),
+    (BLACK, Effect::AreaLights, "k_d and k_s are 0 on all surfaces"),
+    (BLACK, Effect::SpotLights, "k_d and k_s are 0 on all surfaces"),
+    (BLACK, Effect::Falloff, "k_d and k_s are 0 on all surfaces"),
     (NOT_YET, Effect::Specular, "k_s is 0 at this time"),
     (NOT_YET, Effect::Reflection, "k_r is 0 at this time"),
     (NOT_YET, Effect::Refraction, "k_t is 0 at this time"),
     (NOT_YET, Effect::Fresnel, "k_t is 0 at this time"),
     (NOT_YET, Effect::Absorption, "k_t is 0 at this time"),
-    (NOT_YET, Effect::ClearShadows, "k_t is 0 at this time"),
+    (NOT_YET, Effect::TransparentShadows, "k_t is 0 at this time"),
     (NOT_YET, Effect::AreaLights, "it is off at this time"),
     (NOT_YET, Effect::SpotLights, "it is off at this time"),
     (NOT_YET, Effect::Falloff, "it is off at this time"),
-    (PLAIN, Effect::AreaLights, "no light has a size"),
+    (PLAIN, Effect::AreaLights, "there are no area lights"),
     (PLAIN, Effect::SpotLights, "no light is a spot light"),
     (PLAIN, Effect::Falloff, "no light has `falloff`"),
-    (PLAIN, Effect::Shadows, "nothing stands before anything"),
-    (PLAIN, Effect::ClearShadows, "no material has `refractive`"),
+    (PLAIN, Effect::Shadows, "no surface can occlude another"),
+    (PLAIN, Effect::TransparentShadows, "no material has `refractive`"),
     (PLAIN, Effect::Reflection, "no material has `reflective`"),
     (PLAIN, Effect::Refraction, "no material has `refractive`"),
     (PLAIN, Effect::Fresnel, "no material has `refractive`"),
@@ -502,18 +502,18 @@ const LEFT_OUT: &[(&str, Effect, &str)] = &[
         Effect::Shadows,
         "no light that is on casts shadows",
     ),
-    (GLASS, Effect::Shadows, "nothing is opaque"),
+    (GLASS, Effect::Shadows, "no surface is opaque"),
     (GLASS, Effect::Absorption, "no medium absorbs"),
-    (GLASS, Effect::Fresnel, "no material asks for it"),
-    (UNSEEN, Effect::Reflection, "none can be seen, nor a mirror or glass that could show it"),
-    (UNSEEN, Effect::Refraction, "none can be seen, nor a mirror or glass that could show it"),
-    (UNSEEN, Effect::Fresnel, "none can be seen, nor a mirror or glass that could show it"),
-    (UNSEEN, Effect::Absorption, "none can be seen, nor a mirror or glass that could show it"),
+    (GLASS, Effect::Fresnel, "no material has `fresnel`"),
+    (UNSEEN, Effect::Reflection, "no reflective or transparent surface is in view"),
+    (UNSEEN, Effect::Refraction, "no reflective or transparent surface is in view"),
+    (UNSEEN, Effect::Fresnel, "no reflective or transparent surface is in view"),
+    (UNSEEN, Effect::Absorption, "no reflective or transparent surface is in view"),
 ];
 
 const OFF: &str = r#"materials: { "m": (k_d: 1) }, entities: [(shape: Sphere(radius: 1), material: "m"),
     (light: Point(intensity: (0, 0, 0)))]"#;
-const UNANSWERED: &str = r#"materials: { "m": (k_a: 1) }, entities: [(shape: Sphere(radius: 1), material: "m"),
+const BLACK: &str = r#"materials: { "m": (k_a: 1) }, entities: [(shape: Sphere(radius: 1), material: "m"),
     (light: Spot(intensity: (1, 1, 1), angle: 9, falloff: (1, 1, 1))),
     (light: Area(shape: Sphere(radius: 1), intensity: (1, 1, 1)))]"#;
 const NOT_YET: &str = r#"materials: { "m": (k_d: 1, specular: (k_s: 0.5, shininess: 9), reflective: (k_r: 0.5),
@@ -535,8 +535,8 @@ const UNSEEN: &str = r#"materials: { "m": (reflective: (k_r: 1), refractive: (k_
 
 #[test]
 fn what_is_left_out_is_left_out_for_its_own_reason() {
-    for (body, effect, reason) in LEFT_OUT {
-        assert_eq!(need(&rendered(body), *effect), Need::LeftOut(reason), "{body}");
+    for (body, effect, reason) in OMITTED {
+        assert_eq!(need(&rendered(body), *effect), Need::Omitted(reason), "{body}");
     }
     // Spheres have no squares. A scene file with squares on a sphere is refused, but a world may contain them.
     let mut world = World::new();
@@ -545,7 +545,7 @@ fn what_is_left_out_is_left_out_for_its_own_reason() {
     world.spawn((Shape::Sphere { radius: 1.0 }, Transform::default(), white, squares));
     let mut engine = Engine::new(world);
     engine.render_frame(0).unwrap();
-    assert_eq!(need(&engine, Effect::Checker), Need::LeftOut("no checkered surface is drawn"));
+    assert_eq!(need(&engine, Effect::Checker), Need::Omitted("no checkered surface is drawn"));
 }
 
 #[test]
@@ -558,7 +558,7 @@ fn what_is_left_out_now_is_needed_later() {
         Effect::Refraction,
         Effect::Fresnel,
         Effect::Absorption,
-        Effect::ClearShadows,
+        Effect::TransparentShadows,
         Effect::AreaLights,
         Effect::SpotLights,
         Effect::Falloff,
@@ -590,7 +590,7 @@ fn lens_and_shutter_are_left_out_where_they_could_not_show() {
             "samples: 1",
             "",
             Effect::DepthOfField,
-            Need::LeftOut("a pixel has one sample, through the middle of the lens"),
+            Need::Omitted("a pixel has one sample, through the middle of the lens"),
         ),
         (
             "lens: (aperture: 1, focus: 4)",
@@ -604,43 +604,43 @@ fn lens_and_shutter_are_left_out_where_they_could_not_show() {
             "samples: 4",
             "",
             Effect::DepthOfField,
-            Need::LeftOut("the camera has no lens"),
+            Need::Omitted("the camera has no lens"),
         ),
-        ("", "samples: 4", moves, Effect::MotionBlur, Need::LeftOut("the camera has no shutter")),
+        ("", "samples: 4", moves, Effect::MotionBlur, Need::Omitted("the camera has no shutter")),
         (
             "shutter: 1",
             "samples: 1",
             moves,
             Effect::MotionBlur,
-            Need::LeftOut("all samples are taken at one instant"),
+            Need::Omitted("all samples are taken at one instant"),
         ),
         (
             "shutter: 1",
             "samples: 4, instants: 1",
             moves,
             Effect::MotionBlur,
-            Need::LeftOut("all samples are taken at one instant"),
+            Need::Omitted("all samples are taken at one instant"),
         ),
         (
             "shutter: 1",
             "samples: 4",
             "",
             Effect::MotionBlur,
-            Need::LeftOut("nothing moves while the shutter is open"),
+            Need::Omitted("nothing moves while the shutter is open"),
         ),
         (
             "shutter: 1",
             "samples: 4",
             rests,
             Effect::MotionBlur,
-            Need::LeftOut("nothing moves while the shutter is open"),
+            Need::Omitted("nothing moves while the shutter is open"),
         ),
         (
             "shutter: 1",
             "samples: 4",
             later,
             Effect::MotionBlur,
-            Need::LeftOut("nothing moves while the shutter is open"),
+            Need::Omitted("nothing moves while the shutter is open"),
         ),
         (
             "shutter: 1",

@@ -250,12 +250,12 @@ fn nothing_is_told_before_there_is_anything() {
     let Some(browser) = open(&preview) else { return };
     until(&browser, "!at('wrong').hidden && at('status').textContent === 'nothing to show yet'");
     let text = browser.evaluate("document.body.innerText");
-    for hollow in ["rays", "0 k", "left out", "0.00 ms"] {
+    for hollow in ["rays", "0 k", "omitted", "0.00 ms"] {
         assert!(!text.as_str().unwrap().contains(hollow), "{hollow}: {text}");
     }
     preview.save(SCENE);
     until(&browser, "shown !== null && shown.full && at('times').innerText.includes('rays')");
-    until(&browser, "document.body.innerText.includes('others are left out')");
+    until(&browser, "document.body.innerText.includes('others are omitted')");
 }
 
 #[test]

@@ -11,7 +11,7 @@ const TIME: usize = 4;
 
 /// Formats a table of the needed effects, followed by a table of the effects that are not needed.
 pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> String {
-    let (mut needed, mut left_out) = (Vec::new(), Vec::new());
+    let (mut needed, mut omitted) = (Vec::new(), Vec::new());
     for told in timeline.effects() {
         for span in &told.spans {
             let mut row = vec![told.effect.name().to_owned(), span.in_words(), span.need.reason().to_owned()];
@@ -19,7 +19,7 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> 
                 row.extend(cost_cells(told.effect, costs, measure));
                 needed.push(row);
             } else {
-                left_out.push(row);
+                omitted.push(row);
             }
         }
     }
@@ -34,9 +34,9 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> 
         }
         text += &columns(&heads, &needed);
     }
-    if !left_out.is_empty() {
+    if !omitted.is_empty() {
         text += "\n";
-        text += &columns(&["left out", "frames", "why"], &left_out);
+        text += &columns(&["omitted", "frames", "why"], &omitted);
     }
     text
 }

@@ -119,9 +119,9 @@ function drawPlan() {
   };
   const needed = state.plan.filter(planned => planned.needed), others = state.plan.filter(planned => !planned.needed);
   at("needed").replaceChildren(...needed.map(row));
-  at("left-out").replaceChildren(...others.map(row));
-  at("left-out").parentElement.hidden = others.length === 0;
-  at("left-out-count").textContent = others.length === 1 ? "1 other is left out" : `${others.length} others are left out`;
+  at("omitted").replaceChildren(...others.map(row));
+  at("omitted").parentElement.hidden = others.length === 0;
+  at("omitted-count").textContent = others.length === 1 ? "1 other is omitted" : `${others.length} others are omitted`;
   at("measure").disabled = state.rendering || needed.length === 0;
 }
 

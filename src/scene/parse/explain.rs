@@ -321,7 +321,7 @@ impl Case<'_> {
                 "a name and its value are separated by a colon, as in `radius: 1`",
             ),
             Error::ExpectedOptionEnd => {
-                ("expected `)`", "a `)` is", "`Some` takes one value, and can be left out")
+                ("expected `)`", "a `)` is", "`Some` takes one value, and can be omitted")
             }
             _ => return None,
         };

@@ -53,7 +53,7 @@ fn one_view(property: Property) -> Option<Property> {
 fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
     if animation.track.script().is_some() {
         let AnimationDocument { repeat, offset, speed, .. } = animation;
-        let help = "leave it out, and write another time into the script, as sin(2 * (t - 1)) or mod(t, 3)";
+        let help = "remove it, and write another time into the script, as sin(2 * (t - 1)) or mod(t, 3)";
         for (name, is_usual) in [
             ("repeat", *repeat == RepeatDocument::default()),
             ("offset", *offset == 0.0),

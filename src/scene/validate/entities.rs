@@ -110,7 +110,7 @@ fn names<'a>(
 /// Checks the name of an entity. Returns whether it is valid.
 pub(super) fn name(name: &str, at: &At<'_>, problems: &mut Problems) -> bool {
     if name.is_empty() {
-        problems.add(at, "an empty name", "names nothing", "write a name, or leave the field out");
+        problems.add(at, "an empty name", "names nothing", "write a name, or omit the field");
     } else if name == SceneDocument::CAMERA {
         problems.add(at, "the name \"camera\" is the camera's own", "taken", "choose another name");
     } else if name == SceneDocument::SCENE {

@@ -43,7 +43,7 @@ pub(super) fn density(density: f64, at: &At<'_>, problems: &mut Problems) {
 fn quality(document: &QualityDocument, at: &At<'_>, problems: &mut Problems) {
     let help = "1 traces camera rays alone, 5 adds four reflections";
     check::count(document.depth, Quality::LARGEST_DEPTH, "depth", help, &at.field("depth"), problems);
-    let help = "write how many steps of 8-bit output may be left out, as 0.25; 0 leaves nothing out";
+    let help = "write how many steps of 8-bit output may be cut off, as 0.25; 0 cuts nothing off";
     let range = ValidRange::Between(0.0, Quality::LARGEST_CUTOFF.into());
     check::range(document.cutoff, range, "cutoff", help, &at.field("cutoff"), problems);
 }

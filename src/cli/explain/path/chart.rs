@@ -18,16 +18,16 @@ pub(super) fn draw(svg: &mut Svg, rates: &Rates, area: Area, title: &str) {
 pub(super) fn thinned(places: impl Iterator<Item = PagePoint>) -> Vec<PagePoint> {
     const APART: f64 = 0.4;
     let mut kept: Vec<PagePoint> = Vec::new();
-    let mut left_out = None;
+    let mut omitted = None;
     for place in places {
         let near = |last: &PagePoint| (place[0] - last[0]).abs().max((place[1] - last[1]).abs()) < APART;
         if kept.last().is_some_and(near) {
-            left_out = Some(place);
+            omitted = Some(place);
         } else {
             kept.push(place);
-            left_out = None;
+            omitted = None;
         }
     }
-    kept.extend(left_out);
+    kept.extend(omitted);
     kept
 }
