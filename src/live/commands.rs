@@ -60,7 +60,7 @@ pub struct ProbeReply(pub Box<dyn FnOnce(Option<PixelInfo>) + Send>);
 
 impl fmt::Debug for ProbeReply {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("Answer")
+        formatter.write_str("ProbeReply")
     }
 }
 
@@ -68,7 +68,7 @@ impl fmt::Debug for ProbeReply {
 #[derive(Debug, Default)]
 pub(super) struct CommandQueue {
     commands: Mutex<Vec<SessionCommand>>,
-    posted: Condvar,
+    arrived: Condvar,
     /// True if a pending command interrupts the current work.
     interrupt: AtomicBool,
     /// True if a command other than the next frame of playback is pending.
@@ -78,12 +78,12 @@ pub(super) struct CommandQueue {
 impl CommandQueue {
     pub(super) fn send(&self, command: SessionCommand) {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_pressing =
+        let is_urgent =
             !matches!(command, SessionCommand::ViewChange(ViewChange::Seek { playing: true, .. }));
         commands.push(command);
         self.interrupt.store(true, Ordering::Relaxed);
-        self.urgent.fetch_or(is_pressing, Ordering::Relaxed);
-        self.posted.notify_one();
+        self.urgent.fetch_or(is_urgent, Ordering::Relaxed);
+        self.arrived.notify_one();
     }
 
     /// Waits for commands until the given time, or endlessly without one. Returns all commands since the last call, in order.
@@ -91,14 +91,14 @@ impl CommandQueue {
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         while commands.is_empty() {
             let Some(until) = until else {
-                commands = self.posted.wait(commands).unwrap_or_else(PoisonError::into_inner);
+                commands = self.arrived.wait(commands).unwrap_or_else(PoisonError::into_inner);
                 continue;
             };
             let rest = until.saturating_duration_since(Instant::now());
             if rest.is_zero() {
                 break;
             }
-            commands = self.posted.wait_timeout(commands, rest).unwrap_or_else(PoisonError::into_inner).0;
+            commands = self.arrived.wait_timeout(commands, rest).unwrap_or_else(PoisonError::into_inner).0;
         }
         self.interrupt.store(false, Ordering::Relaxed);
         self.urgent.store(false, Ordering::Relaxed);

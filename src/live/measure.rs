@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::state::CurvePlace;
+use super::state::CurvePoint;
 use crate::accuracy::{Estimate, MeasuredFrame, estimate};
 use crate::engine::{Engine, EngineError};
 use crate::systems::{Effect, EffectSet, RenderSettings};
@@ -27,8 +27,8 @@ pub(super) fn cost(
         MeasuredFrame::render(engine, time, settings, cancelled, &mut || None)
     };
     // Each picture is compared with a complete one rendered at the same time, since the speed of the machine may change.
-    let (whole, part) = (measure(EffectSet::default())?, measure([effect].into())?);
-    Ok(whole.zip(part).map(|(whole, part)| Some((1.0 - part.seconds / whole.seconds).max(0.0))))
+    let (full, reduced) = (measure(EffectSet::default())?, measure([effect].into())?);
+    Ok(full.zip(reduced).map(|(full, reduced)| Some((1.0 - reduced.seconds / full.seconds).max(0.0))))
 }
 
 /// Returns the error of a frame at a point of the curve: with the scene's own samples at point 0, then with 1, 2, 4 and so on samples per
@@ -38,7 +38,7 @@ pub(super) fn curve_point(
     time: Time,
     index: usize,
     cancelled: &AtomicBool,
-) -> Result<Option<CurvePlace>, EngineError> {
+) -> Result<Option<CurvePoint>, EngineError> {
     let sampling = engine.sampling();
     let own = (!sampling.is_adaptive()).then_some(sampling.samples);
     let (samples, settings) = match index.checked_sub(1) {
@@ -53,6 +53,6 @@ pub(super) fn curve_point(
         }
     };
     let estimate = estimate(engine, time, settings, cancelled)?;
-    let point = |Estimate { rms, seconds }| CurvePlace { samples, milliseconds: 1e3 * seconds, error: rms };
+    let point = |Estimate { rms, seconds }| CurvePoint { samples, milliseconds: 1e3 * seconds, error: rms };
     Ok(estimate.map(point))
 }

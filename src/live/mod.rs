@@ -38,7 +38,7 @@ pub use publish::{Event, Shown};
 pub use server::{HostName, NoHostName, Server};
 pub use session::{Handle, Session, SessionSettings};
 pub use state::{Mistakes, PictureInfo, Times};
-pub use watcher::{QUIET, Watcher, Watching};
+pub use watcher::{QUIET_PERIOD, Watcher, Watching};
 
 // Used by the server and by tests; not part of the public API.
 #[doc(hidden)]

@@ -58,9 +58,9 @@ impl PixelInfo {
         let all = (!sampling.is_adaptive()).then_some(sampling.samples);
         let Some(tree) = engine.probe(time, pixel, 0)? else { return Ok(None) };
         let surface = tree.rays.first().and_then(|first| match &first.end {
-            RayEnd::Surface(lit) => {
-                let distance = lit.surface.distance(&first.ray);
-                SurfaceInfo::of(engine, sources, &lit.surface, distance)
+            RayEnd::Surface(shaded) => {
+                let distance = shaded.surface.distance(&first.ray);
+                SurfaceInfo::of(engine, sources, &shaded.surface, distance)
             }
             RayEnd::Background(_) | RayEnd::BeyondDepth(_) => None,
         });
@@ -75,11 +75,11 @@ impl PixelInfo {
 
 impl SurfaceInfo {
     fn of(engine: &Engine, sources: &Sources, surface: &SurfacePoint, distance: f64) -> Option<Self> {
-        let (world, seen) = (engine.world(), engine.prepared()?.entity(surface.hit.id));
-        let (entity, place) = named(world, sources, seen);
+        let (world, id) = (engine.world(), engine.prepared()?.entity(surface.hit.id));
+        let (entity, place) = name_and_place(world, sources, id);
         Some(Self {
             entity,
-            material: order_of(world, seen).and_then(|order| sources.material(order)),
+            material: order_of(world, id).and_then(|order| sources.material(order)),
             place,
             point: surface.point.to_array(),
             normal: surface.facing_normal().to_array(),
@@ -89,7 +89,7 @@ impl SurfaceInfo {
 }
 
 /// Returns an entity's name, or `#17` for index 17 in document order, and the line in which its definition starts.
-pub(super) fn named(world: &World, sources: &Sources, entity: Entity) -> (String, Option<String>) {
+pub(super) fn name_and_place(world: &World, sources: &Sources, entity: Entity) -> (String, Option<String>) {
     let order = order_of(world, entity);
     let unnamed = || order.map_or_else(|| "#".to_owned(), |order| format!("#{order}"));
     let place = order.and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()));

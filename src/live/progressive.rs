@@ -14,50 +14,50 @@ use crate::systems::{Effect, RenderSettings};
 use crate::trace::RenderJob;
 
 /// Target time of the first coarse picture, in milliseconds: short compared with the 57 between a save and its picture on the page.
-pub(super) const FIRST: f64 = 6.0;
+pub(super) const FIRST_MS: f64 = 6.0;
 /// Least divisor of the first coarse picture of a frame. A picture of all pixels would not be coarse.
 pub(super) const FIRST_DIVISOR: u32 = 2;
-/// Maximum number of pixels of the first coarse picture while the speed is unknown. It takes [`FIRST`] in a scene of 1.5 µs a pixel; simple
+/// Maximum number of pixels of the first coarse picture while the speed is unknown. It takes [`FIRST_MS`] in a scene of 1.5 µs a pixel; simple
 /// ones take 0.2 µs, and slow ones meet the deadline.
-const UNKNOWN: f64 = 4096.0;
+const MAX_PIXELS_UNTIMED: f64 = 4096.0;
 /// Deadlines of the attempts at a coarse picture, in milliseconds. Together they stay below 100, which a user perceives as immediate. The
 /// attempt after them has one pixel and no deadline.
 const DEADLINES: [u64; 3] = [40, 25, 15];
 /// Time, in milliseconds, above which a picture is shown even though a better one could follow at once: less than a display's frame at
 /// 60 Hz, in which the picture might not be seen at all.
-const SOON: f64 = 10.0;
+const UNSEEN_BELOW_MS: f64 = 10.0;
 /// Minimum time budget of each further coarse picture, in milliseconds. Encoding and decoding it takes some 30 in addition.
-const NEXT: f64 = 40.0;
+const MIN_BUDGET_MS: f64 = 40.0;
 /// Ratio of the time budget of a coarse picture to the time of its predecessor: the cost of half the divisor, which is the least visible
 /// improvement.
 const GROWTH: f64 = 4.0;
 /// Maximum time of a further coarse picture as a fraction of the time of the requested picture. With [`GROWTH`], all of them take a twelfth
 /// of it at most.
-const SHARE: f64 = 1.0 / 16.0;
+const MAX_SHARE: f64 = 1.0 / 16.0;
 /// Expected time of the requested picture, in milliseconds, up to which no further coarse pictures precede it. A longer one is first shown
 /// unfinished after that time.
-const QUICK: f64 = 300.0;
+const PREVIEWS_ABOVE_MS: f64 = 300.0;
 /// Number of pixels below which more pixels are worth more than shadows: 21 by 12.
-const ENOUGH: f64 = 256.0;
-/// Time between visits to a picture that is being rendered. The first one is later, at [`QUICK`], by which most pictures are finished.
-const VISIT: Duration = Duration::from_millis(200);
+const FEW_PIXELS: f64 = 256.0;
+/// Time between visits to a picture that is being rendered. The first one is later, at [`PREVIEWS_ABOVE_MS`], by which most pictures are finished.
+const VISIT_INTERVAL: Duration = Duration::from_millis(200);
 /// Inverse of the maximum fraction of the time that is spent on showing an unfinished picture.
-const SHOWING: u64 = 10;
+const SHOWING_DIVISOR: u64 = 10;
 /// Inverse of the fraction of the elapsed time that must pass before the picture is shown again. The first showings therefore come
 /// quickly, and a picture that takes long does not keep a browser busy.
-const MORE: u64 = 3;
+const REPEAT_DIVISOR: u64 = 3;
 /// Upper limit, in milliseconds, of the time that must pass before the picture is shown again, so that it is seen to progress.
-const SELDOM: u64 = 5000;
+const MAX_REPEAT_MS: u64 = 5000;
 
 /// The effort spent on a coarse picture, apart from its number of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effort {
     /// Surfaces and direct light only, without shadows.
-    Bare,
+    Direct,
     /// One sample per area light, and a limited ray depth.
-    Plain,
+    Reduced,
     /// No reductions.
-    Whole,
+    Full,
 }
 
 /// The settings of a coarse picture.
@@ -93,13 +93,13 @@ pub(super) struct Timings {
 impl PreviewLevel {
     /// Returns the render settings of the level, for a scene with this film and this quality.
     pub(super) fn settings(self, film: FilmSettings, quality: Quality) -> RenderSettings {
-        let whole = RenderSettings::draft(film, self.divisor);
-        let plain = RenderSettings { max_light_samples: Some(1), ..whole };
+        let full = RenderSettings::draft(film, self.divisor);
+        let reduced = RenderSettings { max_light_samples: Some(1), ..full };
         match self.effort {
-            Effort::Bare => RenderSettings { depth: Some(1), without: [Effect::Shadows].into(), ..plain },
+            Effort::Direct => RenderSettings { depth: Some(1), without: [Effect::Shadows].into(), ..reduced },
             // Deep enough to see through a glass.
-            Effort::Plain => RenderSettings { depth: Some(quality.depth.min(5)), ..plain },
-            Effort::Whole => whole,
+            Effort::Reduced => RenderSettings { depth: Some(quality.depth.min(5)), ..reduced },
+            Effort::Full => full,
         }
     }
 
@@ -113,19 +113,19 @@ impl PreviewLevel {
     }
 
     /// Returns a cheaper level to be tried after this one was abandoned.
-    pub(super) fn lesser(self, film: (u32, u32)) -> Self {
+    pub(super) fn cheaper(self, film: (u32, u32)) -> Self {
         let most = match self.tried {
-            0 => ENOUGH,
-            1 => ENOUGH / 16.0,
+            0 => FEW_PIXELS,
+            1 => FEW_PIXELS / 16.0,
             _ => 1.0,
         };
         let most = most.min(pixels(film, self.divisor) as f64 / GROWTH);
-        Self { effort: Effort::Bare, divisor: divisor_for(film, most), tried: self.tried + 1 }
+        Self { effort: Effort::Direct, divisor: divisor_for(film, most), tried: self.tried + 1 }
     }
 
     /// Returns whether the level took so little time that a better one can replace it before it is seen.
-    pub(super) fn is_surpassed_by(self, better: Self, took: f64) -> bool {
-        took < SOON && (better.divisor < self.divisor || self.effort != better.effort)
+    pub(super) fn is_replaced_by(self, better: Self, took: f64) -> bool {
+        took < UNSEEN_BELOW_MS && (better.divisor < self.divisor || self.effort != better.effort)
     }
 }
 
@@ -148,48 +148,50 @@ impl RequestedPicture {
 impl Timings {
     /// Returns the first level for a film, with at most `milliseconds` of tracing and a divisor of at least `finest`.
     pub(super) fn first(&self, film: (u32, u32), milliseconds: f64, finest: u32) -> PreviewLevel {
-        let step = |effort, pixels: f64| PreviewLevel {
+        let level = |effort, pixels: f64| PreviewLevel {
             effort,
             divisor: divisor_for(film, pixels).max(finest),
             tried: 0,
         };
-        let Some(plain) = self.of(Effort::Plain) else { return step(Effort::Plain, UNKNOWN) };
-        let pixels = milliseconds / plain;
-        if pixels >= ENOUGH.min(self::pixels(film, finest) as f64) {
-            return step(Effort::Plain, pixels);
+        let Some(reduced) = self.of(Effort::Reduced) else {
+            return level(Effort::Reduced, MAX_PIXELS_UNTIMED);
+        };
+        let pixels = milliseconds / reduced;
+        if pixels >= FEW_PIXELS.min(self::pixels(film, finest) as f64) {
+            return level(Effort::Reduced, pixels);
         }
-        let bare = self.of(Effort::Bare).map_or(ENOUGH, |bare| milliseconds / bare);
-        step(Effort::Bare, bare)
+        let direct = self.of(Effort::Direct).map_or(FEW_PIXELS, |direct| milliseconds / direct);
+        level(Effort::Direct, direct)
     }
 
     /// Returns the level after another one, or `None` if the requested picture should follow.
     pub(super) fn finer(
         &self,
-        step: PreviewLevel,
+        level: PreviewLevel,
         took: f64,
         target: RequestedPicture,
     ) -> Option<PreviewLevel> {
-        let ray = self.of(step.effort)?;
+        let ray = self.of(level.effort)?;
         // A camera ray without reductions costs at least as much as a ray of the level.
-        let whole = self.of(Effort::Whole).unwrap_or(0.0).max(ray) * target.rays();
-        if whole <= QUICK {
+        let all = self.of(Effort::Full).unwrap_or(0.0).max(ray) * target.rays();
+        if all <= PREVIEWS_ABOVE_MS {
             return None;
         }
-        let milliseconds = (GROWTH * took).max(NEXT);
+        let milliseconds = (GROWTH * took).max(MIN_BUDGET_MS);
         let fitting = divisor_for(target.film, milliseconds / ray);
-        let divisor = fitting.min(step.divisor / 2).max(target.divisor);
+        let divisor = fitting.min(level.divisor / 2).max(target.divisor);
         let takes = pixels(target.film, divisor) as f64 * ray;
-        let is_worthwhile = divisor < step.divisor && takes <= SHARE * whole;
-        is_worthwhile.then_some(PreviewLevel { divisor, tried: 0, ..step })
+        let is_worthwhile = divisor < level.divisor && takes <= MAX_SHARE * all;
+        is_worthwhile.then_some(PreviewLevel { divisor, tried: 0, ..level })
     }
 
     pub(super) fn is_unknown(&self) -> bool {
-        self.of(Effort::Plain).is_none()
+        self.of(Effort::Reduced).is_none()
     }
 
     /// Returns the expected time of a picture in milliseconds, or `None` without timings.
     pub(super) fn expected(&self, target: RequestedPicture) -> Option<f64> {
-        Some(self.moment + self.of(Effort::Whole)? * target.rays())
+        Some(self.moment + self.of(Effort::Full)? * target.rays())
     }
 
     /// Records the time to animate and prepare the world, in milliseconds.
@@ -202,22 +204,22 @@ impl Timings {
         let ray = milliseconds / (rays.max(1) as f64);
         self.ray[effort as usize] = Some(ray);
         // Less effort takes no more time per ray.
-        for lesser in &mut self.ray[..effort as usize] {
-            *lesser = lesser.map(|lesser| lesser.min(ray));
+        for cheaper in &mut self.ray[..effort as usize] {
+            *cheaper = cheaper.map(|cheaper| cheaper.min(ray));
         }
-        if effort == Effort::Whole {
-            self.ray[Effort::Plain as usize].get_or_insert(ray);
+        if effort == Effort::Full {
+            self.ray[Effort::Reduced as usize].get_or_insert(ray);
         }
     }
 
     /// Records that a level was abandoned after `milliseconds`.
-    pub(super) fn note_failure(&mut self, step: PreviewLevel, milliseconds: f64, film: (u32, u32)) {
-        let at_least = milliseconds / pixels(film, step.divisor) as f64;
-        for ray in &mut self.ray[step.effort as usize..] {
+    pub(super) fn note_failure(&mut self, level: PreviewLevel, milliseconds: f64, film: (u32, u32)) {
+        let at_least = milliseconds / pixels(film, level.divisor) as f64;
+        for ray in &mut self.ray[level.effort as usize..] {
             *ray = Some(ray.map_or(at_least, |ray| ray.max(at_least)));
         }
         // Makes the next level much smaller.
-        self.ray[step.effort as usize] = self.of(step.effort).map(|ray| ray.max(GROWTH * at_least));
+        self.ray[level.effort as usize] = self.of(level.effort).map(|ray| ray.max(GROWTH * at_least));
     }
 
     fn of(&self, effort: Effort) -> Option<f64> {
@@ -238,7 +240,7 @@ pub(super) struct RefreshTimer {
 impl RefreshTimer {
     pub(super) fn new() -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a constant")]
-        let due = AtomicU64::new(QUICK as u64);
+        let due = AtomicU64::new(PREVIEWS_ABOVE_MS as u64);
         Self { start: Instant::now(), due, last_shown: AtomicU64::new(0), showing: AtomicU64::new(0) }
     }
 
@@ -248,14 +250,14 @@ impl RefreshTimer {
 
     /// Schedules the next visit.
     pub(super) fn reschedule(&self) {
-        self.due.store(self.now() + whole_milliseconds(VISIT), Ordering::Relaxed);
+        self.due.store(self.now() + whole_milliseconds(VISIT_INTERVAL), Ordering::Relaxed);
     }
 
     /// Shows the unfinished picture by a call of `show` if it is time. Returns the result.
     pub(super) fn show_if_due<T>(&self, show: impl FnOnce() -> T) -> Option<T> {
         let (now, last) = (self.now(), self.last_shown.load(Ordering::Relaxed));
-        let is_due = self.showing.load(Ordering::Relaxed) <= now / SHOWING;
-        if !is_due || now - last < (last / MORE).min(SELDOM) {
+        let is_due = self.showing.load(Ordering::Relaxed) <= now / SHOWING_DIVISOR;
+        if !is_due || now - last < (last / REPEAT_DIVISOR).min(MAX_REPEAT_MS) {
             return None;
         }
         let shown = show();
@@ -308,42 +310,42 @@ mod tests {
     const FILM: (u32, u32) = (3840, 2160);
 
     /// Returns all levels before a picture and their times, given the time of a camera ray for each effort, in milliseconds.
-    fn climb(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<PreviewLevel>, Vec<f64>) {
+    fn levels_before(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<PreviewLevel>, Vec<f64>) {
         let mut timings = Timings::default();
         let target = RequestedPicture { film, divisor: 1, samples };
-        let cost = |step: PreviewLevel| ray[step.effort as usize] * pixels(film, step.divisor) as f64;
-        let (mut steps, mut times) = (Vec::new(), Vec::new());
-        let mut next = Some(timings.first(film, FIRST, 2));
-        while let Some(step) = next {
-            let deadline = step.deadline().map_or(f64::INFINITY, |deadline| 1e3 * deadline.as_secs_f64());
-            let in_time = !steps.is_empty() || cost(step) <= deadline;
+        let cost = |level: PreviewLevel| ray[level.effort as usize] * pixels(film, level.divisor) as f64;
+        let (mut levels, mut times) = (Vec::new(), Vec::new());
+        let mut next = Some(timings.first(film, FIRST_MS, 2));
+        while let Some(level) = next {
+            let deadline = level.deadline().map_or(f64::INFINITY, |deadline| 1e3 * deadline.as_secs_f64());
+            let in_time = !levels.is_empty() || cost(level) <= deadline;
             if in_time {
-                timings.note(step.effort, cost(step), pixels(film, step.divisor));
-                steps.push(step);
-                times.push(cost(step));
-                next = timings.finer(step, cost(step), target);
+                timings.note(level.effort, cost(level), pixels(film, level.divisor));
+                levels.push(level);
+                times.push(cost(level));
+                next = timings.finer(level, cost(level), target);
             } else {
-                timings.note_failure(step, deadline, film);
-                next = Some(step.lesser(film));
+                timings.note_failure(level, deadline, film);
+                next = Some(level.cheaper(film));
                 assert!(times.len() < 4);
             }
         }
-        (steps, times)
+        (levels, times)
     }
 
     #[test]
-    fn steps_get_finer_and_take_a_small_part_of_the_whole() {
-        for whole in [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0] {
-            for (plainer, barer) in [(1.0, 1.0), (0.1, 0.5), (0.001, 0.01)] {
+    fn levels_get_finer_within_a_share_of_the_render_time() {
+        for full in [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0] {
+            for (reduced, direct) in [(1.0, 1.0), (0.1, 0.5), (0.001, 0.01)] {
                 for samples in [1, 4, 64, 4096] {
-                    let ray = [plainer * barer * whole, plainer * whole, whole];
+                    let ray = [reduced * direct * full, reduced * full, full];
                     for film in [FILM, (640, 360), (16, 9), (1, 1), (1, 2000)] {
-                        let (steps, times) = climb(ray, film, samples);
-                        let finer = steps.windows(2).all(|pair| pair[1].divisor < pair[0].divisor);
-                        assert!(!steps.is_empty() && finer, "{ray:?} {film:?} {samples}: {steps:?}");
+                        let (levels, times) = levels_before(ray, film, samples);
+                        let finer = levels.windows(2).all(|pair| pair[1].divisor < pair[0].divisor);
+                        assert!(!levels.is_empty() && finer, "{ray:?} {film:?} {samples}: {levels:?}");
                         let target = RequestedPicture { film, divisor: 1, samples };
-                        let (all, picture) = (times[1..].iter().sum::<f64>(), whole * target.rays());
-                        assert!(all <= 1.5 * SHARE * picture, "{ray:?} {film:?} {samples}: {times:?}");
+                        let (all, picture) = (times[1..].iter().sum::<f64>(), full * target.rays());
+                        assert!(all <= 1.5 * MAX_SHARE * picture, "{ray:?} {film:?} {samples}: {times:?}");
                     }
                 }
             }
@@ -351,41 +353,41 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_makes_the_first_step_fit_and_a_failure_makes_it_smaller() {
+    fn first_level_fits_known_timings_and_shrinks_after_a_failure() {
         let mut timings = Timings::default();
-        timings.note(Effort::Whole, 200.0, 921_600);
-        let first = timings.first((1280, 720), FIRST, 2);
-        assert_eq!((first.effort, first.divisor), (Effort::Plain, 6));
+        timings.note(Effort::Full, 200.0, 921_600);
+        let first = timings.first((1280, 720), FIRST_MS, 2);
+        assert_eq!((first.effort, first.divisor), (Effort::Reduced, 6));
         timings.note_failure(first, 40.0, (1280, 720));
-        let again = timings.first((1280, 720), FIRST, 2);
+        let again = timings.first((1280, 720), FIRST_MS, 2);
         assert!(again.divisor > 3 * first.divisor, "{again:?}");
         // If even a few pixels take long, the effort is reduced.
-        timings.note(Effort::Plain, 100.0, 100);
-        assert_eq!(timings.first((1280, 720), FIRST, 2).effort, Effort::Bare);
+        timings.note(Effort::Reduced, 100.0, 100);
+        assert_eq!(timings.first((1280, 720), FIRST_MS, 2).effort, Effort::Direct);
     }
 
     #[test]
-    fn a_picture_that_takes_minutes_is_led_up_to_by_many() {
+    fn slow_pictures_have_many_levels() {
         for ray in [1e-4, 3e-4, 1e-3, 3e-3, 1e-2] {
-            let (steps, times) = climb([ray; 3], FILM, 64);
-            assert!(steps.len() > 3, "{ray}: {steps:?} {times:?}");
-            let leaps = times.windows(2).map(|pair| pair[1] / pair[0].max(NEXT / GROWTH));
-            assert!(leaps.fold(0.0, f64::max) < 3.0 * GROWTH, "{ray}: {times:?}");
+            let (levels, times) = levels_before([ray; 3], FILM, 64);
+            assert!(levels.len() > 3, "{ray}: {levels:?} {times:?}");
+            let ratios = times.windows(2).map(|pair| pair[1] / pair[0].max(MIN_BUDGET_MS / GROWTH));
+            assert!(ratios.fold(0.0, f64::max) < 3.0 * GROWTH, "{ray}: {times:?}");
         }
     }
 
     #[test]
-    fn whatever_is_tried_in_vain_the_last_has_one_pixel_and_no_deadline() {
+    fn last_attempt_has_one_pixel_and_no_deadline() {
         for film in [FILM, (1, 1), (32_768, 1)] {
-            let mut step = Timings::default().first(film, FIRST, 2);
-            let mut patience = Duration::ZERO;
-            while let Some(deadline) = step.deadline() {
-                patience += deadline;
-                let lesser = step.lesser(film);
-                assert!(lesser.divisor > step.divisor || pixels(film, step.divisor) == 1, "{step:?}");
-                step = lesser;
+            let mut level = Timings::default().first(film, FIRST_MS, 2);
+            let mut total = Duration::ZERO;
+            while let Some(deadline) = level.deadline() {
+                total += deadline;
+                let cheaper = level.cheaper(film);
+                assert!(cheaper.divisor > level.divisor || pixels(film, level.divisor) == 1, "{level:?}");
+                level = cheaper;
             }
-            assert!(patience < Duration::from_millis(100) && pixels(film, step.divisor) == 1, "{step:?}");
+            assert!(total < Duration::from_millis(100) && pixels(film, level.divisor) == 1, "{level:?}");
         }
     }
 }

@@ -117,9 +117,9 @@ impl Published {
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         let reloads = pictures.latest.back().map(|latest| latest.info.reloads);
         let now = || pictures.latest.iter().rev().filter(|picture| Some(picture.info.reloads) == reloads);
-        let kept = now().find(|picture| !picture.info.coarse).or_else(|| now().next()).cloned();
-        let info = kept.as_ref().map(|picture| picture.info);
-        pictures.before = kept;
+        let picture = now().find(|picture| !picture.info.coarse).or_else(|| now().next()).cloned();
+        let info = picture.as_ref().map(|picture| picture.info);
+        pictures.before = picture;
         info
     }
 }
@@ -279,7 +279,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_that_cannot_be_encoded_says_so_and_is_not_waited_for() {
+    fn encoding_failure_is_reported_and_ends_rendering() {
         let state = State { rendering: true, ..State::default() };
         let published = Arc::new(Published::new(state.clone()));
         let (sender, events) = channel();
@@ -303,8 +303,8 @@ mod tests {
             published.update(|state| state.rendering = true);
             publisher.encode = |_, _| Err("no room".to_owned());
             assert!(!publisher.publish(&state, picture(kind)));
-            let told = published.state();
-            assert!(!told.rendering && told.frame_mistakes.unwrap().text.contains("no room"));
+            let shown = published.state();
+            assert!(!shown.rendering && shown.frame_mistakes.unwrap().text.contains("no room"));
             assert!(matches!(events.try_recv(), Ok(Event::NotShown(_))));
             // The next picture can be shown again.
             publisher.encode = |_, _| Ok(Vec::new());

@@ -10,9 +10,10 @@ use hecs::World;
 
 use super::commands::{CommandQueue, Detail};
 use super::measure;
-use super::pixel_info::{PixelInfo, named};
+use super::pixel_info::{PixelInfo, name_and_place};
 use super::progressive::{
-    Effort, FIRST, FIRST_DIVISOR, PreviewLevel, RefreshTimer, RequestedPicture, Timings, share_of_unfinished,
+    Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RefreshTimer, RequestedPicture, Timings,
+    share_of_unfinished,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
@@ -23,10 +24,10 @@ use crate::trace::{Film, RenderJob, RenderedImage, Signals};
 
 /// Minimum time for a picture before a coarse one is rendered first, if nothing of its frame is shown yet. Most pictures of simple scenes
 /// are finished by then. Twice the expected time applies if that is longer.
-const LATE: Duration = Duration::from_millis(50);
+const PREVIEW_DELAY: Duration = Duration::from_millis(50);
 /// Minimum time slice of the full picture due after an edit, even when another picture is requested: half a frame interval at 25 frames
 /// per second, so that the picture progresses during playback, which stays smooth.
-const SLICE: Duration = Duration::from_millis(20);
+const MIN_SLICE: Duration = Duration::from_millis(20);
 /// Maximum number of faults that are listed. A fault may occur in every entity.
 const MOST_FAULTS: usize = 10;
 /// Maximum time of a curve point other than the scene's own, in milliseconds, so that the curve of a slow frame ends.
@@ -55,7 +56,7 @@ pub(super) enum LevelRole {
     /// A picture between the first and the requested one.
     Between,
     /// The only picture of its frame during playback.
-    InARow,
+    Playback,
 }
 
 /// The result of a job.
@@ -131,7 +132,7 @@ impl Renderer {
         }
         self.sources = sources;
         let times = Times { read, build: Times::milliseconds(start.elapsed()), ..Times::default() };
-        self.leave_frame();
+        self.discard_unfinished();
         self.background = None;
         let (timeline, film) = (self.engine.timeline(), self.engine.film_settings());
         let published = self.publisher.published();
@@ -157,13 +158,13 @@ impl Renderer {
     }
 
     /// Discards the unfinished pictures of a frame that is no longer displayed.
-    pub(super) fn leave_frame(&mut self) {
+    pub(super) fn discard_unfinished(&mut self) {
         (self.in_progress, self.last_level) = (None, None);
     }
 
     /// Returns the level of the first coarse picture of a frame.
     pub(super) fn first_level(&self) -> PreviewLevel {
-        self.timings.first(self.publisher.published().state().film, FIRST, FIRST_DIVISOR)
+        self.timings.first(self.publisher.published().state().film, FIRST_MS, FIRST_DIVISOR)
     }
 
     /// Returns the best level that takes at most `milliseconds`.
@@ -182,7 +183,7 @@ impl Renderer {
     }
 
     /// Returns whether the current frame has only a coarse picture, or none.
-    pub(super) fn shows_coarsely(&self) -> bool {
+    pub(super) fn shows_coarse_picture(&self) -> bool {
         self.publisher.latest().is_none_or(|(info, _)| info.coarse)
     }
 
@@ -242,7 +243,7 @@ impl Renderer {
         let Some(RenderedImage { film, .. }) = image else {
             if is_late {
                 self.timings.note_failure(level, took, state.film);
-                return Ok(JobOutcome::Needs(level.lesser(state.film), role));
+                return Ok(JobOutcome::Needs(level.cheaper(state.film), role));
             }
             if role == LevelRole::Between {
                 self.last_level = None;
@@ -252,7 +253,7 @@ impl Renderer {
         let is_pilot = role == LevelRole::First && self.timings.is_unknown();
         self.note(level.effort(), traced);
         let better = self.first_level();
-        if is_pilot && level.is_surpassed_by(better, took) {
+        if is_pilot && level.is_replaced_by(better, took) {
             return Ok(JobOutcome::Needs(better, role));
         }
         self.last_level = Some((level, took));
@@ -265,9 +266,9 @@ impl Renderer {
     /// another picture. If nothing of the frame is shown yet and rendering takes too long, a coarse picture comes first.
     fn render_requested(&mut self, detail: Detail, precedes_full: bool) -> Result<JobOutcome, EngineError> {
         let state = self.publisher.published().state();
-        let kept = self.in_progress.take();
-        let kept = kept.filter(|kept| (kept.frame, kept.detail) == (state.frame, detail));
-        let mut in_progress = kept.unwrap_or_else(|| RenderInProgress::new(state.frame, detail));
+        let previous = self.in_progress.take();
+        let previous = previous.filter(|previous| (previous.frame, previous.detail) == (state.frame, detail));
+        let mut in_progress = previous.unwrap_or_else(|| RenderInProgress::new(state.frame, detail));
         let (film, outcome) = self.trace(&state, &mut in_progress)?;
         let Some(film) = film else {
             let progress = in_progress.job.as_ref().map_or(0.0, share_of_unfinished);
@@ -275,7 +276,7 @@ impl Renderer {
             self.in_progress = Some(in_progress);
             return Ok(outcome);
         };
-        self.note(Effort::Whole, in_progress.traced);
+        self.note(Effort::Full, in_progress.traced);
         let is_full = detail == Detail::Full;
         let kind = if is_full { PictureKind::Full } else { PictureKind::Draft { precedes_full } };
         Ok(self.publish(&state, kind, film, in_progress.traced))
@@ -289,7 +290,7 @@ impl Renderer {
         in_progress: &mut RenderInProgress,
     ) -> Result<(Option<Film>, JobOutcome), EngineError> {
         let target = self.target(in_progress.detail);
-        let deadline = self.publisher.latest().is_none().then(|| self.late_after(target));
+        let deadline = self.publisher.latest().is_none().then(|| self.preview_delay(target));
         let Self { engine, publisher, timings, last_level, commands, .. } = self;
         let RenderInProgress { frame, detail, job, traced, is_shown, timer } = in_progress;
         let (interrupt, transfer) = (commands.interrupt(), engine.film_settings().transfer);
@@ -298,7 +299,7 @@ impl Renderer {
         let mut visit = |job: &RenderJob| {
             timer.reschedule();
             let (traced, progress) = (traced_before + timer.traced(), share_of_unfinished(job));
-            timings.note(Effort::Whole, traced, target.rays_so_far(job));
+            timings.note(Effort::Full, traced, target.rays_so_far(job));
             // The speed now known may leave time for another coarse picture, which would be worse than an unfinished one that is already
             // shown.
             let level = last_level.filter(|_| !*is_shown);
@@ -336,17 +337,17 @@ impl Renderer {
         let film = film?;
         if film.is_none() && is_late {
             if let Some(job) = job {
-                timings.note(Effort::Whole, Times::milliseconds(*traced), target.rays_so_far(job));
+                timings.note(Effort::Full, Times::milliseconds(*traced), target.rays_so_far(job));
             }
-            outcome = JobOutcome::Needs(timings.first(state.film, FIRST, FIRST_DIVISOR), LevelRole::First);
+            outcome = JobOutcome::Needs(timings.first(state.film, FIRST_MS, FIRST_DIVISOR), LevelRole::First);
         }
         Ok((film, outcome))
     }
 
     /// Returns the time after which a coarse picture should precede a picture.
-    fn late_after(&self, target: RequestedPicture) -> Duration {
+    fn preview_delay(&self, target: RequestedPicture) -> Duration {
         let expected = Duration::try_from_secs_f64(2e-3 * self.timings.expected(target).unwrap_or(0.0));
-        expected.unwrap_or(Duration::MAX).max(LATE)
+        expected.unwrap_or(Duration::MAX).max(PREVIEW_DELAY)
     }
 
     /// Continues the full picture due after the last edit until it is finished, another picture is requested, or `until`. Its frame is the
@@ -358,7 +359,7 @@ impl Renderer {
         let start = Instant::now();
         let pause = || {
             let is_interrupted = self.commands.interrupt().load(Ordering::Relaxed);
-            is_interrupted && start.elapsed() >= SLICE || Instant::now() >= until
+            is_interrupted && start.elapsed() >= MIN_SLICE || Instant::now() >= until
         };
         let signals = Signals { cancelled: self.commands.urgent(), pause: &pause };
         let RenderInProgress { frame, detail, job, .. } = &mut background;
@@ -476,7 +477,7 @@ impl Renderer {
             .iter()
             .take(MOST_FAULTS)
             .map(|fault| {
-                let (name, place) = named(self.engine.world(), &self.sources, fault.entity);
+                let (name, place) = name_and_place(self.engine.world(), &self.sources, fault.entity);
                 let place = place.map_or_else(String::new, |place| format!(" ({place})"));
                 format!("{name:?}{place} {fault}; {}", fault.remedy())
             })
@@ -493,7 +494,7 @@ fn render(
     engine: &mut Engine,
     frame: u32,
     detail: Detail,
-    begun: &mut Option<RenderJob>,
+    job: &mut Option<RenderJob>,
     signals: Signals<'_>,
     visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
 ) -> Result<Option<Film>, EngineError> {
@@ -508,7 +509,7 @@ fn render(
         fingerprint: false,
         signals,
         on_pause: Some(visit),
-        resume: Some(begun),
+        resume: Some(job),
         ..RenderRequest::at(time)
     };
     Ok(engine.render(request)?.map(|image| image.film))
@@ -522,15 +523,15 @@ fn with_deadline<T>(
     work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
 ) -> (T, bool) {
     let Some(deadline) = deadline else { return (work(&|| ()), false) };
-    let (begun, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
+    let (started, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
     let result = thread::scope(|scope| {
         let clock = scope.spawn(|| {
             while !done.load(Ordering::Acquire) {
-                let Some(begun) = begun.get() else {
+                let Some(started) = started.get() else {
                     thread::park();
                     continue;
                 };
-                let rest = deadline.saturating_sub(Instant::elapsed(begun));
+                let rest = deadline.saturating_sub(Instant::elapsed(started));
                 if rest.is_zero() {
                     late.store(true, Ordering::Relaxed);
                     interrupt.store(true, Ordering::Relaxed);
@@ -540,7 +541,7 @@ fn with_deadline<T>(
             }
         });
         let result = work(&|| {
-            if begun.set(Instant::now()).is_ok() {
+            if started.set(Instant::now()).is_ok() {
                 clock.thread().unpark();
             }
         });

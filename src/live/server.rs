@@ -52,8 +52,8 @@ const FILES: [(&str, &str, &str); 9] = [
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
-    ("/hands.js", SCRIPT, include_str!("page/hands.js")),
-    ("/news.js", SCRIPT, include_str!("page/news.js")),
+    ("/input.js", SCRIPT, include_str!("page/input.js")),
+    ("/stream.js", SCRIPT, include_str!("page/stream.js")),
 ];
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
@@ -63,13 +63,13 @@ const POLICY: &str = "default-src 'none'; img-src 'self' data:; connect-src 'sel
                       worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 /// Time within which a request must arrive completely. Slower requests are dropped, so that they do not hold connections. Requests of this
 /// machine arrive within milliseconds, even when it is busy rendering.
-const PATIENCE: Duration = Duration::from_secs(5);
+const REQUEST_TIMEOUT: Duration = Duration::from_secs(5);
 /// Maximum size of a request's body in bytes. Valid ones have less than a hundred.
 const LARGEST_BODY: usize = 1 << 12;
 /// Delay before accepting connections again after a failure, when there is no room for another connection. Without it, the thread would
 /// be busy until there is room.
-const NO_ROOM: Duration = Duration::from_millis(100);
-/// Interval between signs of life on idle event streams, short enough for proxies, which drop connections after half a minute or more.
+const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(100);
+/// Interval between keep-alive comments on idle event streams, short enough for proxies, which drop connections after half a minute or more.
 const KEEP_ALIVE: Duration = Duration::from_secs(10);
 
 /// A server at the loopback address 127.0.0.1, which runs on a separate thread until it is dropped.
@@ -139,11 +139,11 @@ impl Drop for Server {
 /// Accepts and serves connections. A client that begins a request and does not complete it is dropped.
 async fn serve(listener: &tokio::net::TcpListener, router: &Router) {
     let mut connections = auto::Builder::new(TokioExecutor::new()).http1_only();
-    connections.http1().timer(TokioTimer::new()).header_read_timeout(PATIENCE);
+    connections.http1().timer(TokioTimer::new()).header_read_timeout(REQUEST_TIMEOUT);
     let connections = Arc::new(connections);
     loop {
         let Ok((stream, _)) = listener.accept().await else {
-            tokio::time::sleep(NO_ROOM).await;
+            tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
             continue;
         };
         // Events are short and urgent.
@@ -178,7 +178,7 @@ async fn guarded(
     next: Next,
 ) -> Response {
     let mut response = if shared.guard.admits(&headers) {
-        match whole(request).await {
+        match complete(request).await {
             Some(request) => next.run(request).await,
             None => (StatusCode::REQUEST_TIMEOUT, "the request is too slow or too large\n").into_response(),
         }
@@ -201,9 +201,9 @@ async fn guarded(
 }
 
 /// Returns a request with its complete body, or `None` if it is too slow or too large.
-async fn whole(request: Request) -> Option<Request> {
+async fn complete(request: Request) -> Option<Request> {
     let (head, body) = request.into_parts();
-    let bytes = timeout(PATIENCE, read(body)).await.ok()??;
+    let bytes = timeout(REQUEST_TIMEOUT, read(body)).await.ok()??;
     Some(Request::from_parts(head, bytes.into()))
 }
 
@@ -265,12 +265,12 @@ async fn probe(State(shared): State<ServerState>, body: Bytes) -> Response {
         Ok(pixel) => pixel,
         Err(error) => return refused(&error),
     };
-    let (sender, answer) = oneshot::channel();
+    let (sender, reply) = oneshot::channel();
     let send = move |info| {
         let _ = sender.send(info);
     };
     shared.session.send(SessionCommand::Probe(pixel, ProbeReply(Box::new(send))));
-    match answer.await {
+    match reply.await {
         Ok(info) => json(&info),
         Err(_) => StatusCode::SERVICE_UNAVAILABLE.into_response(),
     }
@@ -353,10 +353,10 @@ impl Guard {
             origin.strip_prefix("http://").is_some_and(|origin| origin.eq_ignore_ascii_case(host))
         });
         let site = values("sec-fetch-site").all(|site| ["same-origin", "none"].contains(&site));
-        self.knows(host) && origin && site
+        self.is_known(host) && origin && site
     }
 
-    fn knows(&self, host: &str) -> bool {
+    fn is_known(&self, host: &str) -> bool {
         let Some((name, port)) = split(host) else { return false };
         // Browsers omit the default port.
         let port = port.unwrap_or(80);
@@ -375,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn only_its_own_pages_and_no_pages_are_admitted() {
+    fn only_own_pages_and_programs_are_admitted() {
         assert!(admitted(&[], &[("host", "127.0.0.1:4000")]));
         assert!(admitted(&[], &[("host", "localhost:4000"), ("origin", "http://localhost:4000")]));
         assert!(admitted(&[], &[("host", "localhost:4000"), ("sec-fetch-site", "same-origin")]));
@@ -398,7 +398,7 @@ mod tests {
 
     /// Checks all hosts with all origins: only a known host with its own origin or without an origin is admitted.
     #[test]
-    fn names_that_are_allowed_are_checked_like_its_own() {
+    fn allowed_hosts_are_checked_like_own_hosts() {
         let known = ["127.0.0.1:4000", "localhost:4000", "LocalHost:9000", "desk:1", "Desk", "[::1]:7"];
         let strange =
             ["localhost:9001", "localhost", "desk.example", "[::1]", "[::1]:8", "", "desk:x", "127.0.0.1"];

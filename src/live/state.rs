@@ -43,7 +43,7 @@ pub struct State {
     /// Effects of the frame of the last picture that was not coarse.
     pub plan: Vec<Planned>,
     /// Measured error curve of that frame: the scene's own samples first, then other sample counts, ascending.
-    pub curve: Vec<CurvePlace>,
+    pub curve: Vec<CurvePoint>,
     /// Times of the last reload and of the latest picture.
     pub times: Times,
     /// Number of rays of the latest picture.
@@ -97,7 +97,7 @@ pub struct Planned {
 
 /// A point of the error curve: the error and the time of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct CurvePlace {
+pub struct CurvePoint {
     /// Samples per pixel; `None` for adaptive sampling.
     pub samples: Option<u32>,
     /// Time of the frame in milliseconds.

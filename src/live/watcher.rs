@@ -23,7 +23,7 @@ use crate::scene::input::{self, InputKind, LARGEST_FILE};
 
 /// Time without events after which a save counts as complete. Editors write, rename and back up within a few milliseconds. The time is
 /// part of the delay of every picture: 25 of some 57 ms until a coarse one.
-pub const QUIET: Duration = Duration::from_millis(25);
+pub const QUIET_PERIOD: Duration = Duration::from_millis(25);
 /// Time after which files that keep changing are checked nevertheless, for a dozen reloads per second. Of 290 saves in
 /// 5 s, 20 were shown with 500 ms, and 118 with 75 ms.
 const MAX_BATCH: Duration = Duration::from_millis(75);
@@ -61,7 +61,7 @@ pub struct Watcher {
 enum WatcherMessage {
     Notified(notify::Result<notify::Event>),
     /// The set of watched files has changed.
-    WatchAgain,
+    FilesChanged,
     Stop,
 }
 
@@ -97,15 +97,15 @@ impl Watcher {
 
     /// Checks the files for a caller that is about to read them, so that earlier writes cause no call. Returns whether any content has
     /// changed since the last check.
-    pub fn look(&self) -> bool {
-        lock(&self.files).look()
+    pub fn check(&self) -> bool {
+        lock(&self.files).check()
     }
 
     /// Watches these files from now on, whether they exist or not. They have been read since `since`, and those already known have been
-    /// read after a [`look`](Self::look). Writes in the meantime count as changes.
+    /// read after a [`check`](Self::check). Writes in the meantime count as changes.
     pub fn follow(&self, files: &[PathBuf], since: SystemTime) {
         lock(&self.files).follow(files, since);
-        let _ = self.messages.send(WatcherMessage::WatchAgain);
+        let _ = self.messages.send(WatcherMessage::FilesChanged);
     }
 
     /// Returns the stamps of the files, or `None` if the files have been written since the last check.
@@ -115,8 +115,8 @@ impl Watcher {
     }
 
     /// Discards the known contents of the files. They could not be read, which may change without any event.
-    pub(super) fn forget(&self) {
-        lock(&self.files).forget();
+    pub(super) fn mark_unknown(&self) {
+        lock(&self.files).mark_unknown();
     }
 }
 
@@ -175,7 +175,7 @@ impl WatcherThread {
             if !self.wait_for_quiet() {
                 return;
             }
-            let differ = lock(&self.files).look();
+            let differ = lock(&self.files).check();
             if differ {
                 (self.changed)();
             }
@@ -185,11 +185,11 @@ impl WatcherThread {
     /// Waits for a message.
     fn receive(&mut self, until: Instant) -> Notice {
         let is_relevant = match self.inbox.recv_timeout(until.saturating_duration_since(Instant::now())) {
-            Ok(WatcherMessage::Notified(Ok(event))) => self.concerns(&event),
+            Ok(WatcherMessage::Notified(Ok(event))) => self.is_relevant_event(&event),
             // Some events were lost.
             Ok(WatcherMessage::Notified(Err(_))) => true,
-            Ok(WatcherMessage::WatchAgain) => {
-                self.watch_again();
+            Ok(WatcherMessage::FilesChanged) => {
+                self.watch_directories();
                 // The files may have been written before they were watched.
                 self.are_touched()
             }
@@ -204,7 +204,7 @@ impl WatcherThread {
         let start = Instant::now();
         let mut last = start;
         while start.elapsed() < MAX_BATCH {
-            match self.receive(last + QUIET) {
+            match self.receive(last + QUIET_PERIOD) {
                 Notice::Relevant => last = Instant::now(),
                 Notice::Irrelevant => {}
                 Notice::Timeout => return true,
@@ -214,13 +214,13 @@ impl WatcherThread {
         true
     }
 
-    /// Returns whether an event concerns the files.
-    fn concerns(&mut self, event: &notify::Event) -> bool {
+    /// Returns whether an event is_relevant_event the files.
+    fn is_relevant_event(&mut self, event: &notify::Event) -> bool {
         if matches!(event.kind, EventKind::Access(_)) {
             return false;
         }
         if event.need_rescan() || event.paths.iter().any(|path| self.directories.contains(path)) {
-            self.watch_again();
+            self.watch_directories();
             return true;
         }
         event.paths.iter().any(|path| path.file_name().is_some_and(|name| self.names.contains(name)))
@@ -230,13 +230,13 @@ impl WatcherThread {
     fn are_touched(&mut self) -> bool {
         let are_touched = lock(&self.files).are_touched();
         if are_touched {
-            self.watch_again();
+            self.watch_directories();
         }
         are_touched
     }
 
     /// Watches the current directories of the files.
-    fn watch_again(&mut self) {
+    fn watch_directories(&mut self) {
         use notify::Watcher;
         let files = lock(&self.files);
         self.names = files.links().filter_map(|link| Some(link.file_name()?.to_owned())).collect();
@@ -288,7 +288,7 @@ pub(super) struct Stamp {
 
 impl WatchedFiles {
     /// Replaces the files by `paths`. All of them have been read since `since`, and those already known have been read after the last
-    /// [`look`](Self::look). Files written in the meantime count as changed at the next check, since their readers may have read
+    /// [`check`](Self::check). Files written in the meantime count as changed at the next check, since their readers may have read
     /// the old content.
     fn follow(&mut self, paths: &[PathBuf], since: SystemTime) {
         let before = std::mem::take(&mut self.0);
@@ -308,7 +308,7 @@ impl WatchedFiles {
     }
 
     /// Discards the known contents. The next check reports all files as changed.
-    fn forget(&mut self) {
+    fn mark_unknown(&mut self) {
         for known in self.0.values_mut() {
             known.content = KnownContent::Unknown;
         }
@@ -338,7 +338,7 @@ impl WatchedFiles {
     }
 
     /// Reads all files again. Returns whether any content has changed.
-    fn look(&mut self) -> bool {
+    fn check(&mut self) -> bool {
         let mut differ = false;
         for (path, known) in &mut self.0 {
             let now = KnownFile::now(path);
@@ -428,7 +428,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_stamps_do_not_tell_is_found_while_it_may_be_so() {
+    fn changes_under_an_equal_stamp_are_found_while_fresh() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ball.ron");
         fs::write(&path, "first").unwrap();
@@ -439,7 +439,7 @@ mod tests {
             assert!(!files.are_touched());
             assert_eq!(files.differ_unstamped(), expected);
             assert_eq!(files.are_touched(), expected);
-            assert!(files.look() && !files.look() && !files.differ_unstamped());
+            assert!(files.check() && !files.check() && !files.differ_unstamped());
         }
         assert!(KnownFile::now(&path).fresh);
         let long_ago = SystemTime::now() - 2 * STAMP_TICK;

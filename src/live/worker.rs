@@ -20,7 +20,7 @@ const SETTLE_TIME: Duration = Duration::from_millis(100);
 const SETTLE_TIMEOUT: Duration = Duration::from_secs(1);
 /// Fraction of the frame interval that a coarse picture should take during playback, when it is the only picture of its frame. Encoding and
 /// showing it take the rest.
-const COARSE_IN_A_ROW: f64 = 0.5;
+const PLAYBACK_SHARE: f64 = 0.5;
 /// Expected render time, in milliseconds, above which a coarse picture comes first: a picture within 40 ms follows a dragged playhead at 25
 /// frames per second.
 const COARSE_FIRST_ABOVE_MS: f64 = 40.0;
@@ -35,7 +35,7 @@ enum Task {
     Idle,
     Run(PreviewJob),
     /// Nothing until the given time, since the next frame of playback may be requested. After that time, a better picture.
-    Rest(Instant),
+    Wait(Instant),
 }
 
 /// The state of the session's thread.
@@ -91,10 +91,10 @@ impl Worker {
                     SessionCommand::Stop => return,
                 }
             }
-            let judgement = self.files.judge();
-            if reload || judgement == Some(Judgement::ReadAgain) {
+            let action = self.files.failure_action();
+            if reload || action == Some(FailureAction::ReadAgain) {
                 self.reload();
-            } else if judgement == Some(Judgement::Report) {
+            } else if action == Some(FailureAction::Report) {
                 self.report_mistakes();
             }
             if self.files.failure.is_none() {
@@ -106,10 +106,10 @@ impl Worker {
     /// Returns the time until which to wait for commands: the present if there is work, or `None` to wait without limit.
     fn wait_until(&self) -> Option<Instant> {
         match (&self.files.failure, self.next) {
-            (Some(failure), _) => Some(failure.judged_at),
+            (Some(failure), _) => Some(failure.check_at),
             (None, Task::Idle) => None,
-            (None, Task::Rest(until)) if !self.is_full_due() => Some(until),
-            (None, Task::Rest(_) | Task::Run(_)) => Some(Instant::now()),
+            (None, Task::Wait(until)) if !self.is_full_due() => Some(until),
+            (None, Task::Wait(_) | Task::Run(_)) => Some(Instant::now()),
         }
     }
 
@@ -124,6 +124,10 @@ impl Worker {
 
     fn report_mistakes(&mut self) {
         let Some(LoadFailure { error, .. }) = self.files.failure.take() else { return };
+        if error.is_transient() {
+            // No event is guaranteed when the files become readable again.
+            self.files.watcher.mark_unknown();
+        }
         let mistakes = Mistakes::of_scene(&error);
         // Files that cannot be read are read again and again.
         let is_known = self.published.state().mistakes.as_ref() == Some(&mistakes);
@@ -155,7 +159,7 @@ impl Worker {
             return;
         }
         if frame != before.frame {
-            self.renderer.leave_frame();
+            self.renderer.discard_unfinished();
         }
         self.next = match view {
             ViewChange::Seek { playing, .. } => self.frame_task(playing),
@@ -184,7 +188,7 @@ impl Worker {
                 Ok(outcome) => self.next = self.following(job, outcome),
                 Err(error) => self.fail(error),
             },
-            Task::Rest(until) => self.rest(until),
+            Task::Wait(until) => self.wait(until),
         }
     }
 
@@ -200,7 +204,7 @@ impl Worker {
             (JobOutcome::Interrupted | JobOutcome::Done, PreviewJob::Preview(_, LevelRole::Between))
             | (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::First)) => self.after_preview(),
             (JobOutcome::Interrupted, _) => Task::Run(job),
-            (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::InARow)) => self.end_of_row(),
+            (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::Playback)) => self.wait_for_next_frame(),
             (JobOutcome::Done, PreviewJob::Picture { .. }) => self.after_picture(),
             (JobOutcome::Done, PreviewJob::Measurement(index)) => {
                 Task::Run(PreviewJob::Measurement(index + 1))
@@ -210,7 +214,7 @@ impl Worker {
 
     /// Waits for the next frame of playback, and meanwhile renders the full picture that is due. If no further frame is requested, improves
     /// the last picture.
-    fn rest(&mut self, until: Instant) {
+    fn wait(&mut self, until: Instant) {
         if Instant::now() < until {
             if self.is_full_due() && self.renderer.render_in_background(until) {
                 self.lacks_full = false;
@@ -218,7 +222,8 @@ impl Worker {
             return;
         }
         self.is_playing = false;
-        self.next = if self.renderer.shows_coarsely() { self.after_preview() } else { self.after_picture() };
+        self.next =
+            if self.renderer.shows_coarse_picture() { self.after_preview() } else { self.after_picture() };
         let is_over = self.next == Task::Idle;
         self.published.update(|state| state.rendering = !is_over);
     }
@@ -229,8 +234,8 @@ impl Worker {
         if self.renderer.is_expected_within(time, self.detail) {
             self.picture(self.detail)
         } else if playing {
-            let level = self.renderer.level_within(COARSE_IN_A_ROW * self.interval());
-            Task::Run(PreviewJob::Preview(level, LevelRole::InARow))
+            let level = self.renderer.level_within(PLAYBACK_SHARE * self.interval());
+            Task::Run(PreviewJob::Preview(level, LevelRole::Playback))
         } else {
             self.first_preview()
         }
@@ -256,7 +261,7 @@ impl Worker {
         match (self.is_full_due(), self.is_playing) {
             (false, _) => Task::Idle,
             (true, false) => self.picture(Detail::Full),
-            (true, true) => self.end_of_row(),
+            (true, true) => self.wait_for_next_frame(),
         }
     }
 
@@ -271,10 +276,10 @@ impl Worker {
     }
 
     /// Returns the task after the only picture of a frame of playback: to wait until playback counts as over.
-    fn end_of_row(&self) -> Task {
+    fn wait_for_next_frame(&self) -> Task {
         let missed =
             Duration::try_from_secs_f64(1e-3 * IDLE_INTERVALS * self.interval()).unwrap_or(IDLE_TIMEOUT);
-        Task::Rest(Instant::now() + missed.max(IDLE_TIMEOUT))
+        Task::Wait(Instant::now() + missed.max(IDLE_TIMEOUT))
     }
 }
 
@@ -292,14 +297,14 @@ struct LoadFailure {
     error: LoadError,
     /// Time of the first of several consecutive failures.
     first: Instant,
-    judged_at: Instant,
+    check_at: Instant,
     /// The stamps of the files after they were read; `None` if they were written in the meantime.
     stamps: Option<Vec<Option<Stamp>>>,
 }
 
 /// The treatment of files with mistakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Judgement {
+enum FailureAction {
     /// The files have changed, or may be readable now.
     ReadAgain,
     /// The mistakes persist.
@@ -312,9 +317,9 @@ impl SceneFiles {
         Self { scene, reader, watcher, failure: None }
     }
 
-    /// Reads the files. Returns their scene and the time taken in milliseconds, or keeps the mistakes to be judged later.
+    /// Reads the files. Returns their scene and the time taken in milliseconds, or keeps the mistakes to be reported later.
     fn read(&mut self) -> Option<(Scene, Sources, f64)> {
-        self.watcher.look();
+        self.watcher.check();
         let (since, start) = (SystemTime::now(), Instant::now());
         match self.reader.load(&self.scene) {
             Ok((scene, sources)) => {
@@ -327,24 +332,19 @@ impl SceneFiles {
                 self.watcher.follow(error.files(), since);
                 let first = self.failure.take().map_or(start, |failure| failure.first);
                 let wait = SETTLE_TIME.min(SETTLE_TIMEOUT.saturating_sub(first.elapsed()));
-                let (judged_at, stamps) = (Instant::now() + wait, self.watcher.stamps());
-                self.failure = Some(LoadFailure { error, first, judged_at, stamps });
+                let (check_at, stamps) = (Instant::now() + wait, self.watcher.stamps());
+                self.failure = Some(LoadFailure { error, first, check_at, stamps });
                 None
             }
         }
     }
 
-    /// Judges mistakes that are not reported yet, once it is time.
-    fn judge(&self) -> Option<Judgement> {
-        let failure = self.failure.as_ref().filter(|failure| failure.judged_at <= Instant::now())?;
-        let (is_over, is_transient) =
-            (failure.first.elapsed() >= SETTLE_TIMEOUT, failure.error.is_transient());
-        if is_over && is_transient {
-            // No event is guaranteed when the files become readable again.
-            self.watcher.forget();
-        }
+    /// Returns the treatment of mistakes that are not reported yet, once it is time.
+    fn failure_action(&self) -> Option<FailureAction> {
+        let failure = self.failure.as_ref().filter(|failure| failure.check_at <= Instant::now())?;
+        let is_over = failure.first.elapsed() >= SETTLE_TIMEOUT;
         let is_unchanged = failure.stamps.is_some() && failure.stamps == self.watcher.stamps();
-        let is_settled = is_over || is_unchanged && !is_transient;
-        Some(if is_settled { Judgement::Report } else { Judgement::ReadAgain })
+        let is_settled = is_over || is_unchanged && !failure.error.is_transient();
+        Some(if is_settled { FailureAction::Report } else { FailureAction::ReadAgain })
     }
 }

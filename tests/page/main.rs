@@ -213,7 +213,10 @@ fn two_pages_do_not_keep_each_other_waiting() {
     }
     one.evaluate("(seek(17), true)");
     for browser in [&one, &other] {
-        until(browser, "asked === null && scrubbed === null && shown.full && shown.frame === state.frame");
+        until(
+            browser,
+            "requested === null && scrubbed === null && shown.full && shown.frame === state.frame",
+        );
     }
     one.evaluate("(seek(2), true)");
     until(&other, "shown.full && shown.frame === 2 && view.frame === 2");
@@ -237,7 +240,7 @@ fn more_pages_than_connections_all_hear_and_ask() {
             browser.switch_to(page);
             until(&browser, "shown !== null && shown.full && shown.reloads === 2");
             browser.evaluate(&format!("(seek({frame}), true)"));
-            until(&browser, &format!("shown.full && shown.frame === {frame} && asked === null"));
+            until(&browser, &format!("shown.full && shown.frame === {frame} && requested === null"));
             browser.evaluate("(probe([80, 45]), true)");
             until(&browser, "at('spot').innerText.includes('clay')");
         }

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 
-use rayreel::live::{QUIET, Watcher, Watching};
+use rayreel::live::{QUIET_PERIOD, Watcher, Watching};
 use tempfile::TempDir;
 
 use crate::{AT_MOST, LONG_ENOUGH};
@@ -49,7 +49,7 @@ impl Watched {
     fn notices(&self, what: &str, save: impl FnOnce()) {
         let start = Instant::now();
         save();
-        let in_pieces = start.elapsed() > QUIET / 2;
+        let in_pieces = start.elapsed() > QUIET_PERIOD / 2;
         assert!(self.changes.recv_timeout(AT_MOST).is_ok(), "{what}: nothing was noticed");
         let again = self.changes.recv_timeout(LONG_ENOUGH).is_ok();
         assert!(!again || in_pieces, "{what}: noticed twice");
@@ -152,7 +152,7 @@ fn what_is_written_while_it_is_read_is_noticed() {
         |file: &str, since| watched.watcher.follow(&[watched.path("ball.ron"), watched.path(file)], since);
     let since = SystemTime::now();
     sleep(Duration::from_millis(50));
-    watched.watcher.look();
+    watched.watcher.check();
     follow("ball.ron", since);
     watched.does_not_change("what was there before");
     sleep(Duration::from_millis(50));
@@ -162,7 +162,7 @@ fn what_is_written_while_it_is_read_is_noticed() {
     });
     // A change that is read before the watcher reports it need not be reported.
     watched.write("ball.ron", "second");
-    watched.watcher.look();
+    watched.watcher.check();
     follow("part.ron", SystemTime::now());
     watched.does_not_change("what was looked at");
     // For a moment, when the file was read, it had other contents.
@@ -199,7 +199,7 @@ fn a_save_in_quick_parts_is_noticed_once() {
     watched.notices("five writes in a row", || {
         for part in 0..5 {
             watched.write("ball.ron", &"part ".repeat(part + 2));
-            sleep(QUIET / 25);
+            sleep(QUIET_PERIOD / 25);
         }
     });
 }

@@ -19,24 +19,24 @@ let away = false;      // true if the server is unreachable
 let shown = null;      // the picture on the screen
 let loading = null;    // the picture that is being fetched
 let compared = null;   // the picture from before the edit that is loaded
-let asked = null;      // the requested frame that has not arrived yet
+let requested = null;  // the requested frame that has not arrived yet
 let playing = null;    // { since, from }
 
 const post = (path, body) => fetch(path, { method: "POST", body: JSON.stringify(body) });
 // Requests are sent one after the other, so that the last one takes effect.
-let asking = Promise.resolve();
-const ask = what => asking = asking.then(() => post("view", what)).then(answer => { if (!answer.ok) asked = null; }, () => { asked = null; });
+let queue = Promise.resolve();
+const request = what => queue = queue.then(() => post("view", what)).then(answer => { if (!answer.ok) requested = null; }, () => { requested = null; });
 
 // All pages of a browser share an event stream, because a browser opens few connections to one server. Without shared workers, each
 // page has its own stream while it is visible.
 function connect() {
-  let news;
-  try { news = new SharedWorker("news.js"); } catch { listen(); return; }
-  news.port.onmessage = ({ data }) => receive(data);
-  news.onerror = listen;
-  const join = () => news.port.postMessage("join");
+  let worker;
+  try { worker = new SharedWorker("stream.js"); } catch { listen(); return; }
+  worker.port.onmessage = ({ data }) => receive(data);
+  worker.onerror = listen;
+  const join = () => worker.port.postMessage("join");
   join();
-  addEventListener("pagehide", () => news.port.postMessage("leave"));
+  addEventListener("pagehide", () => worker.port.postMessage("leave"));
   addEventListener("pageshow", event => { if (event.persisted) join(); });
 }
 
@@ -57,27 +57,27 @@ function listen() {
   document.addEventListener("visibilitychange", open);
 }
 
-function receive(news) {
-  away = news.away;
-  if (news.text && !away) hear(JSON.parse(news.text));
+function receive(message) {
+  away = message.away;
+  if (message.text && !away) update(JSON.parse(message.text));
   else drawStatus();
 }
 
-function hear(told) {
-  const other = state === null || state.session !== told.session;
-  state = told;
+function update(latest) {
+  const other = state === null || state.session !== latest.session;
+  state = latest;
   // Frames and pixels of another scene are meaningless in this one.
   if (view.scene !== state.scene) Object.assign(view, { scene: state.scene, frame: null, spot: null });
-  if (other) { shown = compared = loading = asked = null; }
+  if (other) { shown = compared = loading = requested = null; }
   if (view.frame === null) view.frame = state.frame;
-  if (other && view.detail && view.detail !== state.detail) ask({ detail: view.detail });
+  if (other && view.detail && view.detail !== state.detail) request({ detail: view.detail });
   // Requests the picture again that stayed coarse while no page was visible.
   const left = state.picture && state.picture.coarse && !state.rendering;
   if (other && (view.frame !== state.frame || left)) scrubbed = view.frame;
-  if (!other && asked === null && playing === null && scrubbed === null) view.frame = state.frame;
+  if (!other && requested === null && playing === null && scrubbed === null) view.frame = state.frame;
   // The frame will not arrive: it cannot be rendered, or another page has requested another one.
   const rests = !state.rendering && (!state.picture || state.picture.frame === state.frame);
-  if (asked !== null && (state.frame_mistakes || rests && state.frame !== Math.min(asked, state.frames - 1))) asked = null;
+  if (requested !== null && (state.frame_mistakes || rests && state.frame !== Math.min(requested, state.frames - 1))) requested = null;
   // A frame that could not be rendered is not requested again.
   if (state.frame_mistakes) playing = null;
   follow();

@@ -17,7 +17,7 @@ function mark() {
 
 const numbers = list => list.map(number => String(Number(number.toPrecision(6)))).join(", ");
 
-function samplesTold({ samples, all }) {
+function describeSamples({ samples, all }) {
   if (samples && samples !== all) return all ? `The first of ${all} samples.` : "The first sample.";
   return `The colour is the mean of ${all ?? "several"} samples; the place is what the first of them sees.`;
 }
@@ -55,7 +55,7 @@ async function probe(pixel) {
     }
   }
   const parts = [element("h2", "Pixel"), table];
-  if (spot && spot.all !== 1) parts.push(element("small", samplesTold(spot)));
+  if (spot && spot.all !== 1) parts.push(element("small", describeSamples(spot)));
   at("spot").replaceChildren(...parts);
 }
 

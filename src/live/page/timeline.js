@@ -1,7 +1,7 @@
 "use strict";
 // The timeline, and the requests to the session.
 
-let scrubbed = null;   // where the person has moved to while a frame was still asked for
+let scrubbed = null;   // where the person has moved to while a frame was still requested
 
 function seek(frame) {
   view.frame = Math.max(0, Math.min(frame, state ? state.frames - 1 : 0));
@@ -13,19 +13,19 @@ function seek(frame) {
 
 // One frame is requested at a time, so that every requested one is shown.
 function follow() {
-  if (scrubbed === null || asked !== null) return;
+  if (scrubbed === null || requested !== null) return;
   const frame = scrubbed;
   scrubbed = null;
   const settled = shown && !shown.coarse && shown.reloads === state.reloads && !state.frame_mistakes;
   if (settled && !playing && shown.frame === frame && state.frame === frame) return;
-  asked = frame;
-  ask({ seek: { frame, playing: playing !== null } });
+  requested = frame;
+  request({ seek: { frame, playing: playing !== null } });
 }
 
 // The requested frame has arrived, or, in a scene that is shorter now, its last frame.
 function arrive(frame) {
-  if (asked === null || frame !== Math.min(asked, state.frames - 1)) return;
-  asked = null;
+  if (requested === null || frame !== Math.min(requested, state.frames - 1)) return;
+  requested = null;
   if (scrubbed === null) view.frame = frame;
 }
 
@@ -41,7 +41,7 @@ function pause() {
   if (!playing) return;
   playing = null;
   // The frame at which playback stops gets a full picture.
-  asked = null;
+  requested = null;
   seek(view.frame);
 }
 
@@ -53,7 +53,7 @@ function advance(now) {
     if (!view.loop) { view.frame = state.frames - 1; pause(); return; }
     frame %= state.frames;
   }
-  if (frame !== view.frame && asked === null) seek(frame);
+  if (frame !== view.frame && requested === null) seek(frame);
   requestAnimationFrame(advance);
 }
 

@@ -5,16 +5,16 @@
 const pages = new Set();
 let latest = null;  // { text, away }
 
-function tell(news) {
-  latest = { ...latest, ...news };
+function broadcast(message) {
+  latest = { ...latest, ...message };
   for (const page of pages) page.postMessage(latest);
 }
 
 function listen() {
   const events = new EventSource("events");
-  events.onmessage = event => tell({ text: event.data, away: false });
+  events.onmessage = event => broadcast({ text: event.data, away: false });
   events.onerror = () => {
-    tell({ away: true });
+    broadcast({ away: true });
     // A browser stops reconnecting when the server refuses; this finds a restarted server.
     if (events.readyState === EventSource.CLOSED) setTimeout(listen, 1000);
   };

@@ -13,20 +13,20 @@ function moveSpot(right, down) {
   const inside = (place, count) => Math.max(0, Math.min(count - 1, place));
   if (shown) probe([inside(i + right, width), inside(j + down, height)]);
 }
-const finish = () => ask("finish");
-const measure = () => { if (!at("measure").disabled) { pause(); ask("measure"); } };
+const finish = () => request("finish");
+const measure = () => { if (!at("measure").disabled) { pause(); request("measure"); } };
 const faster = by => {
   const options = [...at("speed").options].map(option => Number(option.value));
   setSpeed(options[Math.max(0, Math.min(options.length - 1, options.indexOf(view.speed) + by))]);
 };
 
-at("scrubber").oninput = event => { const frame = Number(event.target.value); if (playing) { playing = null; asked = null; } seek(frame); };
+at("scrubber").oninput = event => { const frame = Number(event.target.value); if (playing) { playing = null; requested = null; } seek(frame); };
 at("back").onclick = () => step(-1);
 at("forth").onclick = () => step(1);
 at("play").onclick = toggle;
 at("loop").onclick = setLoop;
 at("speed").onchange = event => setSpeed(Number(event.target.value));
-at("detail").onchange = event => { view.detail = event.target.value; keep(); ask({ detail: view.detail }); };
+at("detail").onchange = event => { view.detail = event.target.value; keep(); request({ detail: view.detail }); };
 at("finish").onclick = finish;
 at("measure").onclick = measure;
 at("fit").onclick = () => zoom(0);
