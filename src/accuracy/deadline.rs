@@ -19,17 +19,17 @@ pub struct Deadline {
     within: f64,
     after: f64,
     /// The indices of the frames that have not begun, and the demands of surveyed frames.
-    left: BTreeSet<usize>,
+    remaining: BTreeSet<usize>,
     demands: Vec<Option<Demand>>,
     /// The sum of the demands of all remaining frames.
     total: Demand,
     /// The ratio of seconds to samples of rounds.
     rate: Recent,
     /// The ratio of samples taken to samples predicted.
-    harder: Recent,
+    sample_ratio: Recent,
     /// Mean seconds of a frame before its first request for a further round, and after its last request.
-    before: Mean,
-    behind: Mean,
+    before_rounds: Mean,
+    after_rounds: Mean,
     /// Mean seconds for writing a frame, and the number of frames not yet written.
     writing: Mean,
     unwritten: usize,
@@ -39,10 +39,10 @@ pub struct Deadline {
 /// The current frame. Times are in seconds.
 #[derive(Clone, Copy, Debug, Default)]
 struct FrameInProgress {
-    place: usize,
-    begun: f64,
+    index: usize,
+    start_time: f64,
     /// The last request for a round: its time, and the sample count and the error of the picture at that time.
-    asked: Option<(f64, f64, f64)>,
+    last_request: Option<(f64, f64, f64)>,
     /// The samples and seconds of its further rounds.
     samples: f64,
     seconds: f64,
@@ -58,10 +58,10 @@ struct Recent {
 }
 
 impl Recent {
-    /// Adds to both sums after multiplying them by `kept`.
-    fn add(&mut self, above: f64, below: f64, kept: f64) {
-        self.above = kept * self.above + above;
-        self.below = kept * self.below + below;
+    /// Adds to both sums after multiplying them by `decay`.
+    fn add(&mut self, above: f64, below: f64, decay: f64) {
+        self.above = decay * self.above + above;
+        self.below = decay * self.below + below;
     }
 
     fn ratio(&self) -> Option<f64> {
@@ -105,13 +105,13 @@ impl Deadline {
             start,
             within: within.as_secs_f64(),
             after: 0.0,
-            left: (0..frames).collect(),
+            remaining: (0..frames).collect(),
             demands: vec![None; frames],
             total: Demand::default(),
             rate: Recent::default(),
-            harder: Recent::default(),
-            before: Mean::default(),
-            behind: Mean::default(),
+            sample_ratio: Recent::default(),
+            before_rounds: Mean::default(),
+            after_rounds: Mean::default(),
             writing: Mean::default(),
             unwritten: 0,
             frame: FrameInProgress::default(),
@@ -120,8 +120,8 @@ impl Deadline {
 
     /// Returns the remaining time in seconds; 0 after the time limit.
     #[must_use]
-    pub fn left(&self) -> f64 {
-        self.left_at(self.now())
+    pub fn time_left(&self) -> f64 {
+        self.time_left_at(self.now())
     }
 
     /// Reserves a number of seconds for the work after the last frame.
@@ -131,44 +131,47 @@ impl Deadline {
 
     /// Records the demand of a frame, estimated from a few of its samples. `first` is the time until the end of its first round and
     /// `writing` the time for writing it; both are in seconds.
-    pub fn note_demand(&mut self, place: usize, demand: Demand, [first, writing]: [f64; 2]) {
-        self.demands[place] = Some(demand);
-        self.before.add(first);
+    pub fn note_demand(&mut self, index: usize, demand: Demand, [first, writing]: [f64; 2]) {
+        self.demands[index] = Some(demand);
+        self.before_rounds.add(first);
         self.writing.add(writing);
     }
 
     /// Records the cost of further rounds of a surveyed frame.
-    pub fn calibrate(&mut self, Calibration { samples, foreseen, seconds }: Calibration) {
+    pub fn calibrate(&mut self, Calibration { samples, predicted, seconds }: Calibration) {
         self.rate.add(seconds, samples, 1.0);
-        self.harder.add(samples, foreseen, 1.0);
+        self.sample_ratio.add(samples, predicted, 1.0);
     }
 
     /// Gives each frame without a survey the demand of the nearest surveyed frame.
     pub fn spread_demands(&mut self) {
         let known: Vec<usize> =
-            (0..self.demands.len()).filter(|place| self.demands[*place].is_some()).collect();
-        let spread = (0..self.demands.len()).map(|place| {
-            let next = known.partition_point(|known| *known < place);
+            (0..self.demands.len()).filter(|index| self.demands[*index].is_some()).collect();
+        let spread = (0..self.demands.len()).map(|index| {
+            let next = known.partition_point(|known| *known < index);
             let near = known[next.saturating_sub(1)..known.len().min(next + 1)].iter();
-            near.min_by_key(|known| known.abs_diff(place)).and_then(|known| self.demands[*known])
+            near.min_by_key(|known| known.abs_diff(index)).and_then(|known| self.demands[*known])
         });
         self.demands = spread.collect();
         self.total = Demand::default();
-        self.left.iter().filter_map(|place| self.demands[*place]).for_each(|demand| self.total += demand);
+        self.remaining
+            .iter()
+            .filter_map(|index| self.demands[*index])
+            .for_each(|demand| self.total += demand);
     }
 
     /// Removes a frame that already exists from the remaining frames.
-    pub fn keep(&mut self, place: usize) {
-        if self.left.remove(&place)
-            && let Some(demand) = self.demands[place]
+    pub fn keep(&mut self, index: usize) {
+        if self.remaining.remove(&index)
+            && let Some(demand) = self.demands[index]
         {
             self.total -= demand;
         }
     }
 
     /// Begins a frame.
-    pub fn begin(&mut self, place: usize) {
-        self.begin_at(place, self.now());
+    pub fn begin(&mut self, index: usize) {
+        self.begin_at(index, self.now());
     }
 
     /// Ends the current frame, which is then to be written.
@@ -186,31 +189,32 @@ impl Deadline {
         self.start.elapsed().as_secs_f64()
     }
 
-    fn left_at(&self, now: f64) -> f64 {
+    fn time_left_at(&self, now: f64) -> f64 {
         let writing = (self.unwritten + 1) as f64 * self.writing.get();
         (PLANNED * self.within - self.after - writing - now).max(0.0)
     }
 
-    fn begin_at(&mut self, place: usize, now: f64) {
-        self.keep(place);
-        self.frame = FrameInProgress { place, begun: now, ..FrameInProgress::default() };
+    fn begin_at(&mut self, index: usize, now: f64) {
+        self.keep(index);
+        self.frame = FrameInProgress { index, start_time: now, ..FrameInProgress::default() };
     }
 
     fn end_at(&mut self, now: f64) {
         self.unwritten += 1;
-        let FrameInProgress { place, samples, asked: Some((asked, _, error)), .. } = self.frame else {
+        let FrameInProgress { index, samples, last_request: Some((requested, _, error)), .. } = self.frame
+        else {
             return;
         };
-        self.behind.add(now - asked);
-        if let Some(demand) = self.demands[place] {
-            self.harder.add(samples, demand.samples(Demand::level(error)), 0.7);
+        self.after_rounds.add(now - requested);
+        if let Some(demand) = self.demands[index] {
+            self.sample_ratio.add(samples, demand.samples(Demand::level(error)), 0.7);
         }
     }
 
     /// Records the cost of the last round.
     fn note_round(&mut self, now: f64, samples: f64) {
-        let Some((asked, before, _)) = self.frame.asked else { return };
-        let seconds = now - asked;
+        let Some((requested, before, _)) = self.frame.last_request else { return };
+        let seconds = now - requested;
         self.frame.samples += samples - before;
         self.frame.seconds += seconds;
         // A measurement loses weight by a factor of e per tenth of the time limit.
@@ -219,28 +223,30 @@ impl Deadline {
 
     /// Returns the target level of error and the largest sample count of the next round; `None` to end the frame.
     fn next(&mut self, own: &Demand, samples: f64, error: f64, now: f64) -> Option<(f64, f64)> {
-        if self.frame.asked.is_none() {
-            self.before.add(now - self.frame.begun);
+        if self.frame.last_request.is_none() {
+            self.before_rounds.add(now - self.frame.start_time);
         }
         self.note_round(now, samples);
-        self.frame.asked = Some((now, samples, error));
-        let others = self.left.len() as f64;
-        let time = self.left_at(now) - others * (self.before.get() + self.behind.get()) - self.behind.get();
+        self.frame.last_request = Some((now, samples, error));
+        let others = self.remaining.len() as f64;
+        let time = self.time_left_at(now)
+            - others * (self.before_rounds.get() + self.after_rounds.get())
+            - self.after_rounds.get();
         // Before any round has been measured, the rate of the first samples is used.
-        let rate = self.rate.ratio().unwrap_or_else(|| self.before.get() / samples);
-        let harder = self.harder.ratio().unwrap_or(1.0).clamp(0.05, 4.0);
+        let rate = self.rate.ratio().unwrap_or_else(|| self.before_rounds.get() / samples);
+        let sample_ratio = self.sample_ratio.ratio().unwrap_or(1.0).clamp(0.05, 4.0);
         let level = Demand::highest_level(|level| {
-            rate * (own.samples(level) + harder * self.total.samples(level)) <= time
+            rate * (own.samples(level) + sample_ratio * self.total.samples(level)) <= time
         });
         let wanted = rate * own.samples(level);
-        if self.left.is_empty() {
+        if self.remaining.is_empty() {
             let share = *self.frame.share.get_or_insert(time);
             return (time > REST * share).then_some((level, ROUND * time / rate));
         }
         // The first samples are poor predictors: the share is at least the prediction, and at least the average over the remaining frames.
-        let foreseen =
-            self.demands[self.frame.place].map_or(0.0, |demand| rate * harder * demand.samples(level));
-        let share = *self.frame.share.get_or_insert(foreseen.max(time / (others + 1.0)));
+        let predicted =
+            self.demands[self.frame.index].map_or(0.0, |demand| rate * sample_ratio * demand.samples(level));
+        let share = *self.frame.share.get_or_insert(predicted.max(time / (others + 1.0)));
         let most = (MOST_SHARES * share - self.frame.seconds).min(ROUND * time);
         (wanted.min(most) > SMALL * self.frame.seconds).then_some((level, most / rate))
     }
@@ -268,7 +274,7 @@ pub fn survey_order(frames: usize) -> impl Iterator<Item = usize> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "less than there are frames")]
     let nearest = (GOLDEN * frames as f64) as usize;
     let step = (nearest..=frames).find(|step| share(*step, frames) == 1).unwrap_or(1);
-    (0..frames).scan(0, move |place, _| Some(std::mem::replace(place, (*place + step) % frames)))
+    (0..frames).scan(0, move |index, _| Some(std::mem::replace(index, (*index + step) % frames)))
 }
 
 /// The survey of a frame: takes a few samples and estimates the effect of more.
@@ -288,7 +294,7 @@ pub struct FrameSurvey {
 #[derive(Clone, Copy, Debug)]
 pub struct Calibration {
     samples: f64,
-    foreseen: f64,
+    predicted: f64,
     seconds: f64,
 }
 
@@ -323,10 +329,10 @@ impl RoundPolicy for FrameSurvey {
         let (now, samples) = (Instant::now(), outlook.samples());
         self.first.get_or_insert(now);
         self.rounds += 1;
-        if let Some((begun, before)) = self.found {
-            let foreseen = self.demand.samples(Demand::level(outlook.error().value));
-            let seconds = (now - begun).as_secs_f64();
-            self.calibration = Some(Calibration { samples: samples - before, foreseen, seconds });
+        if let Some((start_time, before)) = self.found {
+            let predicted = self.demand.samples(Demand::level(outlook.error().value));
+            let seconds = (now - start_time).as_secs_f64();
+            self.calibration = Some(Calibration { samples: samples - before, predicted, seconds });
         } else {
             self.demand = Demand::of(outlook);
             self.found = (self.rounds == 2).then_some((now, samples));
@@ -365,14 +371,14 @@ mod tests {
             };
             let mut deadline = Deadline::new(Instant::now(), Duration::from_secs_f64(self.within), count);
             let mut now = 0.0;
-            for place in survey_order(count).take((self.surveyed)(count)) {
-                deadline.note_demand(place, demand(self.hardness[place], 2.0 * PIXELS), [FIRST, 0.001]);
+            for index in survey_order(count).take((self.surveyed)(count)) {
+                deadline.note_demand(index, demand(self.hardness[index], 2.0 * PIXELS), [FIRST, 0.001]);
                 now += 2.0 * FIRST;
             }
             deadline.spread_demands();
             let mut errors = Vec::new();
-            for (place, hardness) in self.hardness.iter().enumerate() {
-                deadline.begin_at(place, now);
+            for (index, hardness) in self.hardness.iter().enumerate() {
+                deadline.begin_at(index, now);
                 now += FIRST;
                 let mut samples = PIXELS;
                 loop {
@@ -413,12 +419,12 @@ mod tests {
 
     #[test]
     fn the_time_is_used_and_kept() {
-        let busy = |place: usize| if (32..64).contains(&place) { 4e8 } else { 1e6 };
+        let busy = |index: usize| if (32..64).contains(&index) { 4e8 } else { 1e6 };
         let sequences = [
             vec![1e7],
             vec![1e7; 24],
             (0..96).map(busy).collect(),
-            (0..48_u8).map(|place| 1e7 * (1.0 + 0.9 * libm::sin(f64::from(place)))).collect(),
+            (0..48_u8).map(|index| 1e7 * (1.0 + 0.9 * libm::sin(f64::from(index)))).collect(),
         ];
         let all: fn(usize) -> usize = |count| count;
         let few: fn(usize) -> usize = |count| count.div_ceil(4);
@@ -458,7 +464,7 @@ mod tests {
 
     #[test]
     fn frames_are_as_good_as_each_other() {
-        let hardness: Vec<f64> = (0..24_u32).map(|place| 1e6 * f64::from(1 + place % 7)).collect();
+        let hardness: Vec<f64> = (0..24_u32).map(|index| 1e6 * f64::from(1 + index % 7)).collect();
         let simulated = Simulated { hardness, surveyed: |count| count, rate: steady, within: 3.0 };
         let (_, errors) = simulated.render();
         let (least, most) = range(&errors);

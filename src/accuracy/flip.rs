@@ -15,7 +15,7 @@
 //! ```
 //!
 //! All filters are sums of separable filters: products of a function of the column and a function of the row. Pictures are processed in
-//! bands of rows, each with the surrounding rows that the filters reach, so that little memory is needed.
+//! bands of rows, each with the surrounding rows that the filters radius, so that little memory is needed.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -92,7 +92,7 @@ struct Perceived {
 impl Perceived {
     fn of(picture: &OutputValues, width: usize, rows: Range<usize>, filters: &Filters) -> Self {
         let height = picture.size().1 as usize;
-        let around = rows.start.saturating_sub(filters.reach())..height.min(rows.end + filters.reach());
+        let around = rows.start.saturating_sub(filters.radius())..height.min(rows.end + filters.radius());
         let opponent: Vec<DVec3> = picture.pixels()[around.start * width..around.end * width]
             .iter()
             .map(|values| opponent_of_xyz(XYZ * linear(*values)))
@@ -140,20 +140,20 @@ impl ChannelRows {
         let (width, last) = (self.width, self.values.len() / self.width - 1);
         let mut filtered = vec![0.0; rows.len() * width];
         for Product { columns, rows: down } in filter {
-            let reach = columns.len() / 2;
+            let radius = columns.len() / 2;
             let across: Vec<f64> = self
                 .values
                 .chunks(width)
                 .flat_map(|row| {
                     (0..width).map(move |column| {
-                        let at = |tap: usize| row[(column + tap).saturating_sub(reach).min(width - 1)];
+                        let at = |tap: usize| row[(column + tap).saturating_sub(radius).min(width - 1)];
                         columns.iter().enumerate().map(|(tap, weight)| weight * at(tap)).sum::<f64>()
                     })
                 })
                 .collect();
             for (filtered, row) in filtered.chunks_mut(width).zip(rows.clone()) {
                 for (tap, weight) in down.iter().enumerate() {
-                    let row = (row + tap).saturating_sub(reach).max(self.first) - self.first;
+                    let row = (row + tap).saturating_sub(radius).max(self.first) - self.first;
                     let across = &across[row.min(last) * width..][..width];
                     filtered.iter_mut().zip(across).for_each(|(sum, value)| *sum += weight * value);
                 }
@@ -185,10 +185,10 @@ impl Filters {
         const WIDEST: f64 = 0.04;
         /// The width of the most visible features, in degrees.
         const FEATURE_WIDTH: f64 = 0.082;
-        let reach = 3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE;
+        let radius = 3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE;
         let sensitivity = |terms: &[(f64, f64)]| {
             let gaussian = |b: f64| {
-                taps(reach, |x| libm::exp(-PI * PI * x * x / (b * PIXELS_PER_DEGREE * PIXELS_PER_DEGREE)))
+                taps(radius, |x| libm::exp(-PI * PI * x * x / (b * PIXELS_PER_DEGREE * PIXELS_PER_DEGREE)))
             };
             let terms: Vec<(f64, Vec<f64>)> =
                 terms.iter().map(|(a, b)| (a * (PI / b).sqrt(), gaussian(*b))).collect();
@@ -223,17 +223,17 @@ impl Filters {
     }
 
     /// Returns the radius of the largest filter, in rows.
-    fn reach(&self) -> usize {
+    fn radius(&self) -> usize {
         let of = |filter: &[Product]| filter.iter().map(|product| product.rows.len() / 2).max().unwrap_or(0);
         of(&self.blue_yellow).max(of(&self.features[0]))
     }
 }
 
-/// Returns the values of a function at the integers within `reach` of 0.
-fn taps(reach: f64, function: impl Fn(f64) -> f64) -> Vec<f64> {
+/// Returns the values of a function at the integers within `radius` of 0.
+fn taps(radius: f64, function: impl Fn(f64) -> f64) -> Vec<f64> {
     #[expect(clippy::cast_possible_truncation, reason = "few pixels")]
-    let reach = reach.ceil() as i32;
-    (-reach..=reach).map(|x| function(f64::from(x))).collect()
+    let radius = radius.ceil() as i32;
+    (-radius..=radius).map(|x| function(f64::from(x))).collect()
 }
 
 fn scaled(taps: &[f64], factor: f64) -> Vec<f64> {
@@ -405,9 +405,9 @@ mod tests {
         let ppd = PIXELS_PER_DEGREE;
         let (width, height) = (i32::try_from(one.size().0).unwrap(), i32::try_from(one.size().1).unwrap());
         let filtered =
-            |values: &dyn Fn(usize) -> f64, reach: i32, weight: &dyn Fn(f64, f64) -> f64, at: (i32, i32)| {
+            |values: &dyn Fn(usize) -> f64, radius: i32, weight: &dyn Fn(f64, f64) -> f64, at: (i32, i32)| {
                 let (mut positive, mut negative, mut sums) = (0.0, 0.0, [0.0; 2]);
-                for (y, x) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (y, x))) {
+                for (y, x) in (-radius..=radius).flat_map(|y| (-radius..=radius).map(move |x| (y, x))) {
                     let weight = weight(f64::from(x), f64::from(y));
                     let (column, row) = ((at.0 + x).clamp(0, width - 1), (at.1 + y).clamp(0, height - 1));
                     let value = values(usize::try_from(row * width + column).unwrap());

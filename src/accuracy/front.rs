@@ -77,12 +77,12 @@ pub(super) fn front(candidates: &[FrontPoint], resolution: Resolution) -> Vec<bo
         rays(one, other).is_none()
             && (is_cheaper && is_as_good(one, other) || is_as_cheap && is_better(one, other))
     };
-    let left: Vec<bool> =
+    let unbeaten: Vec<bool> =
         candidates.iter().map(|other| !candidates.iter().any(|one| by_rays(one, other))).collect();
     let is_beaten = |other: &FrontPoint| {
-        candidates.iter().zip(&left).any(|(one, is_left)| *is_left && by_time(one, other))
+        candidates.iter().zip(&unbeaten).any(|(one, is_unbeaten)| *is_unbeaten && by_time(one, other))
     };
-    candidates.iter().zip(&left).map(|(other, is_left)| *is_left && !is_beaten(other)).collect()
+    candidates.iter().zip(&unbeaten).map(|(other, is_unbeaten)| *is_unbeaten && !is_beaten(other)).collect()
 }
 
 /// Compares ray counts; `None` if one has more rays of one kind and fewer of another.
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn stars_do_not_depend_on_scatter() {
         let uniform = |error, time, rays| candidate(error, time, rays, ROBUST);
-        let truth = [
+        let exact = [
             uniform(3.399, 1.0, [518_400, 804_000, 173_000, 0]),
             uniform(15.38, 0.05, [32_400, 50_200, 10_800, 0]),
             uniform(11.551, 0.14, [64_800, 100_500, 21_600, 0]),
@@ -191,9 +191,9 @@ mod tests {
         };
         let mut choice = |is_by_medians: bool| {
             let times: Vec<MedianRange> =
-                truth.iter().map(|one| MedianRange::of(&[(); 4].map(|()| one.time * scatter()))).collect();
+                exact.iter().map(|one| MedianRange::of(&[(); 4].map(|()| one.time * scatter()))).collect();
             let resolution = Resolution::of(24.95, 97_200.0, &times);
-            let measured: Vec<FrontPoint> = truth
+            let measured: Vec<FrontPoint> = exact
                 .iter()
                 .zip(&times)
                 .map(|(one, time)| FrontPoint { time: time.median, ..*one })
@@ -209,7 +209,7 @@ mod tests {
         };
         let (by_medians, by_resolution) = (changes(true), changes(false));
         assert!(by_medians > 500, "the scatter is too small to show anything: {by_medians}");
-        assert!(by_resolution < 25, "{by_resolution} of {} stars changed", 500 * truth.len());
+        assert!(by_resolution < 25, "{by_resolution} of {} stars changed", 500 * exact.len());
     }
 
     proptest! {

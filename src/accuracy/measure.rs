@@ -43,7 +43,7 @@ pub struct Request {
     /// The frames to render, at least one.
     pub frames: Vec<u32>,
     /// The amount of work.
-    pub thoroughness: Preset,
+    pub preset: Preset,
     /// Other sizes of the film to compare, in columns and rows.
     pub sizes: Vec<(u32, u32)>,
     /// True if the rows keep the film of the first frame.
@@ -119,7 +119,7 @@ const DEEP: u32 = 64;
 /// The references for all variants, frame by frame.
 struct ReferenceSet {
     /// The summary of the reference in the report.
-    told: ReferenceInfo,
+    info: ReferenceInfo,
     films: Vec<Film>,
     /// References with the scene's own depth and cutoff. These two settings alone may prevent convergence to `films`.
     own: Vec<Film>,
@@ -127,26 +127,26 @@ struct ReferenceSet {
 
 impl Measurer<'_> {
     fn run(&mut self, request: &Request) -> Result<Report, StopReason> {
-        let Preset { rounds, samples, pictures, factor } = request.thoroughness;
+        let Preset { rounds, samples, pictures, factor } = request.preset;
         let pictures = pictures.max(2);
         let plan = self.plan()?;
         let own = OwnSettings { sampling: self.engine.sampling(), quality: self.engine.quality() };
         let most = if own.sampling.is_adaptive() { samples } else { samples.max(own.sampling.samples) };
-        let reach = SweepRange {
+        let range = SweepRange {
             samples: most,
             most: most.saturating_mul(factor).min(Sampling::LARGEST_COUNT),
             light_samples: samples.min(16),
             depth: own.quality.depth + 4,
         };
-        let rows = sweep(&plan, own, reach, &request.sizes);
-        self.foresee(&rows, own, rounds, reach.most.saturating_mul(pictures));
-        let truth = self.truth(own, reach.most, pictures)?;
-        let mut rows = self.rows(rows, &truth, own, reach)?;
+        let rows = sweep(&plan, own, range, &request.sizes);
+        self.estimate_work(&rows, own, rounds, range.most.saturating_mul(pictures));
+        let reference = self.render_references(own, range.most, pictures)?;
+        let mut rows = self.rows(rows, &reference, own, range)?;
         self.time(&mut rows, rounds)?;
         let mut report = Report {
             frames: request.frames.clone(),
-            size: truth.films.first().map_or((0, 0), |film| (film.width(), film.height())),
-            reference: truth.told,
+            size: reference.films.first().map_or((0, 0), |film| (film.width(), film.height())),
+            reference: reference.info,
             rows,
             resolution: Resolution::default(),
             orders: Vec::new(),
@@ -158,41 +158,46 @@ impl Measurer<'_> {
     }
 
     /// Renders the references.
-    fn truth(&mut self, own: OwnSettings, samples: u32, pictures: u32) -> Result<ReferenceSet, StopReason> {
+    fn render_references(
+        &mut self,
+        own: OwnSettings,
+        samples: u32,
+        pictures: u32,
+    ) -> Result<ReferenceSet, StopReason> {
         let shallow = RenderSettings::default();
         let deep =
             RenderSettings { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
-        let as_it_is = self.render(&RenderSettings::default(), None)?;
+        let own_depth = self.render(&RenderSettings::default(), None)?;
         let deeper = self.render(&deep, None)?;
-        let is_deep = self.error(&as_it_is.films, &deeper.films).max < f64::from(NO_CUTOFF);
+        let is_deep = self.error(&own_depth.films, &deeper.films).max < f64::from(NO_CUTOFF);
         let seed = own.sampling.seed;
         let start = Instant::now();
         let reference = self.converged(if is_deep { shallow } else { deep }, pictures, seed, samples)?;
-        let told = ReferenceInfo::of(&reference, samples.saturating_mul(pictures), pictures, start.elapsed());
+        let info = ReferenceInfo::of(&reference, samples.saturating_mul(pictures), pictures, start.elapsed());
         let films = films_of(reference);
         let own = if is_deep {
             films.clone()
         } else {
-            self.work.all += f64::from(told.samples);
+            self.work.all += f64::from(info.samples);
             films_of(self.converged(shallow, pictures, seed, samples)?)
         };
-        Ok(ReferenceSet { told, films, own })
+        Ok(ReferenceSet { info, films, own })
     }
 
     /// Renders every variant and compares it with the references.
     fn rows(
         &mut self,
         rows: Vec<(Subject, RenderSettings)>,
-        truth: &ReferenceSet,
+        reference: &ReferenceSet,
         own: OwnSettings,
-        reach: SweepRange,
+        range: SweepRange,
     ) -> Result<Vec<Row>, StopReason> {
         let mut compared: Vec<Row> = Vec::with_capacity(rows.len());
         let mut best: Option<(RenderSettings, Vec<Film>)> = None;
         for (subject, settings) in rows {
             let rendered = self.render(&settings, Some(subject))?;
-            let alone = match best_alone(subject, own, reach) {
-                None => self.error(&rendered.films, &truth.own),
+            let alone = match best_alone(subject, own, range) {
+                None => self.error(&rendered.films, &reference.own),
                 Some(variant) => {
                     let films = match best.take().filter(|(known, _)| *known == variant) {
                         Some((_, films)) => films,
@@ -206,8 +211,8 @@ impl Measurer<'_> {
             let row = Row {
                 subject,
                 settings,
-                error: self.error(&rendered.films, &truth.films),
-                similarity: self.similarity(&rendered.films, &truth.films),
+                error: self.error(&rendered.films, &reference.films),
+                similarity: self.similarity(&rendered.films, &reference.films),
                 alone,
                 seconds: MedianRange::default(),
                 relative: MedianRange::default(),
@@ -239,7 +244,13 @@ impl Measurer<'_> {
     }
 
     /// Estimates the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
-    fn foresee(&mut self, rows: &[(Subject, RenderSettings)], own: OwnSettings, rounds: u32, reference: u32) {
+    fn estimate_work(
+        &mut self,
+        rows: &[(Subject, RenderSettings)],
+        own: OwnSettings,
+        rounds: u32,
+        reference: u32,
+    ) {
         let own = if own.sampling.is_adaptive() { ADAPTIVE } else { own.sampling.samples };
         self.work.own = own;
         let of_rows: f64 = rows.iter().map(|(_, settings)| samples(settings, own)).sum();
@@ -321,9 +332,9 @@ impl Measurer<'_> {
         const OWN: Option<Subject> = Some(Subject::Own);
         let (distinct, same): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|row| rows[*row].same_as.is_none());
-        let spared = same.iter().map(|row| samples(&rows[*row].settings, self.work.own)).sum::<f64>();
-        self.work.all -= spared * f64::from(rounds);
-        let (mut measured, mut usual) = (vec![Vec::new(); distinct.len()], Vec::new());
+        let unmeasured = same.iter().map(|row| samples(&rows[*row].settings, self.work.own)).sum::<f64>();
+        self.work.all -= unmeasured * f64::from(rounds);
+        let (mut measured, mut own_seconds) = (vec![Vec::new(); distinct.len()], Vec::new());
         for _ in 0..rounds {
             let mut before = self.seconds(&RenderSettings::default(), OWN)?;
             for (chunk, measured) in distinct.chunks(BETWEEN).zip(measured.chunks_mut(BETWEEN)) {
@@ -335,18 +346,18 @@ impl Measurer<'_> {
                 }
                 let after = self.seconds(&RenderSettings::default(), OWN)?;
                 let around = f64::midpoint(before, after).max(f64::MIN_POSITIVE);
-                usual.push(around);
+                own_seconds.push(around);
                 before = after;
                 measured.iter_mut().zip(seconds).for_each(|(all, seconds)| all.push(seconds / around));
             }
         }
-        let usual = MedianRange::of(&usual).median;
+        let own_seconds = MedianRange::of(&own_seconds).median;
         for (row, measured) in distinct.into_iter().zip(measured) {
             rows[row].relative = MedianRange::of(&measured);
         }
         for row in 0..rows.len() {
             let relative = rows[rows[row].same_as.unwrap_or(row)].relative;
-            (rows[row].relative, rows[row].seconds) = (relative, relative.times(usual));
+            (rows[row].relative, rows[row].seconds) = (relative, relative.times(own_seconds));
         }
         Ok(())
     }
@@ -396,12 +407,12 @@ impl Measurer<'_> {
 }
 
 /// Returns the variant in which only this subject has its best value; `None` if its best value is the converged reference.
-fn best_alone(subject: Subject, own: OwnSettings, reach: SweepRange) -> Option<RenderSettings> {
+fn best_alone(subject: Subject, own: OwnSettings, range: SweepRange) -> Option<RenderSettings> {
     let turned = |parameter, value: f64| Some(turned(parameter, value));
     match subject {
         Subject::Precision(_) | Subject::Size(..) | Subject::Without(_) => Some(RenderSettings::default()),
         Subject::Parameter(parameter @ Parameter::LightSamples, _) => {
-            turned(parameter, f64::from(reach.light_samples) * 16.0)
+            turned(parameter, f64::from(range.light_samples) * 16.0)
         }
         Subject::Parameter(parameter @ Parameter::Instants, _) => {
             turned(parameter, own.sampling.samples.min(Sampling::LARGEST_INSTANTS).into())

@@ -129,17 +129,17 @@ pub(super) struct SweepRange {
 pub(super) fn sweep(
     plan: &Plan,
     own: OwnSettings,
-    reach: SweepRange,
+    range: SweepRange,
     sizes: &[(u32, u32)],
 ) -> Vec<(Subject, RenderSettings)> {
     let own_settings = RenderSettings::default();
     let mut rows = vec![(Subject::Own, own_settings)];
     for parameter in Parameter::ALL.into_iter().filter(|parameter| is_called_for(*parameter, plan)) {
-        let turned = values(parameter, own, reach).into_iter().map(|value| {
+        let turned = values(parameter, own, range).into_iter().map(|value| {
             let mut settings = turned(parameter, value);
             if parameter == Parameter::MaxError {
                 // Not more samples than a reference picture.
-                settings.samples = Some(reach.most);
+                settings.samples = Some(range.most);
             }
             (Subject::Parameter(parameter, value), settings)
         });
@@ -175,22 +175,22 @@ fn is_called_for(parameter: Parameter, plan: &Plan) -> bool {
 fn values(
     parameter: Parameter,
     OwnSettings { sampling, quality }: OwnSettings,
-    reach: SweepRange,
+    range: SweepRange,
 ) -> Vec<f64> {
     let powers =
         |most: u32| (0..32).map(|exponent| 1_u32 << exponent).take_while(move |power| *power <= most);
     let (mut values, own): (Vec<f64>, f64) = match parameter {
-        Parameter::Samples if sampling.is_adaptive() => (powers(reach.samples).map(f64::from).collect(), 0.0),
-        Parameter::Samples => (powers(reach.samples).map(f64::from).collect(), sampling.samples.into()),
+        Parameter::Samples if sampling.is_adaptive() => (powers(range.samples).map(f64::from).collect(), 0.0),
+        Parameter::Samples => (powers(range.samples).map(f64::from).collect(), sampling.samples.into()),
         Parameter::MaxError => (vec![0.25, 0.5, 1.0, 2.0, 4.0], sampling.max_error.into()),
-        Parameter::LightSamples => (powers(reach.light_samples).map(f64::from).collect(), 0.0),
+        Parameter::LightSamples => (powers(range.light_samples).map(f64::from).collect(), 0.0),
         Parameter::Instants => (
             powers(sampling.samples.min(Sampling::LARGEST_INSTANTS)).map(f64::from).collect(),
             sampling.instants.into(),
         ),
         Parameter::Depth => {
             let depths = [1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32].into_iter();
-            (depths.take_while(|depth| *depth <= reach.depth).map(f64::from).collect(), quality.depth.into())
+            (depths.take_while(|depth| *depth <= range.depth).map(f64::from).collect(), quality.depth.into())
         }
         Parameter::Cutoff => (vec![0.0, 0.25, 1.0, 4.0, 16.0], quality.cutoff.into()),
         // Their values are not numbers.

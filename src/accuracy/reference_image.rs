@@ -28,7 +28,7 @@ impl ReferenceImage {
     /// If the films have different sizes, or are fewer than two.
     #[must_use]
     pub fn mean(films: &[Film], transfer: Transfer) -> Self {
-        assert!(films.len() > 1, "a single film does not say how good it is");
+        assert!(films.len() > 1, "a single film has no error estimate");
         films.iter().for_each(|film| require_same_size(film, &films[0]));
         let count = films.len() as f64;
         let pixels = films[0].pixels().len();
@@ -68,8 +68,8 @@ mod tests {
 
     /// Checks noise that decreases from left to right around a known reference.
     #[test]
-    fn the_stated_uncertainty_covers_the_truth() {
-        let truth = Film::from_pixels(64, 64, (0..4096).map(|_| Rgb::splat(0.5)));
+    fn the_stated_uncertainty_covers_the_error() {
+        let exact = Film::from_pixels(64, 64, (0..4096).map(|_| Rgb::splat(0.5)));
         let mut state = 1_u64;
         let mut random = move || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -86,7 +86,7 @@ mod tests {
                 })
                 .collect();
             let mean = ReferenceImage::mean(&films, Transfer::Classic);
-            let error = FilmError::between(&mean.film, &truth, Transfer::Classic);
+            let error = FilmError::between(&mean.film, &exact, Transfer::Classic);
             assert!(error.rms < mean.rms && error.rms > mean.rms / 3.0, "{} {}", error.rms, mean.rms);
             covered += i32::from(error.max < mean.max);
         }

@@ -136,7 +136,7 @@ impl Report {
     }
 
     /// Returns the rows that change a parameter, ascending.
-    pub fn of_knob(&self, parameter: Parameter) -> impl Iterator<Item = &Row> {
+    pub fn of_parameter(&self, parameter: Parameter) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(move |row| row.subject.parameter() == Some(parameter))
     }
 
@@ -192,7 +192,7 @@ impl Report {
                 let own =
                     self.rows.first().filter(|_| parameter == Parameter::Samples && self.own_samples > 1);
                 let own = own.map(|row| (f64::from(self.own_samples), row.alone.rms));
-                let pairs = self.of_knob(parameter).filter_map(|row| match row.subject {
+                let pairs = self.of_parameter(parameter).filter_map(|row| match row.subject {
                     // A single sample is in the pixel's centre, which is a different rule.
                     Subject::Parameter(Parameter::Samples, value) if value < 2.0 => None,
                     Subject::Parameter(_, value) if row.alone.rms > trusted => Some((value, row.alone.rms)),

@@ -421,7 +421,7 @@ pub(super) struct ProbeArguments {
 Reads every frame file completely and compares it with the scene. Lists frames, in the syntax of
 `render --frames`, that are `missing`, `torn` (incomplete, or with altered pixels), `stale`
 (outdated: rendering them now would use different input) or `unknown` (without a record of their
-input), and `surplus` files (leftovers that look like frames of the sequence). Exits with 0 if all
+input), and `surplus` files (stray files that look like frames of the sequence). Exits with 0 if all
 frames are complete and up to date, otherwise with 1.")]
 pub(super) struct VerifyArguments {
     /// A folder written by `render`

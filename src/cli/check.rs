@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
                 }));
             }
             Ok(CheckPassed { count, warnings, sources }) => {
-                warnings.tell(Some(&sources));
+                warnings.print(Some(&sources));
                 print::result_line(&format!("{file}: ok, {}{}", frames(count), warnings.count()))?;
             }
             Err(CheckFailed::Scene(error)) if arguments.json => results.push(mistakes(&error)),
@@ -95,7 +95,7 @@ fn check(path: &Path, overrides: &[Override]) -> Result<CheckPassed, CheckFailed
             Err(EngineError::Script(mistake)) => return Err(CheckFailed::Script(mistake.into())),
             Err(EngineError::Scene(error)) => return Err(CheckFailed::Scene(error)),
             Ok(()) | Err(EngineError::UnknownComponent(_)) => {
-                warnings.look(&engine, &format!("frame {frame}"));
+                warnings.collect(&engine, &format!("frame {frame}"));
             }
         }
     }

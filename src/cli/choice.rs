@@ -26,18 +26,18 @@ use super::settings_file::{FrameRecord, PictureKey, SettingsFile};
 
 /// Selects the samples of each frame and records the selection.
 pub(super) struct SampleSelection {
-    by: By,
+    strategy: Strategy,
     /// Record of the selected samples; it includes the entries of other frames in the same folder.
-    record: Option<Record>,
+    record: Option<SettingsRecorder>,
     start: Instant,
     /// Start time of the current frame.
-    begun: Instant,
+    frame_start: Instant,
     /// Samples of the current frame; `None` for the scene's own.
     samples: Option<FrameSamples>,
 }
 
 /// Source of the samples.
-enum By {
+enum Strategy {
     /// The scene's own settings.
     Scene,
     /// An error target, the same for all frames.
@@ -48,7 +48,7 @@ enum By {
 }
 
 /// The settings file that this run writes.
-struct Record {
+struct SettingsRecorder {
     file: PathBuf,
     settings: SettingsFile,
     scene: PathBuf,
@@ -92,35 +92,35 @@ impl SampleSelection {
     ) -> Result<Option<Self>, Failure> {
         ensure_unset(arguments)?;
         let record = match arguments.max_error.is_some() || arguments.deadline.is_some() {
-            true => Some(Record::new(settings, &arguments.scene, arguments.deadline)?),
+            true => Some(SettingsRecorder::new(settings, &arguments.scene, arguments.deadline)?),
             false => None,
         };
-        let by = if let Some(error) = arguments.max_error {
+        let strategy = if let Some(error) = arguments.max_error {
             let samples = arguments.overrides.samples().unwrap_or(Sampling::LARGEST_COUNT);
-            By::Error(FrameSamples::for_error(error, samples))
+            Strategy::Error(FrameSamples::for_error(error, samples))
         } else if let (Some(within), Some(record)) = (arguments.deadline, &record) {
             let known = &record.settings;
             let movie = arguments.movie.as_deref();
             match Paced::new(engine, settings, known, movie, start, within, cancelled)? {
-                Some(paced) => By::Deadline(paced),
+                Some(paced) => Strategy::Deadline(paced),
                 None => return Ok(None),
             }
         } else if let Some(file) = &arguments.settings {
-            By::Settings(read(file, settings)?)
+            Strategy::Settings(read(file, settings)?)
         } else {
-            By::Scene
+            Strategy::Scene
         };
-        Ok(Some(Self { by, record, start, begun: start, samples: None }))
+        Ok(Some(Self { strategy, record, start, frame_start: start, samples: None }))
     }
 
     /// Configures the engine for checking whether the file of a frame can be kept.
     pub(super) fn begin(&mut self, engine: &mut Engine, request: &FrameRequest) {
-        self.begun = Instant::now();
-        self.samples = match &self.by {
-            By::Scene => None,
-            By::Error(samples) => Some(samples.clone()),
-            By::Deadline(_) => self.record.as_ref().and_then(|record| record.of_deadline(request)),
-            By::Settings(settings) => settings.samples_of(request),
+        self.frame_start = Instant::now();
+        self.samples = match &self.strategy {
+            Strategy::Scene => None,
+            Strategy::Error(samples) => Some(samples.clone()),
+            Strategy::Deadline(_) => self.record.as_ref().and_then(|record| record.of_deadline(request)),
+            Strategy::Settings(settings) => settings.samples_of(request),
         };
         if let Some(samples) = &self.samples {
             samples.set_up(engine);
@@ -129,14 +129,14 @@ impl SampleSelection {
 
     /// Configures the engine for rendering the frame.
     pub(super) fn render(&mut self, engine: &mut Engine) {
-        if let By::Deadline(paced) = &mut self.by {
+        if let Strategy::Deadline(paced) = &mut self.strategy {
             self.samples = Some(paced.begin(engine));
         }
     }
 
     /// Records that the file of the frame was kept.
     pub(super) fn keep(&mut self, request: &FrameRequest) {
-        if let By::Deadline(paced) = &mut self.by {
+        if let Strategy::Deadline(paced) = &mut self.strategy {
             paced.keep();
         }
         if let Some(record) = &mut self.record {
@@ -146,26 +146,26 @@ impl SampleSelection {
 
     /// Records the samples and the result of the rendered frame.
     pub(super) fn end(&mut self, engine: &Engine, request: &FrameRequest) -> anyhow::Result<()> {
-        let took = self.begun.elapsed();
-        if let By::Deadline(paced) = &mut self.by {
+        let took = self.frame_start.elapsed();
+        if let Strategy::Deadline(paced) = &mut self.strategy {
             paced.end();
         }
         let (Some(record), Some(samples)) = (&mut self.record, self.samples.take()) else { return Ok(()) };
-        let rounds = matches!(self.by, By::Deadline(_)).then(|| engine.report().rounds.clone());
+        let rounds = matches!(self.strategy, Strategy::Deadline(_)).then(|| engine.report().rounds.clone());
         record.note(engine, FrameSamples { rounds, ..samples }, request, took);
         record.write_if_due()
     }
 
     /// Records the time taken to write a frame.
     pub(super) fn written(&mut self, took: Duration) {
-        if let By::Deadline(paced) = &mut self.by {
+        if let Strategy::Deadline(paced) = &mut self.strategy {
             paced.written(took);
         }
     }
 
     /// Returns a message if the deadline is missed.
     pub(super) fn late(&self) -> Option<String> {
-        let By::Deadline(paced) = &self.by else { return None };
+        let Strategy::Deadline(paced) = &self.strategy else { return None };
         paced.late(self.start.elapsed())
     }
 
@@ -175,18 +175,18 @@ impl SampleSelection {
             return Ok(None);
         };
         record.write()?;
-        let missed = self.late().or_else(|| record.worse());
+        let missed = self.late().or_else(|| record.missed_target());
         Ok(Some(Chosen { file: record.file, frames: record.noted.len(), missed }))
     }
 }
 
-impl Record {
+impl SettingsRecorder {
     /// Creates a record with the entries of the existing settings file, if there is one.
     fn new(settings: &OutputSettings, scene: &Path, deadline: Option<Duration>) -> anyhow::Result<Self> {
         let file = settings.file_of_settings();
         let known = if file.exists() {
             SettingsFile::read(&file).context(
-                "what is known of other frames would be lost: remove the file or name another --out",
+                "the samples of other frames would be lost: remove the file, or name another --out",
             )?
         } else {
             SettingsFile::default()
@@ -264,7 +264,7 @@ impl Record {
 
     /// Writes the settings file, merged with the entries that other processes have written for other frames.
     fn write(&mut self) -> anyhow::Result<()> {
-        let begun = Instant::now();
+        let start = Instant::now();
         // The lock makes concurrent processes update the file one after the other. On file systems without folder locks,
         // updates are not synchronized.
         let folder = File::open(folder_of(&self.file));
@@ -274,7 +274,7 @@ impl Record {
         }
         self.settings.write(&self.file, &self.scene)?;
         // Limits writing to at most a thirtieth of the time.
-        self.due = Instant::now() + 30 * begun.elapsed();
+        self.due = Instant::now() + 30 * start.elapsed();
         Ok(())
     }
 
@@ -284,7 +284,7 @@ impl Record {
     }
 
     /// Returns a message that names the worst of the frames that miss, or may miss, the error target.
-    fn worse(&self) -> Option<String> {
+    fn missed_target(&self) -> Option<String> {
         let worst = |frames: &[(String, f64)]| {
             let (moment, error) = frames.iter().max_by(|(_, one), (_, other)| one.total_cmp(other))?;
             let others = match frames.len() {
@@ -296,13 +296,13 @@ impl Record {
         };
         let limited = worst(&self.worse).map(|(moment, error, others)| {
             format!(
-                "{moment} is off by about {error:.2} with all the samples that its pixels may get{others}"
+                "{moment} is off by about {error:.2} with the largest number of samples per pixel{others}"
             )
         });
         let hidden = worst(&self.hidden).map(|(moment, error, others)| {
             format!(
-                "{moment} may be off by up to {error:.2} more, by small bright things in mirrors or glass that no sample has met{others}; \
-                 --min-samples 16 meets those larger than a quarter of a pixel"
+                "{moment} may be off by up to {error:.2} more, by small bright objects in mirrors or glass that no sample hit{others}; \
+                 --min-samples 16 hits those larger than a quarter of a pixel"
             )
         });
         match (limited, hidden) {

@@ -26,7 +26,7 @@ use super::settings_file::SettingsFile;
 pub(super) struct Paced {
     deadline: Arc<Mutex<Deadline>>,
     /// Index of the current or next frame among the requests.
-    place: usize,
+    index: usize,
     /// Time limit of this run, less the time that kept frames took.
     within: Duration,
 }
@@ -36,7 +36,7 @@ const LEAST_ERROR: f32 = 1.0 / 1024.0;
 /// Fraction of the time that is spent on surveying frames.
 const SURVEY: f64 = 0.1;
 /// Fraction of the time that is spent on surveying the first frame.
-const LONG: f64 = 0.03;
+const FIRST_SURVEY: f64 = 0.03;
 
 impl Paced {
     /// Surveys frames to estimate their cost. Returns `None` on cancellation.
@@ -55,18 +55,18 @@ impl Paced {
     ) -> Result<Option<Self>, Failure> {
         let requests: Vec<FrameRequest> = settings.requests().collect();
         let (mut used, mut wanted, mut kept) = (0.0, Vec::new(), Vec::new());
-        for (place, request) in requests.iter().enumerate() {
+        for (index, request) in requests.iter().enumerate() {
             match kept_seconds(engine, request, settings, known, within)? {
                 Some(seconds) => {
                     used += seconds;
-                    kept.push(place);
+                    kept.push(index);
                 }
-                None => wanted.push(place),
+                None => wanted.push(index),
             }
         }
         let within = within.saturating_sub(Duration::from_secs_f64(used));
         let mut deadline = Deadline::new(start, within, requests.len());
-        kept.into_iter().for_each(|place| deadline.keep(place));
+        kept.into_iter().for_each(|index| deadline.keep(index));
         let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
         let Surveyed { files, quickest } =
             survey(engine, &requests, &wanted, settings, folder.path(), &mut deadline, cancelled)?;
@@ -75,10 +75,10 @@ impl Paced {
         if let Some(movie) = movie.filter(|_| !files.is_empty()) {
             let trial = folder.path().join(movie.file_name().unwrap_or_default());
             let encode = |count: usize| {
-                let (begun, files) = (Instant::now(), files[..count].to_vec());
+                let (start, files) = (Instant::now(), files[..count].to_vec());
                 let rate = engine.timeline().rate;
                 movie::make_of(&trial, files, settings.sequence.format(), rate, cancelled)?;
-                anyhow::Ok(begun.elapsed().as_secs_f64())
+                anyhow::Ok(start.elapsed().as_secs_f64())
             };
             let one = encode(1)?;
             let each =
@@ -89,7 +89,7 @@ impl Paced {
             return Ok(None);
         }
         deadline.spread_demands();
-        Ok(Some(Self { deadline: Arc::new(Mutex::new(deadline)), place: 0, within }))
+        Ok(Some(Self { deadline: Arc::new(Mutex::new(deadline)), index: 0, within }))
     }
 
     /// Configures the engine for the next frame and returns its samples.
@@ -97,22 +97,22 @@ impl Paced {
         let samples = FrameSamples::for_error(LEAST_ERROR, Sampling::LARGEST_COUNT);
         samples.set_up(engine);
         engine.set_round_policy(Some(self.deadline.clone()));
-        let place = self.place;
-        self.locked().begin(place);
+        let index = self.index;
+        self.locked().begin(index);
         samples
     }
 
     /// Records that the next frame is kept.
     pub(super) fn keep(&mut self) {
-        let place = self.place;
-        self.locked().keep(place);
-        self.place += 1;
+        let index = self.index;
+        self.locked().keep(index);
+        self.index += 1;
     }
 
     /// Records that the current frame is rendered.
     pub(super) fn end(&mut self) {
         self.locked().end();
-        self.place += 1;
+        self.index += 1;
     }
 
     /// Records the time taken to write a frame.
@@ -124,7 +124,7 @@ impl Paced {
     pub(super) fn late(&self, took: Duration) -> Option<String> {
         (took > self.within).then(|| {
             format!(
-                "it took {:.1} s longer than the {:.1} s they were given",
+                "it took {:.1} s longer than the {:.1} s of the deadline",
                 (took - self.within).as_secs_f64(),
                 self.within.as_secs_f64()
             )
@@ -149,7 +149,7 @@ fn kept_seconds(
     samples.set_up(engine);
     let OutputSettings { sequence, existing, .. } = settings;
     let verdict = frame_verdict(engine, request, &request.file(sequence), sequence, *existing)?;
-    Ok((verdict == FrameVerdict::Whole).then_some(seconds))
+    Ok((verdict == FrameVerdict::UpToDate).then_some(seconds))
 }
 
 /// The surveyed frames.
@@ -170,20 +170,20 @@ fn survey(
     deadline: &mut Deadline,
     cancelled: &AtomicBool,
 ) -> Result<Surveyed, Failure> {
-    let end = deadline.left() * (1.0 - SURVEY);
+    let end = deadline.time_left() * (1.0 - SURVEY);
     let mut surveyed = Surveyed { files: Vec::new(), quickest: f64::INFINITY };
-    for place in survey_order(wanted.len()).map(|place| wanted[place]) {
-        if cancelled.load(Ordering::Relaxed) || (!surveyed.files.is_empty() && deadline.left() < end) {
+    for index in survey_order(wanted.len()).map(|index| wanted[index]) {
+        if cancelled.load(Ordering::Relaxed) || (!surveyed.files.is_empty() && deadline.time_left() < end) {
             break;
         }
-        let (request, format) = (requests[place], settings.sequence.format());
-        let name = format!("{place}");
+        let (request, format) = (requests[index], settings.sequence.format());
+        let name = format!("{index}");
         let sequence = Sequence::new(folder.to_owned(), name, request.frame.unwrap_or(0), format);
-        let begun = Instant::now();
+        let start = Instant::now();
         // The first frame is surveyed for longer, to calibrate the estimates.
-        let long = if surveyed.files.is_empty() { LONG * deadline.left() } else { 0.0 };
-        let survey = Arc::new(Mutex::new(FrameSurvey::until(begun + Duration::from_secs_f64(long))));
-        let mut surveyor = Surveyor { survey, begun, first: 0.0, writing: 0.0, refused: None };
+        let long = if surveyed.files.is_empty() { FIRST_SURVEY * deadline.time_left() } else { 0.0 };
+        let survey = Arc::new(Mutex::new(FrameSurvey::until(start + Duration::from_secs_f64(long))));
+        let mut surveyor = Surveyor { survey, start, first: 0.0, writing: 0.0, refused: None };
         render_frames(
             engine,
             std::iter::once(request),
@@ -197,7 +197,7 @@ fn survey(
             return Err(anyhow!(error).into());
         }
         let survey = survey.lock().unwrap_or_else(PoisonError::into_inner);
-        deadline.note_demand(place, survey.demand(), [first, writing]);
+        deadline.note_demand(index, survey.demand(), [first, writing]);
         if let Some(calibration) = survey.calibration() {
             deadline.calibrate(calibration);
         }
@@ -211,7 +211,7 @@ fn survey(
 /// Observer that measures a surveyed frame.
 struct Surveyor {
     survey: Arc<Mutex<FrameSurvey>>,
-    begun: Instant,
+    start: Instant,
     /// Seconds until every pixel had one sample.
     first: f64,
     /// Seconds for encoding and writing.
@@ -227,7 +227,7 @@ impl SequenceObserver for Surveyor {
 
     fn rendered(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {
         let first = self.survey.lock().unwrap_or_else(PoisonError::into_inner).first_round();
-        self.first = (first.unwrap_or_else(Instant::now) - self.begun).as_secs_f64();
+        self.first = (first.unwrap_or_else(Instant::now) - self.start).as_secs_f64();
         ControlFlow::Continue(())
     }
 
@@ -240,12 +240,12 @@ impl SequenceObserver for Surveyor {
     }
 }
 
-/// Returns an error if the frames do not fit into the limit `within` less the elapsed time `gone`. They need at least `least` seconds, as
+/// Returns an error if the frames do not fit into the limit `within` less the time `elapsed`. They need at least `least` seconds, as
 /// estimated from the fastest surveyed frame.
-fn require_time(least: f64, frames: usize, within: Duration, gone: Duration) -> anyhow::Result<()> {
+fn require_time(least: f64, frames: usize, within: Duration, elapsed: Duration) -> anyhow::Result<()> {
     /// Assumed error factor of the measurement. A deadline that might be met is accepted.
-    const WRONG: f64 = 2.0;
-    if least / WRONG <= within.saturating_sub(gone).as_secs_f64() {
+    const ERROR_FACTOR: f64 = 2.0;
+    if least / ERROR_FACTOR <= within.saturating_sub(elapsed).as_secs_f64() {
         return Ok(());
     }
     let (frames, take) = match frames {
@@ -255,13 +255,13 @@ fn require_time(least: f64, frames: usize, within: Duration, gone: Duration) -> 
     Err(anyhow!(
         "{frames} cannot be rendered within {}: with one sample per pixel {take} about {}; give more time, a smaller --size, fewer \
          --frames, or --draft",
-        in_words(within),
-        in_words(Duration::from_secs_f64(least) + gone)
+        describe(within),
+        describe(Duration::from_secs_f64(least) + elapsed)
     ))
 }
 
 /// Formats a time as `90 s` or `0.4 s`.
-fn in_words(time: Duration) -> String {
+fn describe(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     let decimals = if seconds < 0.1 { 3 } else { usize::from(seconds < 10.0) };
     format!("{seconds:.decimals$} s")

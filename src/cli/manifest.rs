@@ -60,8 +60,8 @@ pub(super) fn write(arguments: &RenderArguments, settings: &OutputSettings) -> a
 /// Returns the arguments that the frames of a folder were rendered with, from its only manifest or from the manifest of `scene`.
 pub(super) fn render_arguments(folder: &Path, scene: Option<&Path>) -> anyhow::Result<RenderArguments> {
     let file = find(folder, scene)?;
-    let Manifest { scene: told, arguments, .. } = read(&file)?;
-    let scene = scene.map_or_else(|| from_here(folder.join(told)), Path::to_owned);
+    let Manifest { scene: recorded, arguments, .. } = read(&file)?;
+    let scene = scene.map_or_else(|| from_here(folder.join(recorded)), Path::to_owned);
     let words = ["rayreel", "render"].map(OsString::from).into_iter();
     let words = words.chain(arguments.into_iter().map(OsString::from));
     let words = words.chain(["--out".into(), folder.into(), "--".into(), scene.into()]);
@@ -108,7 +108,7 @@ fn read(file: &Path) -> anyhow::Result<Manifest> {
     let bytes = input::read(file, InputKind::Refused, MOST)
         .with_context(|| format!("cannot read `{}`", file.display()))?;
     serde_json::from_slice(&bytes)
-        .with_context(|| format!("`{}` is not what `render` writes beside frames", file.display()))
+        .with_context(|| format!("`{}` is not a manifest written by `render`", file.display()))
 }
 
 /// Returns the arguments that affect pictures, in command-line form. `samples` is the settings file, if samples were selected. Returns

@@ -154,7 +154,7 @@ pub(super) fn make_of(
     let Some(first) = files.first().map(read).transpose()? else { bail!("there are no frames for a movie") };
     let frames = files.into_iter().map(move |file| read(&file));
     let partial = PartialFile::create(folder_of(movie)).with_context(|| unwritable.clone())?;
-    let is_whole = match movie_format {
+    let is_complete = match movie_format {
         MovieFormat::Loop(format) => {
             let size = (first.width(), first.height());
             let file = partial.file().try_clone().with_context(|| unwritable.clone())?;
@@ -186,10 +186,10 @@ pub(super) fn make_of(
             encode(child, frames, cancelled)?
         }
     };
-    if is_whole {
+    if is_complete {
         partial.place(movie).context(unwritable)?;
     }
-    Ok(is_whole)
+    Ok(is_complete)
 }
 
 /// Returns ffmpeg's arguments before the output file. The input is sRGB; the output is BT.709 of limited range, as players expect. Odd
@@ -262,9 +262,12 @@ fn encode(
         }
     };
     if !status.success() {
-        let told = listener.join().ok().flatten().and_then(Result::ok).unwrap_or_default();
-        let reason =
-            if told.trim().is_empty() { format!("it ended with {status}") } else { told.trim().to_owned() };
+        let message = listener.join().ok().flatten().and_then(Result::ok).unwrap_or_default();
+        let reason = if message.trim().is_empty() {
+            format!("it ended with {status}")
+        } else {
+            message.trim().to_owned()
+        };
         bail!("ffmpeg could not make the movie: {reason}");
     }
     feeder.join().unwrap_or_else(|panic| resume_unwind(panic))?;
@@ -302,7 +305,7 @@ mod tests {
 
     #[test]
     fn remarks_cover_omitted_frames_odd_sizes_and_uneven_steps() {
-        let told = |movie: &str, size, per_second, frames: &str| {
+        let remarks = |movie: &str, size, per_second, frames: &str| {
             let rate = FrameRate::new(per_second, 1).unwrap();
             let timeline = Timeline { rate, duration: 1.0 };
             let frames: FrameList = frames.parse().unwrap();
@@ -312,14 +315,14 @@ mod tests {
         };
         let nothing = [String::new(), String::new()];
         for movie in ["a.gif", "a.apng", "a.mp4", "a.webm"] {
-            assert_eq!(told(movie, (32, 18), 50, "0-"), nothing);
-            assert_eq!(told(movie, (32, 18), 60, "0-x2"), nothing);
-            assert_eq!(told(movie, (32, 18), 24, "5"), nothing);
+            assert_eq!(remarks(movie, (32, 18), 50, "0-"), nothing);
+            assert_eq!(remarks(movie, (32, 18), 60, "0-x2"), nothing);
+            assert_eq!(remarks(movie, (32, 18), 24, "5"), nothing);
             // The movie does not reach the end of the timeline.
-            assert_eq!(told(movie, (32, 18), 24, "1-10x4"), nothing);
-            assert!(told(movie, (32, 18), 10, "0-x3")[1].starts_with("the movie ends 0.2 s after"));
-            assert!(told(movie, (32, 18), 10, "0-x3")[1].contains("with a stride of 3"));
-            let unequal = &told(movie, (32, 18), 10, "0-6x3,7")[1];
+            assert_eq!(remarks(movie, (32, 18), 24, "1-10x4"), nothing);
+            assert!(remarks(movie, (32, 18), 10, "0-x3")[1].starts_with("the movie ends 0.2 s after"));
+            assert!(remarks(movie, (32, 18), 10, "0-x3")[1].contains("with a stride of 3"));
+            let unequal = &remarks(movie, (32, 18), 10, "0-6x3,7")[1];
             assert!(unequal.contains("unevenly spaced, and each is shown for 0.1 s"), "{unequal}");
         }
         for (movie, warns, notes) in [
@@ -328,10 +331,10 @@ mod tests {
             ("a.mp4", false, true),
             ("a.webm", false, true),
         ] {
-            let [warning, _] = told(movie, (32, 18), 60, "0-");
+            let [warning, _] = remarks(movie, (32, 18), 60, "0-");
             assert_eq!(warning.contains("20 of 60 frames are omitted"), warns, "{movie}: {warning}");
             for (odd, even) in [((31, 18), "32x18"), ((32, 17), "32x18"), ((1, 1), "2x2")] {
-                let [_, note] = told(movie, odd, 24, "0-");
+                let [_, note] = remarks(movie, odd, 24, "0-");
                 assert_eq!(note.contains(even), notes, "{movie}: {note}");
             }
         }

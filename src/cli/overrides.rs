@@ -34,14 +34,14 @@ impl Changed {
     }
 
     /// Returns a line that lists the changes, or `None` if there are none.
-    pub(super) fn in_words(&self) -> Option<String> {
+    pub(super) fn describe(&self) -> Option<String> {
         let without = self.without.iter().map(|effect| format!("no {effect}"));
         let changed: Vec<String> = self.overrides.iter().cloned().chain(without).collect();
         (!changed.is_empty()).then(|| format!("instead of the scene's own: {}", changed.join(", ")))
     }
 
     /// Adds the changes to a report.
-    pub(super) fn tell(&self, report: &mut Value) {
+    pub(super) fn add_to(&self, report: &mut Value) {
         report["overrides"] = json!(self.overrides);
         report["without"] = self.without.iter().map(|effect| effect.name()).collect();
     }

@@ -105,11 +105,11 @@ pub(super) fn error(text: &str) {
 
 /// Prints a warning and the lines about it.
 pub(super) fn warning(text: &str, about: &[String]) {
-    let mut told = format!("{} {}\n", warning_word(), Printable(text));
+    let mut lines = format!("{} {}\n", warning_word(), Printable(text));
     for line in about {
-        told += &format!("{}\n", Printable(line));
+        lines += &format!("{}\n", Printable(line));
     }
-    write_at_once(&told);
+    write_at_once(&lines);
 }
 
 /// Prints mistakes in scenes in the style of compiler errors. The argument of `render` is true if colours are allowed. `render` must
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn objects_have_a_version_and_nothing_else_has() {
+    fn json_objects_alone_have_a_version() {
         let objects = json!([{ "a": { "b": 1 } }, 2, "text"]);
         let version = json!({ "a": { "b": 1 }, "json_version": JSON_VERSION });
         assert_eq!(versioned(objects), json!([version, 2, "text"]));

@@ -13,7 +13,7 @@ use rayreel::trace::RenderProgress;
 
 use super::print;
 use super::report::{RenderedFrameReport, in_millions};
-use super::settings::{OutputSettings, Telling};
+use super::settings::{OutputSettings, ProgressOutput};
 
 /// Reports finished frames and the progress of slow frames.
 pub(super) struct Progress {
@@ -37,7 +37,7 @@ enum Display {
 #[derive(Debug)]
 struct LinePace {
     /// Minimum time between lines about finished frames; zero for a line for every frame.
-    apart: Duration,
+    interval: Duration,
     last: Cell<Option<Instant>>,
 }
 
@@ -57,7 +57,7 @@ struct FrameTimes {
 #[derive(Clone, Copy, Debug)]
 struct SlowFrame {
     request: FrameRequest,
-    begun: Instant,
+    start: Instant,
     progress: RenderProgress,
 }
 
@@ -66,11 +66,11 @@ impl Progress {
         let total = settings.count();
         let lines = LinePace::of(stderr().is_terminal(), print::is_dumb());
         let display = match (settings.progress, lines) {
-            (Telling::Json, _) => Display::Json,
-            (Telling::Nothing, _) => Display::Nothing,
-            (Telling::Details, _) => Display::Details(LinePace::new(Duration::ZERO)),
-            (Telling::Auto, Some(pace)) => Display::Lines(pace),
-            (Telling::Auto, None) => Display::Bar(bar(total)),
+            (ProgressOutput::Json, _) => Display::Json,
+            (ProgressOutput::Nothing, _) => Display::Nothing,
+            (ProgressOutput::Details, _) => Display::Details(LinePace::new(Duration::ZERO)),
+            (ProgressOutput::Auto, Some(pace)) => Display::Lines(pace),
+            (ProgressOutput::Auto, None) => Display::Bar(bar(total)),
         };
         let progress = Self { display, times: FrameTimes::new(total), slow: None };
         progress.draw("");
@@ -106,8 +106,8 @@ impl Progress {
     /// Reports the progress of a slow frame.
     pub(super) fn rendering(&mut self, request: &FrameRequest, progress: RenderProgress) {
         let now = Instant::now();
-        let begun = self.slow.filter(|slow| slow.request == *request).map_or(now, |slow| slow.begun);
-        self.slow = Some(SlowFrame { request: *request, begun, progress });
+        let start = self.slow.filter(|slow| slow.request == *request).map_or(now, |slow| slow.start);
+        self.slow = Some(SlowFrame { request: *request, start, progress });
         match &self.display {
             Display::Bar(_) => self.draw(""),
             Display::Lines(pace) | Display::Details(pace) if pace.is_due_within(now) => {
@@ -141,11 +141,11 @@ impl Progress {
                 print::error_line(&format!("  {}", report.details()));
             }
             Display::Json => {
-                let mut told = report.to_json();
-                told["event"] = json!("rendered");
-                told["done"] = json!(done);
-                told["total"] = json!(total);
-                print::error_json(told);
+                let mut event = report.to_json();
+                event["event"] = json!("rendered");
+                event["done"] = json!(done);
+                event["total"] = json!(total);
+                print::error_json(event);
             }
             Display::Lines(_) | Display::Nothing => {}
         }
@@ -156,11 +156,11 @@ impl Progress {
         let Display::Bar(bar) = &self.display else { return };
         let FrameTimes { total, done, .. } = self.times;
         let slow =
-            self.slow.map(|SlowFrame { request, begun, progress }| (request, begun.elapsed(), progress));
+            self.slow.map(|SlowFrame { request, start, progress }| (request, start.elapsed(), progress));
         let share = slow.and_then(|(.., progress)| progress.share).unwrap_or(0.0);
         bar.set_position(steps(done as f64 + share));
-        let in_hand = slow.map(|(_, taken, progress)| (taken.as_secs_f64(), progress.share));
-        let left = self.times.left(in_hand);
+        let current = slow.map(|(_, taken, progress)| (taken.as_secs_f64(), progress.share));
+        let left = self.times.left(current);
         let words = [
             Some(format!("{done}/{total} frames")),
             slow.map(|(request, _, progress)| format!("{}: {}", request.moment(), so_far(&progress))),
@@ -184,13 +184,14 @@ impl FrameTimes {
     }
 
     /// Returns the remaining time, if the remaining frames take as long on average as the rendered ones. Returns `None` before a frame is
-    /// rendered: the start of the first frame does not predict its duration. `in_hand` holds the elapsed seconds of the current frame and
+    /// rendered: the start of the first frame does not predict its duration. `current` holds the elapsed seconds of the current frame and
     /// its finished share, if known.
-    fn left(&self, in_hand: Option<(f64, Option<f64>)>) -> Option<Duration> {
+    fn left(&self, current: Option<(f64, Option<f64>)>) -> Option<Duration> {
         let mean = (self.rendered > 0).then(|| self.seconds / self.rendered as f64)?;
         let all = mean * (self.total - self.done) as f64;
-        let gone = in_hand.map_or(0.0, |(taken, share)| share.map_or(taken.min(mean), |share| share * mean));
-        Some(Duration::try_from_secs_f64(all - gone).unwrap_or(Duration::MAX))
+        let elapsed =
+            current.map_or(0.0, |(taken, share)| share.map_or(taken.min(mean), |share| share * mean));
+        Some(Duration::try_from_secs_f64(all - elapsed).unwrap_or(Duration::MAX))
     }
 }
 
@@ -250,23 +251,23 @@ impl LinePace {
     /// Time between lines about one frame.
     const WITHIN_FRAMES: Duration = Duration::from_secs(10);
 
-    fn new(apart: Duration) -> Self {
-        Self { apart, last: Cell::new(None) }
+    fn new(interval: Duration) -> Self {
+        Self { interval, last: Cell::new(None) }
     }
 
     /// Returns the rate limit of lines, or `None` if a bar can be drawn.
     fn of(is_terminal: bool, is_dumb: bool) -> Option<Self> {
-        let apart = match (is_terminal, is_dumb) {
+        let interval = match (is_terminal, is_dumb) {
             (true, false) => return None,
             (true, true) => Self::ON_DUMB_TERMINALS,
             (false, _) => Duration::ZERO,
         };
-        Some(Self::new(apart))
+        Some(Self::new(interval))
     }
 
     /// Returns whether a line about a finished frame is due, and if so, restarts the interval.
     fn is_due(&self, now: Instant, is_end: bool) -> bool {
-        self.is_after(now, if is_end { Duration::ZERO } else { self.apart })
+        self.is_after(now, if is_end { Duration::ZERO } else { self.interval })
     }
 
     /// Returns whether a line about an unfinished frame is due, and if so, restarts the interval.
@@ -277,8 +278,8 @@ impl LinePace {
         self.is_after(now, Self::WITHIN_FRAMES)
     }
 
-    fn is_after(&self, now: Instant, apart: Duration) -> bool {
-        let is_due = self.last.get().is_none_or(|last| now.duration_since(last) >= apart);
+    fn is_after(&self, now: Instant, interval: Duration) -> bool {
+        let is_due = self.last.get().is_none_or(|last| now.duration_since(last) >= interval);
         if is_due {
             self.last.set(Some(now));
         }
@@ -291,21 +292,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dumb_terminals_have_lines_now_and_then_and_logs_have_them_all() {
+    fn dumb_terminals_limit_lines_and_logs_print_all() {
         let start = Instant::now();
         // One frame every half second, except the last, which follows at once.
         let times = [0, 500, 1000, 1500, 2000, 2500, 2501].map(|later| start + Duration::from_millis(later));
-        let told = |is_terminal, is_dumb| {
+        let lines = |is_terminal, is_dumb| {
             let pace = LinePace::of(is_terminal, is_dumb)?;
             Some((1..).zip(times).filter(|(count, now)| pace.is_due(*now, *count == times.len())).count())
         };
-        assert_eq!(told(true, false), None);
-        assert_eq!(told(true, true), Some(3));
-        assert_eq!((told(false, false), told(false, true)), (Some(7), Some(7)));
+        assert_eq!(lines(true, false), None);
+        assert_eq!(lines(true, true), Some(3));
+        assert_eq!((lines(false, false), lines(false, true)), (Some(7), Some(7)));
     }
 
     #[test]
-    fn slow_frames_have_a_line_now_and_then() {
+    fn slow_frames_print_a_line_every_ten_seconds() {
         let start = Instant::now();
         let pace = LinePace::new(Duration::ZERO);
         let is_due = |second: u64| pace.is_due_within(start + Duration::from_secs(second));
@@ -314,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn the_time_left_is_that_of_frames_like_those_before() {
+    fn time_left_is_estimated_from_rendered_frames() {
         let mut times = FrameTimes::new(10);
         assert_eq!((times.left(None), times.left(Some((5.0, Some(0.9))))), (None, None));
         // Kept frames do not affect the estimate.
@@ -322,7 +323,7 @@ mod tests {
         assert_eq!(times.left(None), None);
         times.note(3.0);
         times.note(5.0);
-        let seconds = |in_hand| times.left(in_hand).map(|left| left.as_secs_f64());
+        let seconds = |current| times.left(current).map(|left| left.as_secs_f64());
         assert_eq!(seconds(None), Some(24.0));
         assert_eq!(seconds(Some((1.0, Some(0.5)))), Some(22.0));
         // If the finished share is unknown, the elapsed time counts, up to the mean of the other frames.

@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     let interrupted = cancelled.load(Ordering::Relaxed) && !complete;
     report.finish(start.elapsed(), interrupted);
 
-    tell(&report, arguments, &settings)?;
+    print_report(&report, arguments, &settings)?;
     rendered?;
     recorded?;
     if interrupted {
@@ -133,7 +133,7 @@ pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result
 }
 
 /// Prints the report, as text or as JSON.
-fn tell(
+fn print_report(
     report: &RenderReport,
     arguments: &RenderArguments,
     settings: &OutputSettings,
@@ -143,14 +143,14 @@ fn tell(
         return Ok(print::json(report.to_json(sources.as_ref()))?);
     }
     if arguments.progress == ProgressName::Json {
-        report.warnings.tell_events(sources.as_ref());
+        report.warnings.print_events(sources.as_ref());
     } else {
-        report.warnings.tell(sources.as_ref());
+        report.warnings.print(sources.as_ref());
     }
     if !report.frames.is_empty() {
         note(arguments, &report.plan());
     }
-    if let Some(changed) = report.changed.in_words() {
+    if let Some(changed) = report.changed.describe() {
         note(arguments, &changed);
     }
     if let Some(Chosen { file, frames, missed }) = &report.chosen {
@@ -239,7 +239,7 @@ impl SequenceObserver for Reporter<'_> {
     }
 
     fn kept(&mut self, engine: &Engine, request: &FrameRequest) -> ControlFlow<()> {
-        self.report.warnings.look(engine, &request.moment());
+        self.report.warnings.collect(engine, &request.moment());
         self.choice.keep(request);
         self.report.kept.push(request.frame);
         self.progress.kept(request, &request.file(&self.settings.sequence));
@@ -256,7 +256,7 @@ impl SequenceObserver for Reporter<'_> {
 
     fn rendered(&mut self, engine: &Engine, request: &FrameRequest) -> ControlFlow<()> {
         self.noted = self.choice.end(engine, request);
-        self.report.warnings.look(engine, &request.moment());
+        self.report.warnings.collect(engine, &request.moment());
         let path = request.file(&self.settings.sequence);
         self.unwritten.push_back(RenderedFrameReport::new(request, Some(path), engine.report()));
         if self.noted.is_ok() { Continue(()) } else { Break(()) }
@@ -289,31 +289,31 @@ fn clear_up(engine: &Engine, settings: &OutputSettings, arguments: &RenderArgume
     let most_pixels = pixels((film.width, film.height)).max(MOST_PIXELS);
     let surplus = find_surplus(sequence, engine.timeline().frame_count(), (film.width, film.height))
         .with_context(|| format!("cannot read the folder `{}`", sequence.directory().display()))?;
-    let (mut removed, mut left) = (0, Vec::new());
+    let (mut removed, mut remaining) = (0, Vec::new());
     for surplus in surplus {
         let is_own = || {
             let size =
                 frame_size(&surplus.path, sequence.format()).filter(|size| pixels(*size) <= most_pixels);
             let found = size.map(|size| FoundFrame::expected_at(&surplus.path, sequence.format(), size));
-            matches!(found, Some(FoundFrame::Whole { .. }))
+            matches!(found, Some(FoundFrame::Complete { .. }))
         };
         if clean && is_own() {
             fs::remove_file(&surplus.path)
                 .with_context(|| format!("cannot remove `{}`", surplus.path.display()))?;
             removed += 1;
         } else {
-            left.push(surplus);
+            remaining.push(surplus);
         }
     }
     if removed > 0 {
         let files = in_files(removed, "that was no frame", "that were no frames");
         note(arguments, &format!("removed {files}"));
     }
-    for Surplus { path, reason } in left.iter().take(MOST) {
+    for Surplus { path, reason } in remaining.iter().take(MOST) {
         warn(arguments, &format!("`{}` is no frame of this sequence: {reason}", path.display()));
     }
-    if left.len() > MOST {
-        warn(arguments, &format!("so {}", in_files(left.len() - MOST, "more is", "more are")));
+    if remaining.len() > MOST {
+        warn(arguments, &format!("so {}", in_files(remaining.len() - MOST, "more is", "more are")));
     }
     let help = match clean {
         false => "--clean removes what `rayreel` has written of it",
@@ -322,7 +322,7 @@ fn clear_up(engine: &Engine, settings: &OutputSettings, arguments: &RenderArgume
         }
     };
     match arguments.progress {
-        _ if left.is_empty() => {}
+        _ if remaining.is_empty() => {}
         ProgressName::Json => warn(arguments, help),
         ProgressName::Auto | ProgressName::None => print::error_line(&format!("  {help}")),
     }

@@ -104,7 +104,7 @@ impl RenderReport {
             "kept": self.kept,
             "frames": self.frames.iter().map(RenderedFrameReport::to_json).collect::<Vec<_>>(),
         });
-        self.changed.tell(&mut report);
+        self.changed.add_to(&mut report);
         report
     }
 
@@ -161,8 +161,8 @@ impl RenderReport {
             (None, Some(_)) => format!("{rendered}; no sheet was written"),
             (None, None) if settings.stream.is_some() => format!("{rendered}, on standard output"),
             (None, None) => {
-                let whole = if self.interrupted { "; all of them are whole" } else { "" };
-                format!("{rendered}, in {}{whole}", settings.sequence.directory().display())
+                let complete = if self.interrupted { "; all of them are complete" } else { "" };
+                format!("{rendered}, in {}{complete}", settings.sequence.directory().display())
             }
         }
     }
@@ -221,12 +221,12 @@ impl RenderedFrameReport {
         let kinds = kinds.map(|(count, name)| format!("{} {name}", in_millions(count as f64)));
         let rays = kinds.collect::<Vec<_>>().join(", ");
         let error = error.map_or_else(String::new, |EstimatedError { value, deviation, hidden }| {
-            let beside = if hidden > deviation {
-                format!(", and {hidden:.2} by what may be hidden")
+            let hidden = if hidden > deviation {
+                format!(", and {hidden:.2} by features that no sample hit")
             } else {
                 String::new()
             };
-            format!("; off by about {value:.2} (± {deviation:.2}){beside}")
+            format!("; off by about {value:.2} (± {deviation:.2}){hidden}")
         });
         format!("{phases}; rays: {rays}{error}")
     }
@@ -298,7 +298,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_slow_beside_the_others() {
+    fn slow_frames_take_twice_the_median_and_a_second_more() {
         assert!(is_slow(3.1, 1.5) && is_slow(1.1, 0.01));
         // Less than a second above the median, or at most twice the median.
         assert!(!is_slow(0.9, 0.01) && !is_slow(10.0, 6.0) && !is_slow(1.0, 1.0));

@@ -34,7 +34,7 @@ pub(super) struct OutputSettings {
     pub(super) sheet: Option<(u32, u32)>,
     /// Format of the frames on standard output, if they go there.
     pub(super) stream: Option<VideoFormat>,
-    pub(super) progress: Telling,
+    pub(super) progress: ProgressOutput,
     pub(super) size: Option<(u32, u32)>,
     pub(super) threads: Option<usize>,
 }
@@ -83,21 +83,21 @@ impl OutputSettings {
         let size = arguments.size.or(fitting);
         let existing = if arguments.overwrite { Existing::Overwrite } else { Existing::Keep };
         let (order, threads) = (arguments.order.into(), arguments.threads.map(usize::from));
-        let progress = Telling::new(arguments);
+        let progress = ProgressOutput::new(arguments);
         Ok(Self { selection, order, sequence, existing, sheet, stream, progress, size, threads })
     }
 }
 
 /// The kind of progress output.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Telling {
+pub(super) enum ProgressOutput {
     Auto,
     Details,
     Json,
     Nothing,
 }
 
-impl Telling {
+impl ProgressOutput {
     fn new(arguments: &RenderArguments) -> Self {
         match arguments.progress {
             ProgressName::Json => Self::Json,
@@ -194,8 +194,8 @@ fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat,
         (arguments.alpha, "--alpha is for files"),
         (arguments.draft, "--draft makes files in a folder of their own"),
         (arguments.movie.is_some(), "--movie is made of files"),
-        (arguments.max_error.is_some(), "--max-error writes beside the frames what it chose"),
-        (arguments.deadline.is_some(), "--deadline writes beside the frames what it chose"),
+        (arguments.max_error.is_some(), "--max-error writes the selected samples next to the frames"),
+        (arguments.deadline.is_some(), "--deadline writes the selected samples next to the frames"),
     ];
     if let Some((_, reason)) = others.into_iter().find(|(is_given, _)| *is_given) {
         bail!("frames cannot go to standard output: {reason}; name a folder with --out");
@@ -220,7 +220,7 @@ fn filled(columns: u32, count: usize) -> (u32, u32) {
 
 /// Returns an error if the timeline has no such frame.
 pub(super) fn require_frame(index: u32, timeline: Timeline) -> anyhow::Result<()> {
-    ensure!(index < timeline.frame_count(), "there is no frame {index}: {}", timeline_in_words(timeline));
+    ensure!(index < timeline.frame_count(), "there is no frame {index}: {}", describe_timeline(timeline));
     Ok(())
 }
 
@@ -232,7 +232,7 @@ fn scene_name(path: &Path) -> anyhow::Result<&OsStr> {
     path.file_stem().with_context(|| format!("`{}` does not name a file", path.display()))
 }
 
-fn timeline_in_words(timeline: Timeline) -> String {
+fn describe_timeline(timeline: Timeline) -> String {
     match timeline.frame_count() {
         1 => "the scene is a single frame, 0".to_owned(),
         count => format!(

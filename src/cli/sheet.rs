@@ -37,7 +37,7 @@ pub(super) fn render(
         let Some(film) = film else { return Ok(()) };
         choice.end(engine, &request)?;
         choice.written(Duration::ZERO);
-        report.warnings.look(engine, &request.moment());
+        report.warnings.collect(engine, &request.moment());
         sheet.add(&film, request.frame.unwrap_or(0), request.time);
         let rendered = RenderedFrameReport::new(&request, None, engine.report());
         progress.done(&rendered);

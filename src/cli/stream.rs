@@ -34,7 +34,7 @@ pub(super) fn render(
             render_encoded(engine, &request, cancelled, &mut |so_far| progress.rendering(&request, so_far))?;
         let Some(film) = film else { return Ok(()) };
         choice.end(engine, &request)?;
-        report.warnings.look(engine, &request.moment());
+        report.warnings.collect(engine, &request.moment());
         let written = unless_cancelled(cancelled, move || {
             let written = stream.add(&film);
             (stream, written)

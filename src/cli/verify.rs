@@ -62,32 +62,34 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
     if arguments.json {
         print::json(to_json(&verdict, &rendered.scene.display().to_string()))?;
     } else {
-        tell(&verdict, arguments, &rendered.scene)?;
+        print_verdict(&verdict, arguments, &rendered.scene)?;
     }
-    if verdict.is_whole() { Ok(()) } else { Err(Failure::Reported) }
+    if verdict.is_complete() { Ok(()) } else { Err(Failure::Reported) }
 }
 
 /// Returns the kinds of invalid frames with the frames of each kind, in the order of the report.
 fn kinds(verdict: &SequenceVerdict) -> [(&'static str, Option<FrameList>); 4] {
     [
-        ("missing", verdict.those(|frame| *frame == FrameVerdict::Missing)),
-        ("torn", verdict.those(|frame| matches!(frame, FrameVerdict::Torn(_)))),
-        ("stale", verdict.those(|frame| *frame == FrameVerdict::Stale)),
-        ("unknown", verdict.those(|frame| *frame == FrameVerdict::Unknown)),
+        ("missing", verdict.frames_with(|frame| *frame == FrameVerdict::Missing)),
+        ("torn", verdict.frames_with(|frame| matches!(frame, FrameVerdict::Corrupt(_)))),
+        ("stale", verdict.frames_with(|frame| *frame == FrameVerdict::Stale)),
+        ("unknown", verdict.frames_with(|frame| *frame == FrameVerdict::Unknown)),
     ]
 }
 
-fn tell(verdict: &SequenceVerdict, arguments: &VerifyArguments, scene: &Path) -> anyhow::Result<()> {
+fn print_verdict(verdict: &SequenceVerdict, arguments: &VerifyArguments, scene: &Path) -> anyhow::Result<()> {
     let (folder, scene) = (arguments.folder.display(), scene.display());
-    let whole = verdict.frames.iter().filter(|(_, frame)| *frame == FrameVerdict::Whole).count();
+    let complete = verdict.frames.iter().filter(|(_, frame)| *frame == FrameVerdict::UpToDate).count();
     let count = verdict.frames.len();
-    print::result_line(&format!("{folder}: {whole} of {count} frames of {scene} are whole and up to date"))?;
+    print::result_line(&format!(
+        "{folder}: {complete} of {count} frames of {scene} are complete and up to date"
+    ))?;
     for (name, frames) in kinds(verdict) {
         if let Some(frames) = frames {
             print::result_line(&format!("{name} {frames}"))?;
         }
     }
-    for (frame, reason) in torn(verdict).take(MOST) {
+    for (frame, reason) in corrupt(verdict).take(MOST) {
         print::result_line(&format!("  frame {frame}: {reason}"))?;
     }
     for Surplus { path, reason } in &verdict.surplus {
@@ -107,9 +109,9 @@ fn tell(verdict: &SequenceVerdict, arguments: &VerifyArguments, scene: &Path) ->
 /// Maximum number of frames whose damage is described.
 const MOST: usize = 10;
 
-fn torn(verdict: &SequenceVerdict) -> impl Iterator<Item = (u32, &str)> {
+fn corrupt(verdict: &SequenceVerdict) -> impl Iterator<Item = (u32, &str)> {
     verdict.frames.iter().filter_map(|(frame, of_frame)| match of_frame {
-        FrameVerdict::Torn(reason) => Some((*frame, reason.as_str())),
+        FrameVerdict::Corrupt(reason) => Some((*frame, reason.as_str())),
         _ => None,
     })
 }
@@ -117,18 +119,18 @@ fn torn(verdict: &SequenceVerdict) -> impl Iterator<Item = (u32, &str)> {
 fn to_json(verdict: &SequenceVerdict, scene: &str) -> serde_json::Value {
     let list =
         |frames: Option<FrameList>| frames.map_or_else(Vec::new, |list| list.frames().collect::<Vec<_>>());
-    let [missing, torn_frames, stale, unknown] = kinds(verdict).map(|(_, frames)| list(frames));
+    let [missing, corrupt_frames, stale, unknown] = kinds(verdict).map(|(_, frames)| list(frames));
     let surplus = |Surplus { path, reason }: &Surplus| json!({ "file": path.display().to_string(), "reason": reason.to_string() });
     let damage = |(frame, reason): (u32, &str)| json!({ "frame": frame, "reason": reason });
     json!({
         "scene": scene,
-        "whole": verdict.is_whole(),
+        "whole": verdict.is_complete(),
         "frames": verdict.frames.len(),
         "missing": missing,
-        "torn": torn_frames,
+        "torn": corrupt_frames,
         "stale": stale,
         "unknown": unknown,
-        "damage": torn(verdict).map(damage).collect::<Vec<_>>(),
+        "damage": corrupt(verdict).map(damage).collect::<Vec<_>>(),
         "surplus": verdict.surplus.iter().map(surplus).collect::<Vec<_>>(),
         "to_render": verdict.to_render().map(|frames| frames.to_string()),
     })

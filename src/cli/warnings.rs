@@ -77,7 +77,7 @@ impl Owner {
 
 impl Warnings {
     /// Collects the faults at the engine's current moment, which is reported as `moment`.
-    pub(super) fn look(&mut self, engine: &Engine, moment: &str) {
+    pub(super) fn collect(&mut self, engine: &Engine, moment: &str) {
         for fault in engine.faults() {
             let same = |known: &&mut Warning| {
                 known.fault.entity == fault.entity
@@ -108,7 +108,7 @@ impl Warnings {
     }
 
     /// Prints the warnings, with line numbers for entities found in `sources`.
-    pub(super) fn tell(&self, sources: Option<&Sources>) {
+    pub(super) fn print(&self, sources: Option<&Sources>) {
         for Warning { fault, owner, moment, more } in &self.listed {
             let line = sources.and_then(|sources| owner.line(sources));
             let line = line.map_or_else(String::new, |line| format!("{line}, "));
@@ -127,8 +127,8 @@ impl Warnings {
         }
     }
 
-    /// Prints the warnings like [`Self::tell`], but each as a JSON object for programs that read the progress.
-    pub(super) fn tell_events(&self, sources: Option<&Sources>) {
+    /// Prints the warnings like [`Self::print`], but each as a JSON object for programs that read the progress.
+    pub(super) fn print_events(&self, sources: Option<&Sources>) {
         let Value::Array(warnings) = self.to_json(sources) else { return };
         for mut warning in warnings {
             warning["event"] = json!("warning");

@@ -20,14 +20,14 @@ use super::print;
 use super::report::in_millions;
 
 /// Maximum delay until Ctrl-C is noticed.
-const ATTENTION: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Result<(), Failure> {
     if is_stream(&arguments.scene) {
         return Err(anyhow!("a scene from standard input cannot be read again: name a file to watch").into());
     }
     let interrupted = interruption.deferred();
-    let mut teller = WatchPrinter::new(arguments)?;
+    let mut printer = WatchPrinter::new(arguments)?;
     let (sender, events) = channel();
     let settings = SessionSettings {
         scene: arguments.scene.clone(),
@@ -37,10 +37,10 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         watching: if arguments.poll { Watching::Polling } else { Watching::Events },
         finish: arguments.out.is_some(),
     };
-    let mut told = 0;
+    let mut reported = 0;
     // The session ends with the program, which does not wait for loading or rendering. The session writes no files.
     let session = ManuallyDrop::new(Session::start(settings, move |event| {
-        if is_worth_telling(&event, &mut told) {
+        if should_report(&event, &mut reported) {
             // The receiver is dropped when the program ends.
             let _ = sender.send(event);
         }
@@ -54,8 +54,8 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         })?;
     print::result_line(&format!("{}: http://{}/", arguments.scene.display(), server.address()))?;
     while !interrupted.load(Ordering::Relaxed) {
-        match events.recv_timeout(ATTENTION) {
-            Ok(event) => teller.tell(event),
+        match events.recv_timeout(POLL_INTERVAL) {
+            Ok(event) => printer.print(event),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(anyhow::anyhow!("the session has come to an end by itself").into());
@@ -66,10 +66,10 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
 }
 
 /// Returns whether to report an event. Only the first full picture after each reload is reported; the other pictures appear only on the
-/// page. `told` holds the reload count of the last reported picture.
-fn is_worth_telling(event: &Event, told: &mut u64) -> bool {
+/// page. `reported` holds the reload count of the last reported picture.
+fn should_report(event: &Event, reported: &mut u64) -> bool {
     let Event::Shown(shown) = event else { return true };
-    shown.info.full && std::mem::replace(told, shown.info.reloads.max(*told)) < shown.info.reloads
+    shown.info.full && std::mem::replace(reported, shown.info.reloads.max(*reported)) < shown.info.reloads
 }
 
 /// Reports events and writes the current frame to a file.
@@ -89,7 +89,7 @@ impl WatchPrinter {
         Ok(Self { scene: arguments.scene.display().to_string(), out: out.transpose()?, good: false })
     }
 
-    fn tell(&mut self, event: Event) {
+    fn print(&mut self, event: Event) {
         match event {
             Event::Reloaded(Times { read, build, .. }) => {
                 self.good = true;

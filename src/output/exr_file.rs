@@ -56,14 +56,15 @@ fn names(channels: Channels, passes: Passes) -> Vec<&'static str> {
 /// Returns the names and samples of a pass's channels.
 fn samples_of(pass: Pass, pixels: &[PassPixel]) -> impl Iterator<Item = (&'static str, FlatSamples)> {
     names_of(pass).iter().enumerate().map(move |(axis, name)| {
-        let told = |value: &dyn Fn(&PassPixel) -> f32| FlatSamples::F32(pixels.iter().map(value).collect());
+        let samples =
+            |value: &dyn Fn(&PassPixel) -> f32| FlatSamples::F32(pixels.iter().map(value).collect());
         let samples = match pass {
-            Pass::Depth => told(&|pixel| pixel.depth),
-            Pass::Distance => told(&|pixel| pixel.distance),
-            Pass::Normal => told(&|pixel| pixel.normal[axis]),
+            Pass::Depth => samples(&|pixel| pixel.depth),
+            Pass::Distance => samples(&|pixel| pixel.distance),
+            Pass::Normal => samples(&|pixel| pixel.normal[axis]),
             Pass::Id => FlatSamples::U32(pixels.iter().map(|pixel| pixel.id).collect()),
-            Pass::Albedo => told(&|pixel| pixel.albedo[axis]),
-            Pass::Position => told(&|pixel| pixel.position[axis]),
+            Pass::Albedo => samples(&|pixel| pixel.albedo[axis]),
+            Pass::Position => samples(&|pixel| pixel.position[axis]),
         };
         (*name, samples)
     })
@@ -109,7 +110,7 @@ pub(super) fn encode(
     }
     let attribute = |name, text: &str| (Text::from(name), AttributeValue::Text(Text::from(text)));
     // Each of the two maps holds at most one attribute, since the attributes of a map are written in random order.
-    attributes.other.extend(provenance.map(|told| attribute(Provenance::KEYWORD, &told.to_string())));
+    attributes.other.extend(provenance.map(|text| attribute(Provenance::KEYWORD, &text.to_string())));
     let layer = Layer::new(size, attributes, encoding, AnyChannels { list });
     let mut image = Image::from_layer(layer);
     image.attributes.other.extend([attribute(DIGEST, &String::from_utf8_lossy(&NO_DIGEST))]);
@@ -191,8 +192,8 @@ fn ensure_unchanged(bytes: &[u8]) -> Result<(), String> {
     }
     let place = after(bytes, &DIGEST_BEGINS)
         .ok_or("it has no digest of its bytes, so that they cannot be checked: only files that rayreel wrote are read")?;
-    let told = bytes.get(place..place + NO_DIGEST.len()).ok_or("its header ends early")?;
-    let is_unchanged = told == digest(bytes, place);
+    let stored = bytes.get(place..place + NO_DIGEST.len()).ok_or("its header ends early")?;
+    let is_unchanged = stored == digest(bytes, place);
     is_unchanged.then_some(()).ok_or_else(|| "its bytes are not those that were written".to_owned())
 }
 

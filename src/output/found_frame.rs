@@ -18,7 +18,7 @@ pub enum FoundFrame {
     /// There is no file.
     Missing,
     /// A corrupt file, with the reason: it cannot be read completely, is not of its format, or has other pixels than were written.
-    Torn(String),
+    Corrupt(String),
     /// A complete picture without known provenance: from another program, or an earlier version.
     Unknown {
         /// Width and height in pixels.
@@ -30,7 +30,7 @@ pub enum FoundFrame {
         size: (u32, u32),
     },
     /// A complete frame.
-    Whole {
+    Complete {
         /// Provenance stored in the file.
         provenance: Provenance,
         /// Width and height in pixels.
@@ -60,7 +60,7 @@ impl FoundFrame {
     fn unread(error: &io::Error) -> Self {
         match error.kind() {
             ErrorKind::NotFound => Self::Missing,
-            _ => Self::Torn(error.to_string()),
+            _ => Self::Corrupt(error.to_string()),
         }
     }
 
@@ -69,15 +69,15 @@ impl FoundFrame {
     pub fn of(bytes: &[u8], format: FrameFormat) -> Self {
         let StoredPicture { size, bytes, provenance } = match decode(bytes, format) {
             Ok(picture) => picture,
-            Err(reason) => return Self::Torn(reason),
+            Err(reason) => return Self::Corrupt(reason),
         };
         let Some(Ok(provenance)) = provenance.map(|text| text.parse::<Provenance>()) else {
             return Self::Unknown { size };
         };
         if PixelFingerprint::of(&bytes, size) == provenance.pixels {
-            Self::Whole { provenance, size }
+            Self::Complete { provenance, size }
         } else {
-            Self::Torn("its pixels are not those that were written".to_owned())
+            Self::Corrupt("its pixels are not those that were written".to_owned())
         }
     }
 }
@@ -194,8 +194,8 @@ mod tests {
     #[test]
     fn whole_frames_are_known() {
         for format in formats() {
-            let FoundFrame::Whole { provenance, size } = FoundFrame::of(&frame(format, 3), format) else {
-                panic!("{format:?} is not whole: {:?}", FoundFrame::of(&frame(format, 3), format));
+            let FoundFrame::Complete { provenance, size } = FoundFrame::of(&frame(format, 3), format) else {
+                panic!("{format:?} is not complete: {:?}", FoundFrame::of(&frame(format, 3), format));
             };
             assert_eq!((size, provenance.frame.to_string()), ((7, 5), format!("{:032x}", 3)));
         }
@@ -212,7 +212,7 @@ mod tests {
             for (other_index, other) in formats().into_iter().enumerate() {
                 let found = FoundFrame::of(&frame(format, 3), other);
                 assert_eq!(
-                    matches!(found, FoundFrame::Torn(_)),
+                    matches!(found, FoundFrame::Corrupt(_)),
                     index != other_index,
                     "{format:?} as {other:?}"
                 );
@@ -224,15 +224,15 @@ mod tests {
     fn no_torn_frame_is_whole() {
         for format in formats() {
             let bytes = frame(format, 3);
-            let whole = FoundFrame::of(&bytes, format);
+            let complete = FoundFrame::of(&bytes, format);
             for end in 0..bytes.len() {
                 let cut = FoundFrame::of(&bytes[..end], format);
-                let is_told = match format {
+                let is_detected = match format {
                     // The provenance comes last in the file.
-                    FrameFormat::Pfm => !matches!(cut, FoundFrame::Whole { .. }),
-                    _ => matches!(cut, FoundFrame::Torn(_)),
+                    FrameFormat::Pfm => !matches!(cut, FoundFrame::Complete { .. }),
+                    _ => matches!(cut, FoundFrame::Corrupt(_)),
                 };
-                assert!(is_told, "{format:?} cut at {end}: {cut:?}");
+                assert!(is_detected, "{format:?} cut at {end}: {cut:?}");
             }
             for place in 0..bytes.len() {
                 for bit in 0..8 {
@@ -240,13 +240,13 @@ mod tests {
                     flipped[place] ^= 1 << bit;
                     let found = FoundFrame::of(&flipped, format);
                     // A changed fingerprint identifies another frame.
-                    assert_ne!(found, whole, "{format:?} at {place}");
+                    assert_ne!(found, complete, "{format:?} at {place}");
                 }
             }
             let longer = [&bytes[..], b"x"].concat();
-            assert!(matches!(FoundFrame::of(&longer, format), FoundFrame::Torn(_)), "{format:?}");
+            assert!(matches!(FoundFrame::of(&longer, format), FoundFrame::Corrupt(_)), "{format:?}");
             let zeros = vec![0; bytes.len()];
-            assert!(matches!(FoundFrame::of(&zeros, format), FoundFrame::Torn(_)), "{format:?}");
+            assert!(matches!(FoundFrame::of(&zeros, format), FoundFrame::Corrupt(_)), "{format:?}");
         }
     }
 
@@ -256,7 +256,7 @@ mod tests {
         let (own, other) = (frame(FrameFormat::Ppm, 3), frame(FrameFormat::Ppm, 5));
         let start = own.len() - 105;
         let mixed = [&own[..start], &other[start..]].concat();
-        assert!(matches!(FoundFrame::of(&mixed, FrameFormat::Ppm), FoundFrame::Torn(_)));
+        assert!(matches!(FoundFrame::of(&mixed, FrameFormat::Ppm), FoundFrame::Corrupt(_)));
     }
 
     #[test]
@@ -266,6 +266,6 @@ mod tests {
             |name: &str| FoundFrame::expected_at(&folder.path().join(name), FrameFormat::default(), (4, 4));
         assert_eq!(at("none.png"), FoundFrame::Missing);
         fs::create_dir(folder.path().join("folder.png")).unwrap();
-        assert_eq!(at("folder.png"), FoundFrame::Torn("it is not a regular file".to_owned()));
+        assert_eq!(at("folder.png"), FoundFrame::Corrupt("it is not a regular file".to_owned()));
     }
 }

@@ -153,36 +153,37 @@ pub(super) fn encode_frame(
     frame: Option<FrameFingerprint>,
 ) -> Result<[Cow<'_, [u8]>; 3], EncodeError> {
     let size = pixels.size();
-    let told =
+    let provenance =
         |bytes: &[u8]| frame.map(|frame| Provenance { frame, pixels: PixelFingerprint::of(bytes, size) });
     let light = || pixels.linear().ok_or(EncodeError::NoLight);
-    let png =
-        |bytes: &[u8], channels, depth| png_file::encode(bytes, channels, depth, size, told(bytes).as_ref());
-    let whole = |bytes: Vec<u8>| [bytes.into(), Cow::default(), Cow::default()];
+    let png = |bytes: &[u8], channels, depth| {
+        png_file::encode(bytes, channels, depth, size, provenance(bytes).as_ref())
+    };
+    let single = |bytes: Vec<u8>| [bytes.into(), Cow::default(), Cow::default()];
     Ok(match format {
-        FrameFormat::Png(Channels::Rgb) => whole(png(&pixels.encoded(), Channels::Rgb, BitDepth::Eight)?),
+        FrameFormat::Png(Channels::Rgb) => single(png(&pixels.encoded(), Channels::Rgb, BitDepth::Eight)?),
         FrameFormat::Png(Channels::Rgba) => {
-            whole(png(&light()?.encoded_with_alpha(), Channels::Rgba, BitDepth::Eight)?)
+            single(png(&light()?.encoded_with_alpha(), Channels::Rgba, BitDepth::Eight)?)
         }
         FrameFormat::Png16(channels) => {
-            whole(png(&light()?.encoded_16(channels), channels, BitDepth::Sixteen)?)
+            single(png(&light()?.encoded_16(channels), channels, BitDepth::Sixteen)?)
         }
         FrameFormat::Ppm => {
             let bytes = pixels.encoded();
-            [ppm_file::header(size, told(&bytes).as_ref()).into_bytes().into(), bytes, Cow::default()]
+            [ppm_file::header(size, provenance(&bytes).as_ref()).into_bytes().into(), bytes, Cow::default()]
         }
         FrameFormat::Pfm => {
             let bytes = pfm_file::pixels(&light()?.film);
-            let trailer = pfm_file::trailer(told(&bytes).as_ref());
+            let trailer = pfm_file::trailer(provenance(&bytes).as_ref());
             [pfm_file::header(size).into_bytes().into(), bytes.into(), trailer.into_bytes().into()]
         }
         FrameFormat::Hdr => {
             let body = hdr_file::body(&light()?.film)?;
-            let comment = hdr_file::comment(told(&body).as_ref());
+            let comment = hdr_file::comment(provenance(&body).as_ref());
             [hdr_file::SIGNATURE.into(), comment.into_bytes().into(), body.into()]
         }
         FrameFormat::Exr(channels, passes) => {
-            whole(exr_file::encode(light()?, channels, passes, frame).map_err(EncodeError::Exr)?)
+            single(exr_file::encode(light()?, channels, passes, frame).map_err(EncodeError::Exr)?)
         }
     })
 }

@@ -135,8 +135,8 @@ mod tests {
         assert_eq!(words_with_alpha[..8], [0, 0, 0, 0, 32_768, 16_384, 0, 32_768]);
         assert_eq!(words_with_alpha[8..], [13_107, 26_214, 65_535, 65_535, 65_535, 65_535, 65_535, 39_321]);
         // Without alpha, every pixel is fully covered.
-        let whole = frame(None);
-        assert_eq!(whole.encoded_with_alpha()[4..8], [64, 32, 0, 255]);
-        assert_eq!(words(&whole, Channels::Rgb)[3..6], [16_384, 8192, 0]);
+        let opaque = frame(None);
+        assert_eq!(opaque.encoded_with_alpha()[4..8], [64, 32, 0, 255]);
+        assert_eq!(words(&opaque, Channels::Rgb)[3..6], [16_384, 8192, 0]);
     }
 }

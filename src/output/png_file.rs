@@ -54,7 +54,7 @@ pub(super) fn decode(
     channels: Channels,
     depth: BitDepth,
 ) -> Result<StoredPicture, String> {
-    let mut reader = checking(&mut *file).read_info().map_err(in_words)?;
+    let mut reader = checking(&mut *file).read_info().map_err(describe)?;
     if reader.output_color_type() != (color_type(channels), depth) {
         let names = match channels {
             Channels::Rgb => "red, green and blue",
@@ -81,7 +81,7 @@ pub(super) fn decode(
 pub(super) fn channels(file: impl BufRead + Seek) -> Result<FileChannels, String> {
     let mut decoder = checking(file);
     decoder.set_transformations(Transformations::EXPAND);
-    let mut reader = decoder.read_info().map_err(in_words)?;
+    let mut reader = decoder.read_info().map_err(describe)?;
     let (color, depth) = reader.output_color_type();
     let (size, bytes) = (reader.info().size(), all_bytes(&mut reader)?);
     let samples: Vec<f64> = match depth {
@@ -114,12 +114,12 @@ fn checking<R: BufRead + Seek>(file: R) -> Decoder<R> {
 /// Reads the first picture and the rest of the file.
 fn all_bytes(reader: &mut Reader<impl BufRead + Seek>) -> Result<Vec<u8>, String> {
     let mut bytes = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
-    reader.next_frame(&mut bytes).map_err(in_words)?;
-    reader.finish().map_err(in_words)?;
+    reader.next_frame(&mut bytes).map_err(describe)?;
+    reader.finish().map_err(describe)?;
     Ok(bytes)
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "it maps errors")]
-fn in_words(error: png::DecodingError) -> String {
+fn describe(error: png::DecodingError) -> String {
     error.to_string()
 }

@@ -240,8 +240,8 @@ mod tests {
                 _ => (12, folder.path().join("a.b.00012.png")),
             })
         );
-        let gone = Sequence::new(folder.path().join("none"), "a", 9, FrameFormat::default());
-        assert_eq!(gone.present().unwrap(), []);
+        let missing = Sequence::new(folder.path().join("none"), "a", 9, FrameFormat::default());
+        assert_eq!(missing.present().unwrap(), []);
     }
 
     #[test]

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shards_share_a_list_out() {
+    fn shards_partition_a_list() {
         for list in ["0-95", "5", "0-7,20-30x3,40", "1,2"] {
             let list: FrameList = list.parse().unwrap();
             for count in 1..9_u32 {
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_coarse_order_has_every_frame_once() {
+    fn coarse_order_contains_every_frame_once() {
         let list: FrameList = "3-20,30".parse().unwrap();
         let coarse: Vec<u32> = RenderOrder::Coarse.of(&list).collect();
         assert_eq!(coarse[..5], [3, 11, 19, 7, 15]);
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn shards_are_written_with_their_number_and_count() {
+    fn shards_are_parsed_and_formatted() {
         assert_eq!("2/7".parse::<Shard>().unwrap().to_string(), "2/7");
         for text in ["", "1", "1/", "/2", "2/2", "-1/2", "0/0", "1/2/3", "a/b"] {
             assert!(text.parse::<Shard>().is_err(), "{text}");

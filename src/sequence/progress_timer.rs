@@ -6,38 +6,38 @@ use std::time::{Duration, Instant};
 
 use crate::trace::{RenderProgress, Signals};
 
-/// Renders a picture, and reports its progress to `tell` once a second. `render` receives signals that request pauses, and a function to
+/// Renders a picture, and reports its progress to `on_progress` once a second. `render` receives signals that request pauses, and a function to
 /// call at every pause with the progress.
 pub(super) fn watched<T>(
     cancelled: &AtomicBool,
-    tell: &mut dyn FnMut(RenderProgress),
+    on_progress: &mut dyn FnMut(RenderProgress),
     render: impl FnOnce(Signals<'_>, &mut dyn FnMut(RenderProgress) -> ControlFlow<()>) -> T,
 ) -> T {
-    let heartbeat = Heartbeat::start();
-    let pause = || heartbeat.is_due();
+    let timer = ProgressTimer::start();
+    let pause = || timer.is_due();
     render(Signals { cancelled, pause: &pause }, &mut |so_far| {
-        heartbeat.begin();
-        tell(so_far);
+        timer.begin();
+        on_progress(so_far);
         Continue(())
     })
 }
 
 /// A timer that requests a pause of rendering once a second. At a pause, threads wait for each other; the cost is negligible.
 #[derive(Debug)]
-struct Heartbeat {
+struct ProgressTimer {
     start: Instant,
     /// Time of the next pause, in milliseconds from the start.
     next: AtomicU64,
 }
 
-impl Heartbeat {
+impl ProgressTimer {
     const PERIOD: Duration = Duration::from_secs(1);
 
     /// Starts the timer and its first period.
     fn start() -> Self {
-        let heartbeat = Self { start: Instant::now(), next: AtomicU64::new(0) };
-        heartbeat.begin();
-        heartbeat
+        let timer = Self { start: Instant::now(), next: AtomicU64::new(0) };
+        timer.begin();
+        timer
     }
 
     /// Returns whether the period is over. The result stays true until the next period begins.
@@ -61,10 +61,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_due_until_another_second_begins() {
-        let heartbeat = Heartbeat::start();
-        assert!(!heartbeat.is_due());
-        let late = Heartbeat { start: Instant::now() - 2 * Heartbeat::PERIOD, ..heartbeat };
+    fn timer_stays_due_until_the_next_second_begins() {
+        let timer = ProgressTimer::start();
+        assert!(!timer.is_due());
+        let late = ProgressTimer { start: Instant::now() - 2 * ProgressTimer::PERIOD, ..timer };
         assert!(late.is_due() && late.is_due());
         late.begin();
         assert!(!late.is_due());

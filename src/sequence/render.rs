@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::progress_timer::watched;
-use super::verify::judge;
+use super::verify::verdict_of;
 use super::{FrameRequest, FrameVerdict};
 use crate::engine::{Engine, EngineError, RenderRequest};
 use crate::output::{
@@ -162,14 +162,15 @@ pub fn render_frames(
     let writer = FrameWriter::start();
     // Requests of the frames submitted to the writer, indexed by ticket.
     let mut submitted: Vec<FrameRequest> = Vec::new();
-    let settle = |written: WrittenFrame, submitted: &[FrameRequest], observer: &mut dyn SequenceObserver| {
-        let is_good = written.result.is_ok();
-        match written.result {
-            Ok(()) => observer.written(&submitted[written.ticket], written.duration),
-            Err(error) => observer.refused(error),
-        }
-        is_good
-    };
+    let report_written =
+        |written: WrittenFrame, submitted: &[FrameRequest], observer: &mut dyn SequenceObserver| {
+            let is_good = written.result.is_ok();
+            match written.result {
+                Ok(()) => observer.written(&submitted[written.ticket], written.duration),
+                Err(error) => observer.refused(error),
+            }
+            is_good
+        };
     let mut rendered = Ok(());
     for request in requests {
         if cancelled.load(Ordering::Relaxed) {
@@ -179,7 +180,7 @@ pub fn render_frames(
         let path = request.file(sequence);
         match frame_verdict(engine, &request, &path, sequence, existing) {
             Ok(FrameVerdict::Missing) => {}
-            Ok(FrameVerdict::Whole) => {
+            Ok(FrameVerdict::UpToDate) => {
                 if observer.kept(engine, &request).is_break() {
                     break;
                 }
@@ -193,13 +194,13 @@ pub fn render_frames(
         }
         observer.render(engine, &request);
         let mut all_good = true;
-        let mut tell = |progress| {
+        let mut on_progress = |progress| {
             for written in writer.written() {
-                all_good &= settle(written, &submitted, observer);
+                all_good &= report_written(written, &submitted, observer);
             }
             observer.rendering(&request, progress);
         };
-        let pixels = match render_pixels(engine, &request, sequence.format(), cancelled, &mut tell) {
+        let pixels = match render_pixels(engine, &request, sequence.format(), cancelled, &mut on_progress) {
             Ok(Some(pixels)) => pixels,
             stopped => {
                 rendered = stopped.map(drop);
@@ -211,19 +212,19 @@ pub fn render_frames(
         writer.submit(submitted.len(), path, pixels, sequence.format(), fingerprint);
         submitted.push(request);
         for written in writer.written() {
-            all_good &= settle(written, &submitted, observer);
+            all_good &= report_written(written, &submitted, observer);
         }
         if !all_good || flow.is_break() {
             break;
         }
     }
     for written in writer.finish() {
-        settle(written, &submitted, observer);
+        report_written(written, &submitted, observer);
     }
     rendered
 }
 
-/// Renders a frame as output bytes. Returns `None` if `cancelled` becomes true during rendering. Reports the progress to `tell` once a
+/// Renders a frame as output bytes. Returns `None` if `cancelled` becomes true during rendering. Reports the progress to `on_progress` once a
 /// second.
 ///
 /// # Errors
@@ -233,13 +234,13 @@ pub fn render_encoded(
     engine: &mut Engine,
     request: &FrameRequest,
     cancelled: &AtomicBool,
-    tell: &mut dyn FnMut(RenderProgress),
+    on_progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<EncodedFilm>, EngineError> {
     let transfer = engine.film_settings().transfer;
-    watched(cancelled, tell, |signals, look| {
+    watched(cancelled, on_progress, |signals, report| {
         let image = engine.render(RenderRequest {
             signals,
-            on_pause: Some(&mut |job| look(job.progress())),
+            on_pause: Some(&mut |job| report(job.progress())),
             ..RenderRequest::encoded(request.time, transfer)
         });
         Ok(image?.map(|image| image.film))
@@ -252,16 +253,16 @@ fn render_pixels(
     request: &FrameRequest,
     format: FrameFormat,
     cancelled: &AtomicBool,
-    tell: &mut dyn FnMut(RenderProgress),
+    on_progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<FramePixels>, EngineError> {
     if !format.is_linear() {
-        return Ok(render_encoded(engine, request, cancelled, tell)?.map(FramePixels::Encoded));
+        return Ok(render_encoded(engine, request, cancelled, on_progress)?.map(FramePixels::Encoded));
     }
-    let image = watched(cancelled, tell, |signals, look| {
+    let image = watched(cancelled, on_progress, |signals, report| {
         engine.render(RenderRequest {
             alpha: format.channels() == Channels::Rgba,
             signals,
-            on_pause: Some(&mut |job| look(job.progress())),
+            on_pause: Some(&mut |job| report(job.progress())),
             ..RenderRequest::at(request.time)
         })
     })?;
@@ -294,7 +295,7 @@ pub fn frame_verdict(
         Existing::Keep => {
             let film = engine.film_settings();
             let size = (film.width, film.height);
-            judge(engine, request, FoundFrame::expected_at(path, sequence.format(), size))
+            verdict_of(engine, request, FoundFrame::expected_at(path, sequence.format(), size))
         }
     }
 }
@@ -316,12 +317,12 @@ struct Counted<F> {
 }
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
-    fn tell(&mut self, request: &FrameRequest, kept: bool) {
-        let SequenceReport { written, kept: all_kept } = self.report;
+    fn report_progress(&mut self, request: &FrameRequest, kept: bool) {
+        let SequenceReport { written, kept: kept_before } = self.report;
         let progress = SequenceProgress {
             frame: request.frame.unwrap_or_default(),
             kept,
-            done: written + all_kept,
+            done: written + kept_before,
             total: self.total,
         };
         if (self.on_progress)(progress).is_break() {
@@ -333,7 +334,7 @@ impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted<F> {
     fn kept(&mut self, _: &Engine, request: &FrameRequest) -> ControlFlow<()> {
         self.report.kept += 1;
-        self.tell(request, true);
+        self.report_progress(request, true);
         self.flow
     }
 
@@ -343,7 +344,7 @@ impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted
 
     fn written(&mut self, request: &FrameRequest, _: Duration) {
         self.report.written += 1;
-        self.tell(request, false);
+        self.report_progress(request, false);
     }
 
     fn refused(&mut self, error: WriteError) {

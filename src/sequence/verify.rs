@@ -16,11 +16,11 @@ use crate::time::FrameList;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FrameVerdict {
     /// The file is complete and up to date.
-    Whole,
+    UpToDate,
     /// There is no file.
     Missing,
     /// The file is corrupt, with the reason.
-    Torn(String),
+    Corrupt(String),
     /// The file is complete but out of date: from another scene, other settings, or before an edit, or of another size.
     Stale,
     /// The file is complete but its provenance is unknown.
@@ -39,19 +39,19 @@ pub struct SequenceVerdict {
 impl SequenceVerdict {
     /// Returns whether every frame is up to date and no other file looks like a frame.
     #[must_use]
-    pub fn is_whole(&self) -> bool {
+    pub fn is_complete(&self) -> bool {
         self.surplus.is_empty() && self.to_render().is_none()
     }
 
     /// Returns the frames that have to be rendered, or `None` if there are none.
     #[must_use]
     pub fn to_render(&self) -> Option<FrameList> {
-        self.those(|verdict| *verdict != FrameVerdict::Whole)
+        self.frames_with(|verdict| *verdict != FrameVerdict::UpToDate)
     }
 
     /// Returns the frames whose verdicts satisfy a condition, or `None` if there are none.
     #[must_use]
-    pub fn those(&self, is_wanted: impl Fn(&FrameVerdict) -> bool) -> Option<FrameList> {
+    pub fn frames_with(&self, is_wanted: impl Fn(&FrameVerdict) -> bool) -> Option<FrameList> {
         let wanted = self.frames.iter().filter(|(_, verdict)| is_wanted(verdict));
         FrameList::of(wanted.map(|(frame, _)| *frame))
     }
@@ -97,37 +97,37 @@ pub fn verify_sequence(
             if begin(engine, request).is_break() {
                 break 'all;
             }
-            let of_frame = judge(engine, request, found)?;
+            let of_frame = verdict_of(engine, request, found)?;
             verdict.frames.extend(request.frame.map(|frame| (frame, of_frame)));
         }
     }
-    let is_asked = |frame: u32| verdict.frames.binary_search_by_key(&frame, |(asked, _)| *asked).is_ok();
+    let is_verified = |frame: u32| verdict.frames.binary_search_by_key(&frame, |(own, _)| *own).is_ok();
     let surplus = find_surplus(sequence, count, size)?;
     // Files of another size are already reported as stale if their frames were verified.
     verdict.surplus = surplus
         .into_iter()
         .filter(|surplus| {
             let frame = surplus.path.file_name().and_then(|name| sequence.frame_of(name));
-            surplus.reason.is_about_name() || !frame.is_some_and(is_asked)
+            surplus.reason.is_about_name() || !frame.is_some_and(is_verified)
         })
         .collect();
     Ok(verdict)
 }
 
 /// Compares the file found for a frame with the frame that would be rendered now.
-pub(super) fn judge(
+pub(super) fn verdict_of(
     engine: &mut Engine,
     request: &FrameRequest,
     found: FoundFrame,
 ) -> Result<FrameVerdict, EngineError> {
     Ok(match found {
         FoundFrame::Missing => FrameVerdict::Missing,
-        FoundFrame::Torn(reason) => FrameVerdict::Torn(reason),
+        FoundFrame::Corrupt(reason) => FrameVerdict::Corrupt(reason),
         FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
         FoundFrame::OtherSize { .. } => FrameVerdict::Stale,
-        FoundFrame::Whole { provenance, .. } => {
+        FoundFrame::Complete { provenance, .. } => {
             match provenance.frame == engine.fingerprint_at(request.time)? {
-                true => FrameVerdict::Whole,
+                true => FrameVerdict::UpToDate,
                 false => FrameVerdict::Stale,
             }
         }
@@ -138,11 +138,11 @@ pub(super) fn judge(
 impl fmt::Display for FrameVerdict {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Whole => "it is whole and up to date",
+            Self::UpToDate => "it is complete and up to date",
             Self::Missing => "there is no file",
-            Self::Torn(reason) => reason,
-            Self::Stale => "it is not what would be rendered now",
-            Self::Unknown => "it does not say what it was rendered from",
+            Self::Corrupt(reason) => reason,
+            Self::Stale => "it is out of date",
+            Self::Unknown => "its provenance is unknown",
         })
     }
 }

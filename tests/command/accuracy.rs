@@ -29,7 +29,7 @@ fn measured(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&output).unwrap()
 }
 
-fn of_knob<'a>(report: &'a Value, knob: &str) -> Vec<&'a Value> {
+fn of_parameter<'a>(report: &'a Value, knob: &str) -> Vec<&'a Value> {
     report["rows"].as_array().unwrap().iter().filter(|row| row["knob"] == knob).collect()
 }
 
@@ -46,15 +46,15 @@ fn every_knob_that_is_called_for_is_turned() {
     for (knob, count) in
         [("samples", 3), ("max error", 5), ("light samples", 4), ("cutoff", 4), ("precision", 2)]
     {
-        assert_eq!(of_knob(&report, knob).len(), count, "{knob}");
+        assert_eq!(of_parameter(&report, knob).len(), count, "{knob}");
     }
-    assert!(of_knob(&report, "instants").is_empty(), "nothing moves");
-    let samples = of_knob(&report, "samples");
+    assert!(of_parameter(&report, "instants").is_empty(), "nothing moves");
+    let samples = of_parameter(&report, "samples");
     assert!(rms(samples[0]) > rms(samples[2]));
     let uncertainty = report["reference"]["rms_uncertainty"].as_f64().unwrap();
     assert!(uncertainty > 0.0 && uncertainty < rms(samples[0]));
     // The error decreases with the depth, as more reflections are traced.
-    let depths = of_knob(&report, "depth");
+    let depths = of_parameter(&report, "depth");
     assert!(depths[0]["alone"]["rms"].as_f64() > depths[2]["alone"]["rms"].as_f64());
     let without: Vec<_> =
         report["rows"].as_array().unwrap().iter().filter_map(|row| row["without"].as_str()).collect();
@@ -136,7 +136,7 @@ fn a_page_and_a_table_are_written() {
 fn errors_that_are_not_reached_are_marked_and_never_stars() {
     let folder = tempfile::tempdir().unwrap();
     let report = measured(folder.path(), &["--error-map", "e.png", "--sample-map", "s.png"]);
-    let errors = of_knob(&report, "max error");
+    let errors = of_parameter(&report, "max error");
     let (capped, reached): (Vec<&Value>, Vec<&Value>) =
         errors.into_iter().partition(|row| row["capped"] == 16);
     assert!(!capped.is_empty() && !reached.is_empty(), "{capped:?} {reached:?}");

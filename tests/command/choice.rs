@@ -204,7 +204,7 @@ fn impossible_targets_are_reported() {
     let (code, message) = refused(folder, &["--max-error", "0.001", "--samples", "16", "--out", "o"]);
     assert_eq!(code, Some(0));
     let off = message.split_once("is off by about ").unwrap().1;
-    assert!(off.contains("with all the samples that its pixels may get"), "{message}");
+    assert!(off.contains("with the largest number of samples per pixel"), "{message}");
     let off: f64 = off.split_once(' ').unwrap().0.parse().unwrap();
     let frames = settings(&folder.join("o"));
     let worst =

@@ -580,7 +580,7 @@ fn programs_and_people_hear_what_they_want_to() {
     let details = run(&["-v"]);
     let lines: Vec<&str> = details.lines().collect();
     assert_eq!(lines[..2], ["1/4 out/film.0000.png: kept", "2/4 out/film.0001.png: kept"], "{details}");
-    assert!(lines.contains(&"out/film.0002.png is rendered again: it is not what would be rendered now"));
+    assert!(lines.contains(&"out/film.0002.png is rendered again: it is out of date"));
     assert!(lines.iter().any(|line| line.starts_with("out/film.0003.png is rendered again: ")), "{details}");
     assert!(lines.iter().any(|line| line.starts_with("4/4 out/film.0003.png: ")), "{details}");
     let about = |line: &&&str| line.starts_with("  animate ") && line.contains("; rays: 1 k camera");

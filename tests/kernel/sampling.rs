@@ -193,14 +193,14 @@ impl Observer for Counting {
 #[test]
 fn a_measurement_finds_the_order_of_convergence() {
     let (mut engine, _) = edge();
-    let thoroughness = Preset { rounds: 1, samples: 64, pictures: 4, factor: 16 };
-    let request = Request { frames: vec![0], thoroughness, sizes: Vec::new(), keep_films: false };
+    let preset = Preset { rounds: 1, samples: 64, pictures: 4, factor: 16 };
+    let request = Request { frames: vec![0], preset, sizes: Vec::new(), keep_films: false };
     let mut observer = Counting::default();
     let report = measure(&mut engine, &request, &AtomicBool::new(false), &mut observer).unwrap().unwrap();
     let (knob, law) = report.orders[0];
     assert_eq!(knob, Parameter::Samples);
     assert!((-0.95..-0.6).contains(&law.exponent), "{law:?}");
-    let adaptive = report.of_knob(Parameter::MaxError).map(|row| row.error.rms).collect::<Vec<_>>();
+    let adaptive = report.of_parameter(Parameter::MaxError).map(|row| row.error.rms).collect::<Vec<_>>();
     assert!(adaptive.is_sorted() && adaptive.len() == 5, "{adaptive:?}");
     assert!(report.rows.iter().all(|row| row.instructions == Some(1000.0)));
     let Counting { shares, .. } = observer;

@@ -33,7 +33,7 @@ pub(super) fn json(measured: &Measured) -> Value {
             "uncertainty": law.uncertainty,
         })).collect::<Vec<_>>(),
     });
-    measured.changed.tell(&mut told);
+    measured.changed.add_to(&mut told);
     told
 }
 

@@ -54,10 +54,10 @@ fn head(page: &mut String, measured: &Measured) {
         let _ = writeln!(page, "<p class=\"dim\">{}</p>", escaped(text));
     };
     line(&frames_in_words(measured));
-    if let Some(changed) = measured.changed.in_words() {
+    if let Some(changed) = measured.changed.describe() {
         line(&changed);
     }
-    line(&measured.machine.in_words());
+    line(&measured.machine.describe());
 }
 
 /// Returns the figures of the scene's own picture, the reference and their difference.
@@ -138,7 +138,7 @@ fn overview(report: &Report) -> Chart<'_> {
     };
     let knobs = Parameter::ALL.into_iter().map(|parameter| Series {
         name: parameter.name().to_owned(),
-        marks: marks(&mut report.of_knob(parameter)),
+        marks: marks(&mut report.of_parameter(parameter)),
         joined: parameter != Parameter::Precision,
     });
     let series = std::iter::once(own).chain(knobs).filter(|series| !series.marks.is_empty()).collect();
@@ -179,7 +179,7 @@ fn table(measured: &Measured) -> String {
         table += &line("td", class, &mut heads.iter().map(|head| cell(row, head).replace('*', "★")));
     }
     let precisions: Vec<String> =
-        report.of_knob(Parameter::Precision).map(|row| precision_in_words(row, report)).collect();
+        report.of_parameter(Parameter::Precision).map(|row| precision_in_words(row, report)).collect();
     let _ = writeln!(table, "</table></div>\n<p>{}</p>", escaped(&precisions.join(" ")));
     for line in notes(report, measured.is_quick) {
         let _ = writeln!(table, "<p class=\"dim\">{}</p>", escaped(&line.replacen('*', "★", 1)));
@@ -247,7 +247,7 @@ fn knobs(report: &Report) -> String {
     let mut text = "<h2>Knobs</h2>\n<div class=\"charts\">\n".to_owned();
     for parameter in Parameter::ALL.into_iter().filter(|parameter| *parameter != Parameter::Precision) {
         let marks: Vec<ChartMark> = report
-            .of_knob(parameter)
+            .of_parameter(parameter)
             .filter_map(|row| match row.subject {
                 Subject::Parameter(_, value) if value > 0.0 => Some(ChartMark {
                     x: value,

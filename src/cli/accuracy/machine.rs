@@ -19,7 +19,7 @@ impl Machine {
         Self { processor, system, threads, version: env!("CARGO_PKG_VERSION") }
     }
 
-    pub(super) fn in_words(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let threads = match self.threads {
             1 => "1 thread".to_owned(),
             count => format!("{count} threads"),

@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     let first = engine.timeline().time_of(frames.first().copied().unwrap_or(0));
     let request = Request {
         frames,
-        thoroughness: if arguments.quick { Preset::QUICK } else { Preset::THOROUGH },
+        preset: if arguments.quick { Preset::QUICK } else { Preset::THOROUGH },
         sizes: arguments.sizes.clone(),
         keep_films: arguments.html.is_some() || arguments.error_map.is_some(),
     };
@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         spread_over,
         report,
     };
-    tell(&measured, arguments, &engine)
+    print(&measured, arguments, &engine)
 }
 
 /// Returns a PNG heat map of the samples per pixel of the last picture, on a logarithmic scale.
@@ -118,7 +118,7 @@ fn frames(arguments: &AccuracyArguments, engine: &Engine) -> anyhow::Result<(Vec
     })
 }
 
-fn tell(measured: &Measured, arguments: &AccuracyArguments, engine: &Engine) -> Result<(), Failure> {
+fn print(measured: &Measured, arguments: &AccuracyArguments, engine: &Engine) -> Result<(), Failure> {
     if let Some(file) = &arguments.html {
         let page = html::page(measured, engine.film_settings().transfer)?;
         write_file(file, page.as_bytes())?;

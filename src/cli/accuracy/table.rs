@@ -30,10 +30,10 @@ const ESTIMATED: &str = "estimated";
 pub(super) fn draw(measured: &Measured) -> String {
     let report = &measured.report;
     let mut text = format!("{}: {}\n", Printable(&measured.scene), frames_in_words(measured));
-    if let Some(changed) = measured.changed.in_words() {
+    if let Some(changed) = measured.changed.describe() {
         let _ = writeln!(text, "{changed}");
     }
-    let _ = writeln!(text, "{}", measured.machine.in_words());
+    let _ = writeln!(text, "{}", measured.machine.describe());
     let _ = writeln!(text, "{}\n", reference_in_words(report));
     text += &rows(report);
     let _ =
@@ -47,7 +47,7 @@ pub(super) fn draw(measured: &Measured) -> String {
             law.uncertainty
         );
     }
-    for row in report.of_knob(Parameter::Precision) {
+    for row in report.of_parameter(Parameter::Precision) {
         let _ = writeln!(text, "{}", precision_in_words(row, report));
     }
     text

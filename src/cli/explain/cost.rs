@@ -92,7 +92,7 @@ impl Costs {
         self.instructions.is_some()
     }
 
-    pub(super) fn in_words(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let frames: Vec<_> = self.frames.iter().map(u32::to_string).collect();
         let (of, mean) = match &frames[..] {
             [] => return String::new(),

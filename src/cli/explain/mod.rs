@@ -94,12 +94,12 @@ impl Explanation {
             (1, None) => "1 frame".to_owned(),
             (count, None) => format!("{count} frames"),
         };
-        let changed = self.changed.in_words().map_or_else(String::new, |changed| changed + "\n");
+        let changed = self.changed.describe().map_or_else(String::new, |changed| changed + "\n");
         format!(
             "{}: {count} of {width}x{height}\n{changed}\n{}\n{}\n{}",
             Printable(&self.scene),
-            self.timeline.in_words(),
-            self.costs.in_words(),
+            self.timeline.describe(),
+            self.costs.describe(),
             table::draw(&self.timeline, &self.costs, self.measure)
         )
     }
@@ -112,17 +112,17 @@ impl Explanation {
             "frames": self.timeline.count(),
             "spread_over": self.timeline.spread_over(),
             "measured": self.costs.json(),
-            "effects": self.timeline.effects().map(|told| json!({
-                "effect": told.effect.name(),
-                "spans": told.spans.iter().map(|span| json!({
+            "effects": self.timeline.effects().map(|timeline| json!({
+                "effect": timeline.effect.name(),
+                "spans": timeline.spans.iter().map(|span| json!({
                     "frames": span.frames(),
                     "needed": span.need.is_needed(),
                     "why": span.need.reason(),
                 })).collect::<Vec<_>>(),
-                "cost": self.costs.effect_json(told.effect, self.measure),
+                "cost": self.costs.effect_json(timeline.effect, self.measure),
             })).collect::<Vec<_>>(),
         });
-        self.changed.tell(&mut explanation);
+        self.changed.add_to(&mut explanation);
         explanation
     }
 }

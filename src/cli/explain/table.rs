@@ -12,11 +12,12 @@ const TIME: usize = 4;
 /// Formats a table of the needed effects, followed by a table of the effects that are not needed.
 pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> String {
     let (mut needed, mut omitted) = (Vec::new(), Vec::new());
-    for told in timeline.effects() {
-        for span in &told.spans {
-            let mut row = vec![told.effect.name().to_owned(), span.in_words(), span.need.reason().to_owned()];
+    for effect in timeline.effects() {
+        for span in &effect.spans {
+            let mut row =
+                vec![effect.effect.name().to_owned(), span.describe(), span.need.reason().to_owned()];
             if span.need.is_needed() {
-                row.extend(cost_cells(told.effect, costs, measure));
+                row.extend(cost_cells(effect.effect, costs, measure));
                 needed.push(row);
             } else {
                 omitted.push(row);

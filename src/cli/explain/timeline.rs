@@ -87,7 +87,7 @@ impl PlannedTimeline {
     }
 
     /// Summarises the needs in a few sentences.
-    pub(super) fn in_words(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let names = |chosen: &dyn Fn(&Told) -> bool| {
             let names: Vec<_> =
                 self.told.iter().filter(|told| chosen(told)).map(|told| told.effect.name()).collect();
@@ -137,7 +137,7 @@ impl Told {
 
 impl Span {
     /// Formats the frames as `all` or `0-40, 60`, shortened if there are many runs.
-    pub(super) fn in_words(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         const MOST: usize = 3;
         if self.all {
             return "all".to_owned();

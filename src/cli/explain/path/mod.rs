@@ -48,7 +48,7 @@ pub(super) fn draw(
     let path = CameraPath::of(engine, frames)?;
     let name = scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     write_file(file, drawing(&path, &name).as_bytes())?;
-    print::result_line(&format!("{}: {}", file.display(), path.in_words()))?;
+    print::result_line(&format!("{}: {}", file.display(), path.describe()))?;
     Ok(())
 }
 
@@ -56,7 +56,7 @@ pub(super) fn draw(
 fn drawing(path: &CameraPath, name: &str) -> String {
     let mut svg = Svg::standalone([960.0, 860.0], &format!("The camera's path in {name}"), STYLE);
     svg.text("title", [20.0, 28.0], Anchor::Start, name);
-    svg.text("", [20.0, 48.0], Anchor::Start, &path.in_words());
+    svg.text("", [20.0, 48.0], Anchor::Start, &path.describe());
     let frames = [
         Area { left: 56.0, top: 76.0, width: 410.0, height: 410.0 },
         Area { left: 526.0, top: 76.0, width: 410.0, height: 410.0 },

@@ -107,7 +107,7 @@ impl CameraPath {
     }
 
     /// Describes the path in one line.
-    pub(super) fn in_words(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let count = match (self.samples.len(), self.spread_over) {
             (count, Some(chosen)) => format!("{count} of {chosen} frames"),
             (1, None) => "1 frame".to_owned(),
@@ -149,7 +149,7 @@ impl CameraSample {
     }
 
     /// Formats the time and, if `named`, the name of the camera.
-    pub(super) fn in_words(&self, named: bool) -> String {
+    pub(super) fn describe(&self, named: bool) -> String {
         let seconds = format!("{:.3}", self.seconds);
         let seconds = seconds.trim_end_matches('0').trim_end_matches('.');
         match &self.camera {

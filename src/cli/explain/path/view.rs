@@ -219,7 +219,7 @@ impl OrthographicView {
                 if labelled.iter().any(|[x, y]| (eye[0] - x).abs().max((eye[1] - y).abs()) < SAME) {
                     continue;
                 }
-                let text = shot[index].in_words(several && index == 0);
+                let text = shot[index].describe(several && index == 0);
                 let [right, down] = self.heading(shot, index).unwrap_or([0.0, 1.0]);
                 let sides: Vec<PagePoint> =
                     [[down, -right], [-down, right]].into_iter().chain(directions()).collect();
