@@ -38,7 +38,7 @@ const VERSIONS: usize = 30;
 type Included = [(&'static str, String); 2];
 
 #[test]
-fn a_long_session_grows_in_nothing_and_stays_right() {
+fn long_sessions_do_not_leak_and_stay_correct() {
     let edits = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(400);
     let folder = tempfile::tempdir().unwrap();
     let versions = versions(folder.path());

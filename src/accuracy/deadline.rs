@@ -418,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn the_time_is_used_and_kept() {
+    fn time_limit_is_used_and_met() {
         let busy = |index: usize| if (32..64).contains(&index) { 4e8 } else { 1e6 };
         let sequences = [
             vec![1e7],
@@ -450,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn all_frames_are_surveyed_once_in_the_end() {
+    fn survey_order_contains_every_frame_once() {
         for count in 0..200 {
             let mut places: Vec<usize> = survey_order(count).collect();
             places.sort_unstable();
@@ -463,7 +463,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_as_good_as_each_other() {
+    fn frames_reach_equal_errors() {
         let hardness: Vec<f64> = (0..24_u32).map(|index| 1e6 * f64::from(1 + index % 7)).collect();
         let simulated = Simulated { hardness, surveyed: |count| count, rate: steady, within: 3.0 };
         let (_, errors) = simulated.render();

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_films_and_what_is_clamped_in_both_make_no_error() {
+    fn equal_and_clamped_pixels_have_no_error() {
         let bright = film(2, &[[1.5, 0.5, 0.0], [7.0, 0.25, 1.0]]);
         let brighter = film(2, &[[2.5, 0.5, 0.0], [1.0, 0.25, 3.0]]);
         for transfer in [Transfer::Srgb, Transfer::Classic] {
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn black_and_white_are_as_far_apart_as_can_be() {
+    fn black_and_white_have_the_largest_error() {
         let (black, white) = (film(1, &[[0.0; 3]; 4]), film(1, &[[1.0; 3]; 4]));
         let error = FilmError::between(&black, &white, Transfer::Classic);
         assert_eq!(error, FilmError { max: 255.0, rms: 255.0, share_off: 1.0 });
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn less_than_a_step_counts_though_no_byte_differs() {
+    fn differences_below_one_level_count() {
         let error = FilmError::between(&film(1, &[[0.5; 3]]), &film(1, &[[0.501; 3]]), Transfer::Classic);
         assert!((error.max - 0.255).abs() < 1e-4 && error.rms > 0.25 && error.share_off == 0.0, "{error:?}");
         assert_eq!(Transfer::Classic.encode(Rgb::splat(0.5)), Transfer::Classic.encode(Rgb::splat(0.501)));
@@ -157,7 +157,7 @@ mod tests {
     proptest! {
         /// Compares with the definitions, one channel after the other.
         #[test]
-        fn it_is_what_a_plain_loop_finds(
+        fn errors_match_the_definition(
             pixels in prop::collection::vec(prop::array::uniform3(-0.1_f32..1.2), 12),
             others in prop::collection::vec(prop::array::uniform3(-0.1_f32..1.2), 12),
             is_srgb in any::<bool>(),

@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn powers_are_found() {
+    fn power_laws_are_recovered() {
         let pairs = [1.0, 2.0, 4.0, 8.0, 16.0].map(|n| (n, 3.0 * libm::pow(n, -0.75)));
         let law = PowerLaw::fit(&pairs).unwrap();
         assert!(
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn scatter_is_told() {
+    fn scatter_is_reported() {
         let pairs = [(1.0, 1.0), (2.0, 0.9), (4.0, 0.4), (8.0, 0.3)];
         let law = PowerLaw::fit(&pairs).unwrap();
         assert!((-0.8..-0.5).contains(&law.exponent) && (0.05..0.2).contains(&law.uncertainty), "{law:?}");

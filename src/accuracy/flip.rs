@@ -375,7 +375,7 @@ mod tests {
 
     /// Compares with means of the authors' reference implementation, version 1.7, at 67.0206 pixels per degree.
     #[test]
-    fn means_are_those_of_the_reference_implementation() {
+    fn means_match_the_reference_implementation() {
         let size = (48, 40);
         let picture = |value: fn(u32, u32) -> [u32; 3]| {
             let pixels =
@@ -470,7 +470,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(12))]
 
         #[test]
-        fn differences_are_those_of_the_definition([one, other] in pictures()) {
+        fn differences_match_the_definition([one, other] in pictures()) {
             let (found, expected) = (flip(&one, &other), by_definition(&one, &other));
             for (found, expected) in found.pixels.iter().zip(&expected) {
                 prop_assert!((found - expected).abs() < 1e-6, "{} {}", found, expected);

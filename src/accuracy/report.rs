@@ -210,7 +210,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_below_0_within_the_spread_are_0() {
+    fn shares_below_0_within_the_range_are_0() {
         let row = |low, median, high| Row {
             subject: Subject::Own,
             settings: RenderSettings::default(),

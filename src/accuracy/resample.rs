@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn ramps_stay_ramps_at_every_size() {
+    fn linear_ramps_are_preserved_at_every_size() {
         for (width, height) in [(2, 2), (5, 3), (64, 36), (9, 90)] {
             let (found, expected) = (resampled(&ramp(9, 5), width, height), ramp(width, height));
             for (found, expected) in found.pixels().iter().zip(expected.pixels()) {

@@ -129,7 +129,7 @@ mod tests {
 
         /// Compares with the definition: whole windows, with variances about their means.
         #[test]
-        fn it_is_what_the_definition_says(
+        fn similarity_matches_the_definition(
             (width, values, others) in (1_u32..14, 1_usize..14).prop_flat_map(|(width, height)| {
                 let values = prop::collection::vec(0.0_f32..1.0, width as usize * height);
                 (Just(width), values.clone(), values)

@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn places_have_the_length_that_was_asked_for() {
+    fn positions_have_the_requested_length() {
         let curves = [
             measured(DVec3::new(1.0, 1.0, 0.0), [DVec3::X, DVec3::new(1.0, 2.0, 0.0)]),
             measured(DVec3::new(1.0, 1.0, 0.0), [DVec3::ZERO, DVec3::new(2.0, 3.0, 0.0)]),
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn few_panels_are_enough_where_a_segment_turns_gently() {
+    fn smooth_segments_need_few_panels() {
         let gentle = measured(DVec3::new(1.0, 1.0, 0.0), [DVec3::X, DVec3::Y]);
         assert!(gentle.panels.len() <= 4, "{}", gentle.panels.len());
     }

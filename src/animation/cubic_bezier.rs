@@ -85,7 +85,7 @@ mod tests {
 
     /// Checks that progress is time up to rounding if y equals x, even where the curve is vertical, as at a half for (1, 0).
     #[test]
-    fn progress_is_that_of_the_moment_up_to_rounding() {
+    fn progress_inverts_the_curve_up_to_rounding() {
         let parts = [0.0, 0.1, 1.0 / 3.0, 0.5, 0.9, 1.0];
         for x1 in parts {
             for x2 in parts {

@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn progress_goes_forward_but_for_what_swings() {
+    fn progress_is_monotone_except_for_swinging_easings() {
         for easing in steady() {
             assert!(walk(easing).is_sorted(), "{easing:?}");
         }
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn out_is_in_backwards_and_in_out_is_its_own_reverse() {
+    fn out_mirrors_in_and_in_out_is_symmetric() {
         for ease in Ease::ALL {
             for step in 0..=64 {
                 let u = f64::from(step) / 64.0;
@@ -259,7 +259,7 @@ mod tests {
 
     /// Compares with values calculated by hand.
     #[test]
-    fn rises_go_where_their_formulas_say() {
+    fn rises_match_their_formulas() {
         close(Ease::Sine, 1.0 / 3.0, 1.0 - 0.75_f64.sqrt());
         close(Ease::Sine, 2.0 / 3.0, 0.5);
         close(Ease::Quad, 0.5, 0.25);
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn going_back_goes_back_by_a_tenth() {
+    fn back_easing_overshoots_by_a_tenth() {
         let lowest = |rise: &dyn Fn(f64) -> f64| {
             (0..=100_000).map(|step| rise(f64::from(step) / 1e5)).fold(0.0, f64::min)
         };

@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn any_axis_is_turned_about() {
+    fn orbits_turn_about_any_axis() {
         for axis in [DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 1e-3), DVec3::new(1e-9, 0.0, -1.0)] {
             let unit = axis.normalize();
             let center = DVec3::new(1.0, -2.0, 5.0);
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_radius_of_zero_stands_still_and_an_axis_of_zero_is_none() {
+    fn zero_radius_is_constant_and_zero_axis_is_no_orbit() {
         let orbit = Orbit::new(DVec3::ONE, DVec3::Y, 0.0, 0.0).unwrap();
         assert_eq!([orbit.at(0.0), orbit.at(0.3)], [DVec3::ONE; 2]);
         assert_eq!(Orbit::new(DVec3::ONE, DVec3::ZERO, 1.0, 0.0), None);

@@ -68,7 +68,7 @@ mod tests {
     use crate::animation::Ease;
 
     #[test]
-    fn progress_is_as_eased_as_its_name_says() {
+    fn progress_follows_the_easing() {
         type Profile = fn(f64) -> f64;
         let profiles: [(Easing, Profile); 4] = [
             (Easing::Linear, |u| u),
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_that_takes_no_time_is_made_at_its_start() {
+    fn zero_duration_ends_at_the_start() {
         let pace = Pace { start: 1.0, ..Pace::lasting(0.0) };
         assert_eq!([0.0, 1.0, 2.0].map(|seconds| pace.progress(seconds)), [0.0, 1.0, 1.0]);
     }

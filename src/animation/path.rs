@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_that_is_made_is_eased_as_named() {
+    fn distance_follows_the_easing() {
         let sine = |u: f64| 0.5 - 0.5 * libm::cos(std::f64::consts::PI * u);
         let even = path(&uneven(), false, 1.0);
         let pace = Pace { start: 2.0, ease: Easing::InOut(Ease::Sine), ..Pace::lasting(8.0) };
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn what_swings_goes_straight_on_from_an_open_way_and_around_a_closed_one() {
+    fn swinging_easings_extend_open_paths_and_wrap_closed_ones() {
         let pace = Pace { ease: Easing::In(Ease::Back), ..Pace::lasting(1.0) };
         let back = Easing::In(Ease::Back).progress(0.3);
         assert!(back < -0.05);
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn no_waypoint_is_no_way_and_one_is_a_place_to_stand() {
+    fn zero_waypoints_are_no_path_and_one_is_constant() {
         assert_eq!(Path::new(&[], false), None);
         assert_eq!(Path::new(&[DVec3::ONE, DVec3::NAN], false), None);
         assert_eq!(Path::new(&[DVec3::ONE, DVec3::splat(f64::INFINITY)], false), None);
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn two_waypoints_are_a_straight_way_and_closed_there_and_back() {
+    fn two_waypoints_are_a_line_and_closed_a_round_trip() {
         let ends = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, -2.0, 15.0)];
         for (closed, duration) in [(false, 1.0), (true, 2.0)] {
             let path = path(&ends, closed, duration);
@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn points_on_a_line_are_gone_through_in_their_order() {
+    fn collinear_waypoints_are_passed_in_order() {
         let line = DVec3::new(1.0, 2.0, -2.0) / 3.0;
         let points = [0.0, 1.0, 1.5, 9.0, 4.0, 4.1].map(|at| at * line);
         let path = path(&points, false, 14.1);
@@ -343,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn very_large_and_very_small_ways_are_like_any_other() {
+    fn extreme_path_scales_are_exact() {
         let plain = path(&uneven(), true, 7.0);
         for size in [1e150, 1e-150, 1e297, 1e-290] {
             let points: Vec<_> = uneven().into_iter().map(|point| size * point).collect();

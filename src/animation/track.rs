@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_met_exactly() {
+    fn keys_are_interpolated_exactly() {
         for easing in every_easing() {
             let keys = [(0.1, 0.3, easing), (0.7, 9.1, easing), (1.3, -2.7, easing), (4.9, 0.1, easing)];
             let track = track(&keys);
@@ -312,7 +312,7 @@ mod tests {
 
     /// Compares with Barry and Goldman's published pyramid, for keys whose knots are proportional to their times.
     #[test]
-    fn centripetal_segments_are_those_of_barry_and_goldman() {
+    fn centripetal_segments_match_barry_and_goldman() {
         let knots = [0.0, 1.0, 3.0, 4.5];
         let mut points = [DVec3::ZERO; 4];
         for (index, direction) in
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn opposite_and_equal_rotations_are_curves_too() {
+    fn opposite_and_equal_rotations_interpolate() {
         let half = |axis| Rotation::AxisAngle(axis, 180.0).quaternion();
         let one = DQuat::IDENTITY;
         for values in [
@@ -390,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn swinging_easings_swing_beyond_the_keys_but_light_stays_light() {
+    fn swinging_easings_overshoot_but_light_stays_valid() {
         let swing = Easing::Bezier(0.3, -2.0, 0.7, 3.0);
         let lowest = |values: &dyn Fn(f64) -> f64| {
             (0..100).map(|step| values(f64::from(step) / 100.0)).fold(f64::MAX, f64::min)

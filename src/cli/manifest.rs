@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn what_pictures_depend_on_is_written_and_read_back() {
+    fn manifest_round_trips_picture_settings() {
         let arguments = parsed(&[
             "--size=64x48",
             "--name=shot_%05d",
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn ways_lead_from_the_folder_to_the_file() {
+    fn relative_paths_lead_from_the_folder_to_the_file() {
         let root = tempfile::tempdir().unwrap();
         let (folder, file) = (root.path().join("out/a"), root.path().join("scenes/a.ron"));
         fs::create_dir_all(&folder).unwrap();

@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn endings_tell_who_makes_a_movie() {
+    fn file_extensions_select_the_movie_encoder() {
         assert_eq!(MovieFormat::of(Path::new("a.GIF")), Ok(MovieFormat::Loop(LoopFormat::Gif)));
         assert_eq!(
             MovieFormat::of(Path::new("a.b.webm")),

@@ -46,7 +46,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn the_list_has_what_the_module_s_table_has() {
+    fn component_list_matches_the_module_table() {
         macro_rules! names {
             ($($component:ident: $_:ident,)*) => {
                 [$(stringify!($component)),*]

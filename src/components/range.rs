@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_have_few_signs() {
+    fn numbers_have_few_digits() {
         let shown =
             [1.0, 0.25, -3e-61, 1e300, f64::NAN, f64::NEG_INFINITY].map(|figure| Figure(figure).to_string());
         assert_eq!(shown, ["1", "0.25", "-3e-61", "1e300", "NaN", "-inf"]);

@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gif_is_as_long_as_it_should_be() {
+    fn gif_delays_add_up_to_the_timeline() {
         let bytes = written(LoopFormat::Gif, FrameRate::new(24, 1).unwrap());
         let frames =
             GifDecoder::new(std::io::Cursor::new(&bytes)).unwrap().into_frames().collect_frames().unwrap();
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_not_shorter_than_can_be_said() {
+    fn png_delays_are_rational_and_not_too_short() {
         assert_eq!(delay(FrameRate::new(24, 1).unwrap()), (1, 24));
         assert_eq!(delay(FrameRate::new(30_000, 1001).unwrap()), (1001, 30_000));
         assert_eq!(delay(FrameRate::new(1_000_000, 41_667).unwrap()), (42, 1000));

@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn leftovers_go_and_what_is_being_written_stays() {
+    fn partial_files_are_removed_except_locked_ones() {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
         let others = [
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn who_writes_while_others_clear_up_writes_all_the_same() {
+    fn concurrent_cleanup_does_not_disturb_writers() {
         let folder = tempfile::tempdir().unwrap();
         let (folder, done) = (folder.path(), AtomicBool::new(false));
         thread::scope(|scope| {
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_file_takes_the_place_of_none() {
+    fn new_files_never_overwrite() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.ron");
         write_new(&path, b"first").unwrap();

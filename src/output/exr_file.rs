@@ -238,7 +238,7 @@ mod tests {
     use crate::trace::Film;
 
     #[test]
-    fn distances_in_the_depth_channel_of_earlier_versions_are_refused() {
+    fn depth_channels_of_earlier_versions_are_errors() {
         let film = Film::from_pixels(2, 1, [Rgb::ZERO; 2].into_iter());
         let passes = vec![PassPixel::NOTHING; 2];
         let frame = LinearFrame { film, alpha: None, transfer: Transfer::Classic, passes };

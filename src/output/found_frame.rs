@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_frames_are_known() {
+    fn complete_frames_are_recognized() {
         for format in formats() {
             let FoundFrame::Complete { provenance, size } = FoundFrame::of(&frame(format, 3), format) else {
                 panic!("{format:?} is not complete: {:?}", FoundFrame::of(&frame(format, 3), format));
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_another_format_are_none() {
+    fn frames_of_another_format_are_corrupt() {
         for (index, format) in formats().into_iter().enumerate() {
             for (other_index, other) in formats().into_iter().enumerate() {
                 let found = FoundFrame::of(&frame(format, 3), other);
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn no_torn_frame_is_whole() {
+    fn truncated_and_changed_frames_are_not_complete() {
         for format in formats() {
             let bytes = frame(format, 3);
             let complete = FoundFrame::of(&bytes, format);
@@ -252,7 +252,7 @@ mod tests {
 
     /// Checks that the pixels of one frame with the fingerprint of another are corrupt, even if the file is complete.
     #[test]
-    fn wrong_pixels_under_a_right_fingerprint_are_torn() {
+    fn wrong_pixels_with_a_valid_fingerprint_are_corrupt() {
         let (own, other) = (frame(FrameFormat::Ppm, 3), frame(FrameFormat::Ppm, 5));
         let start = own.len() - 105;
         let mixed = [&own[..start], &other[start..]].concat();
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_file_is_named() {
+    fn missing_files_and_folders_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let at =
             |name: &str| FoundFrame::expected_at(&folder.path().join(name), FrameFormat::default(), (4, 4));

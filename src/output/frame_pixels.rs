@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn covered_light_is_that_of_the_whole_pixel() {
+    fn alpha_formats_store_the_light_of_the_pixel() {
         let light = [Rgb::ZERO, Rgb::new(0.25, 0.125, 0.0), Rgb::new(0.2, 0.4, 1.0), Rgb::splat(0.75)];
         let frame = |alpha| LinearFrame {
             film: Film::from_pixels(4, 1, light.into_iter()),

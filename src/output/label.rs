@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_are_as_wide_as_they_say() {
+    fn text_width_matches_its_dots() {
         assert_eq!((width(""), width("8"), width("88")), (0, 6, 13));
         assert_eq!(dots("#8").map(|(column, _)| column).max(), Some(width("#8") - 1));
         assert_eq!(dots(" \u{e4}?").count(), 0);

@@ -194,7 +194,7 @@ mod tests {
 
     /// Reads grayscale, palettes and low bit depths, as other programs write them, and headers of portable maps in several lines.
     #[test]
-    fn other_programs_files_are_read() {
+    fn files_of_other_programs_are_read() {
         let png = |color, depth, palette: Option<Vec<u8>>, data: &[u8]| {
             let mut bytes = Vec::new();
             let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
@@ -251,7 +251,7 @@ mod tests {
 
     /// Checks that a truncated file, or a file with a changed byte, gives an error or a picture of the same size, and never a panic.
     #[test]
-    fn damaged_files_are_no_panic() {
+    fn damaged_files_do_not_panic() {
         for format in formats() {
             let bytes = encode(&film(), Transfer::Srgb, format).unwrap();
             for end in (0..bytes.len()).step_by(3) {

@@ -75,7 +75,7 @@ mod tests {
     const FRAME: &str = "00112233445566778899aabbccddeeff";
 
     #[test]
-    fn texts_are_read_as_they_are_written() {
+    fn provenance_texts_round_trip() {
         let provenance = Provenance {
             frame: FRAME.parse().unwrap(),
             pixels: PixelFingerprint::of(&[1, 2, 3, 4, 5, 6], (2, 1)),
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_in_other_columns_are_others() {
+    fn pixel_fingerprint_depends_on_the_width() {
         let pixels = [7; 12];
         assert_ne!(PixelFingerprint::of(&pixels, (4, 1)), PixelFingerprint::of(&pixels, (2, 2)));
         assert_ne!(PixelFingerprint::of(&pixels, (4, 1)), PixelFingerprint::of(&[8; 12], (4, 1)));

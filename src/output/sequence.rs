@@ -223,7 +223,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_known_by_their_names() {
+    fn frame_numbers_are_parsed_from_names() {
         let folder = tempfile::tempdir().unwrap();
         let sequence = Sequence::new(folder.path().to_owned(), "a.b", 95, FrameFormat::default());
         assert_eq!(sequence.present().unwrap(), []);
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_may_be_named_otherwise() {
+    fn frame_name_patterns_are_supported() {
         let named = |names: &str| {
             let sequence = Sequence::new(PathBuf::from("out"), "sun", 95, FrameFormat::default());
             sequence.with_names(names.parse().unwrap())

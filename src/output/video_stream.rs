@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_are_those_of_the_recommendation() {
+    fn video_levels_match_the_recommendation() {
         for (rgb, levels) in [
             ([0, 0, 0], [16, 128, 128]),
             ([255, 255, 255], [235, 128, 128]),

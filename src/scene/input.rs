@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_read_up_to_the_most() {
+    fn files_are_read_up_to_the_limit() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         for length in [0, 1, 9, 10] {
@@ -129,7 +129,7 @@ mod tests {
     /// Reading any of these paths would block or never end.
     #[cfg(unix)]
     #[test]
-    fn what_is_no_file_is_not_opened() {
+    fn irregular_files_are_not_opened() {
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn the_manual_names_every_field_every_variant_and_every_default() {
+    fn manual_lists_every_field_variant_and_default() {
         let mut sections = sections();
         let all = &mut sections;
         check_fields::<SceneDocument>("Scene", all);
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn the_manual_says_what_the_keys_of_every_channel_are() {
+    fn manual_lists_the_keys_of_every_channel() {
         let section = MANUAL.split("\n## Channel\n").nth(1).unwrap();
         let bullets: Vec<&str> = section.split("\n\n").next().unwrap().split("\n- ").skip(1).collect();
         assert_eq!(bullets.len(), Property::ALL.len());
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn the_manual_says_what_goes_along_paths() {
+    fn manual_lists_path_channels() {
         let points = Property::ALL.into_iter().filter(|property| property.quantity() == Quantity::Point);
         let points: Vec<&str> = points.map(Property::name).collect();
         let [rest @ .., last] = &points[..] else { panic!() };
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn the_manual_says_how_far_numbers_go() {
+    fn manual_lists_number_ranges() {
         let said = MANUAL.split_whitespace().collect::<Vec<_>>().join(" ");
         let coordinates = format!("coordinates at most {LARGEST:e} in magnitude");
         assert!(said.contains(&format!("{coordinates}; sizes must be at least {SMALLEST:e}.")));

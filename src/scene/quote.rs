@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_and_unprintable_names_are_made_fit_to_print() {
+    fn long_and_unprintable_names_are_escaped() {
         assert_eq!(short("ball"), "ball");
         assert_eq!(short("a\nb\u{1b}[31m"), "a\\nb\\u{1b}[31m");
         assert_eq!(short(&"ß".repeat(60)), "ß".repeat(60));
@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn chains_keep_their_ends() {
+    fn shortened_chains_keep_their_ends() {
         let links = |count: usize| (1..=count).map(|link| link.to_string()).collect::<Vec<_>>();
         assert_eq!(linked(&links(9), " -> "), "1 -> 2 -> 3 -> 4 -> 5 -> 6 -> 7 -> 8 -> 9");
         assert_eq!(linked(&links(10), "-"), "1-2-3-4-(2 more)-7-8-9-10");

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn likely_names_are_suggested_and_unlikely_ones_are_not() {
+    fn similar_names_alone_are_suggested() {
         assert_eq!(remedy("raduis", &["radius", "normal"], "fields"), "did you mean `radius`?");
         assert_eq!(remedy("COLOUR", &["k_a", "color"], "fields"), "did you mean `color`?");
         assert_eq!(remedy("xyz", &["radius", "normal"], "fields"), "the fields are `radius`, `normal`");

@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_change_neither_values_nor_their_record() {
+    fn threads_do_not_change_values_or_reads() {
         let run = |threads| {
             let mut world = crowd();
             let mut changes = Changes::default();
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn motions_of_another_kind_and_of_what_is_not_there_do_nothing() {
+    fn motions_of_other_kinds_and_missing_components_do_nothing() {
         let mut world = World::new();
         let channels = vec![
             Channel::new(Property::Rotation, ramp(1.0, 2.0)),
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn motions_say_values_of_their_kind() {
+    fn motions_have_values_of_their_kind() {
         let motion = Motion::from(ramp(1.0, 3.0));
         assert_eq!(motion.at(0.5), Some(Value::Vector(DVec3::splat(2.0))));
         assert_eq!(motion.at(0.5).map(Value::kind), Some(Property::Translation.kind()));

@@ -41,7 +41,7 @@ fn errors(engine: &mut Engine, alpha: bool, reference: &Film, target: f32) -> (f
 }
 
 #[test]
-fn targets_are_met_where_geometry_shows_what_is_hard() {
+fn error_targets_are_met_on_geometric_detail() {
     let named = |name: &str| hard_scenes().into_iter().find(|scene| scene.name == name).unwrap();
     for name in ["stars", "dust", "wires", "thick wires", "needles", "far checker", "busy", "black on black"]
     {
@@ -67,7 +67,7 @@ fn targets_are_met_where_geometry_shows_what_is_hard() {
 /// Checks estimates that detect mirrors, glass and penumbrae only by audits. For images in mirrors, estimates state how much error may be
 /// hidden.
 #[test]
-fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
+fn estimates_are_near_the_measured_error_after_audits() {
     for scene in hard_scenes() {
         if !["glass", "mirrors", "penumbrae", "beyond white", "glints", "fireflies"].contains(&scene.name) {
             continue;
@@ -93,7 +93,7 @@ fn estimates_are_near_the_truth_where_audits_find_what_is_hard() {
 
 /// Checks that a frame has the same bits alone and after others.
 #[test]
-fn frames_with_a_target_depend_on_no_other_frame() {
+fn frames_with_an_error_target_do_not_depend_on_other_frames() {
     for scene in hard_scenes().into_iter().filter(|scene| ["fast ball", "stars"].contains(&scene.name)) {
         let settings =
             RenderSettings { samples: Some(64), max_error: Some(2.0), ..RenderSettings::default() };

@@ -38,7 +38,7 @@ fn rms(row: &Value) -> f64 {
 }
 
 #[test]
-fn every_knob_that_is_called_for_is_turned() {
+fn every_relevant_parameter_is_swept() {
     let folder = tempfile::tempdir().unwrap();
     let report = measured(folder.path(), &[]);
     assert_eq!((&report["frames"][0], &report["width"]), (&2.into(), &48.into()));
@@ -71,7 +71,7 @@ fn every_knob_that_is_called_for_is_turned() {
 }
 
 #[test]
-fn what_is_set_and_left_out_stays_so() {
+fn overrides_and_disabled_effects_apply_to_all_rows() {
     let folder = tempfile::tempdir().unwrap();
     let report = measured(
         folder.path(),
@@ -133,7 +133,7 @@ fn a_page_and_a_table_are_written() {
 }
 
 #[test]
-fn errors_that_are_not_reached_are_marked_and_never_stars() {
+fn capped_targets_are_marked_and_not_on_the_front() {
     let folder = tempfile::tempdir().unwrap();
     let report = measured(folder.path(), &["--error-map", "e.png", "--sample-map", "s.png"]);
     let errors = of_parameter(&report, "max error");

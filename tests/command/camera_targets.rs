@@ -24,7 +24,7 @@ fn target(pace: &str) -> String {
 }
 
 #[test]
-fn targets_that_rest_before_their_cameras_are_warned_of() {
+fn targets_that_stop_before_their_cameras_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (pace, end) in [
@@ -53,7 +53,7 @@ fn targets_that_rest_before_their_cameras_are_warned_of() {
 }
 
 #[test]
-fn targets_that_rest_with_their_cameras_or_later_are_not_warned_of() {
+fn targets_that_stop_with_their_cameras_or_later_are_not_reported() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let keys = "track: Keys([(0, (0, 1, 0)), (1, (4, 1, 4))])";

@@ -44,7 +44,7 @@ fn settings(folder: &Path) -> Value {
 }
 
 #[test]
-fn frames_are_as_good_as_asked_and_come_back_from_their_settings() {
+fn error_targets_are_met_and_settings_reproduce_the_frames() {
     let folder = folder();
     let folder = folder.path();
     let mut rays = 0;
@@ -80,7 +80,7 @@ fn frames_are_as_good_as_asked_and_come_back_from_their_settings() {
 }
 
 #[test]
-fn a_deadline_is_met_and_its_frames_come_back_without_it() {
+fn deadline_is_met_and_settings_reproduce_the_frames() {
     let folder = folder();
     let folder = folder.path();
     let mut samples = 0.0;
@@ -112,7 +112,7 @@ fn bytes(folder: &Path) -> Vec<(usize, Vec<u8>)> {
 }
 
 #[test]
-fn frames_with_a_target_depend_on_no_other_frame() {
+fn frames_with_an_error_target_do_not_depend_on_other_frames() {
     let folder = folder();
     let folder = folder.path();
     let twelve = |arguments: &[&str]| render(folder, &[&TWELVE, arguments].concat());
@@ -148,7 +148,7 @@ fn frames_with_a_target_depend_on_no_other_frame() {
 }
 
 #[test]
-fn a_norm_and_a_least_number_of_samples_are_kept_to() {
+fn norm_and_minimum_samples_apply() {
     let folder = folder();
     let folder = folder.path();
     let per_pixel = |arguments: &[&str]| {

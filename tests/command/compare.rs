@@ -53,7 +53,7 @@ fn a_constant_offset_has_exact_errors() {
 }
 
 #[test]
-fn a_single_pixel_is_found_and_symmetric() {
+fn single_pixel_difference_is_found_in_both_directions() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let mut pixels = gray(600, 30);
@@ -165,7 +165,7 @@ fn alpha_is_compared() {
 }
 
 #[test]
-fn the_difference_picture_shows_where() {
+fn difference_picture_marks_different_pixels() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     ppm(folder, "a.ppm", 3, &[[10, 10, 10], [10, 10, 10], [10, 10, 10]]);
@@ -181,7 +181,7 @@ fn the_difference_picture_shows_where() {
 }
 
 #[test]
-fn what_cannot_be_compared_exits_with_2() {
+fn incomparable_pictures_exit_with_2() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     ppm(folder, "a.ppm", 2, &gray(4, 0));

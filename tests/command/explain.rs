@@ -170,7 +170,7 @@ fn every_effect_has_its_frames_and_reasons() {
 }
 
 #[test]
-fn costs_are_the_rays_and_bytes_that_effects_make() {
+fn effect_costs_count_rays_and_errors() {
     let told = explained(&["--measure"]);
     // Frame 0 has camera rays, frame 4 also shadow rays, and frame 9 also reflection rays.
     assert_eq!(told["measured"]["rays"], json!(CAMERA * (1.0 + 2.0 + 3.0) / 3.0));
@@ -206,7 +206,7 @@ fn costs_are_the_rays_and_bytes_that_effects_make() {
 }
 
 #[test]
-fn the_text_tells_the_same_in_a_table() {
+fn text_output_is_a_table_of_the_json_values() {
     let output = explain(&["scene.ron", "--measure"]);
     assert!(output.status.success() && output.stderr.is_empty());
     let found = text(&output.stdout);
@@ -258,7 +258,7 @@ fn the_text_tells_the_same_in_a_table() {
 }
 
 #[test]
-fn only_the_chosen_frames_are_told() {
+fn only_selected_frames_are_explained() {
     let told = explained(&["--frames", "8,1-7x2", "--size", "8x2"]);
     assert_eq!((&told["width"], &told["height"], &told["frames"]), (&json!(8), &json!(2), &json!(5)));
     assert_eq!(told["measured"]["frames"], json!([1, 5, 8]));
@@ -276,7 +276,7 @@ fn only_the_chosen_frames_are_told() {
 }
 
 #[test]
-fn wrong_wishes_are_answered_with_what_would_be_right() {
+fn invalid_options_report_the_valid_form() {
     for (arguments, code, told) in [
         (
             vec!["scene.ron", "--frames", "5-10"],
@@ -302,7 +302,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
 
 /// Checks a timeline of a hundred million frames, of which ten thousand are examined.
 #[test]
-fn of_very_many_frames_some_are_looked_at() {
+fn long_timelines_are_sampled() {
     let folder = tempfile::tempdir().unwrap();
     let (before, after) = ("(fps: 10, duration: 1)", "(fps: 1000000, duration: 100)");
     fs::write(folder.path().join("long.ron"), COMING_AND_GOING.replace(before, after)).unwrap();

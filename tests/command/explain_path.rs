@@ -100,7 +100,7 @@ fn the_drawing_has_two_views_and_two_charts() {
 }
 
 #[test]
-fn the_way_is_a_circle_on_the_page() {
+fn orbit_is_drawn_as_a_circle() {
     let (_, drawing) = explain(&[]);
     let elements = elements(&drawing);
     let way = of(&elements, "eye")[0].attribute("d").unwrap();
@@ -123,7 +123,7 @@ fn the_way_is_a_circle_on_the_page() {
 }
 
 #[test]
-fn no_text_lies_on_another() {
+fn labels_do_not_overlap() {
     for arguments in [&[][..], &["--frames", "0-47"], &["--frames", "0-95x7"], &["--frames", "3"]] {
         let (_, drawing) = explain(arguments);
         let elements = elements(&drawing);
@@ -150,7 +150,7 @@ fn no_text_lies_on_another() {
 }
 
 #[test]
-fn chosen_frames_alone_are_drawn() {
+fn only_selected_frames_are_drawn() {
     let (told, drawing) = explain(&["--frames", "0-48x2"]);
     assert!(told.starts_with("path.svg: 25 frames, "), "{told}");
     let elements = elements(&drawing);
@@ -161,7 +161,7 @@ fn chosen_frames_alone_are_drawn() {
 }
 
 #[test]
-fn of_very_many_frames_some_are_drawn_and_the_last_is_among_them() {
+fn long_paths_are_sampled_with_the_last_frame() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("long.ron"), AROUND.replace("duration: 4)", "duration: 600)")).unwrap();
     let told = |frames: &[&str]| {
@@ -182,7 +182,7 @@ fn of_very_many_frames_some_are_drawn_and_the_last_is_among_them() {
 
 /// Checks that the new drawing replaces the old file. A hard link to the old file keeps its content.
 #[test]
-fn a_drawing_is_whole_or_the_old_one_stays() {
+fn failed_drawing_keeps_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let [scene, drawing, second_name] =
         ["around.ron", "path.svg", "old.svg"].map(|name| folder.path().join(name));
@@ -196,7 +196,7 @@ fn a_drawing_is_whole_or_the_old_one_stays() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused() {
+fn impossible_drawings_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("around.ron"), AROUND).unwrap();
     let refused = |arguments: &[&str], code: i32, words: &str| {

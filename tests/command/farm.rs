@@ -102,7 +102,7 @@ fn checked_by(program: &str, arguments: &[&str], folder: &Path) {
 }
 
 #[test]
-fn a_job_description_has_a_task_a_shard_and_verifies_them() {
+fn openjd_job_has_a_task_per_shard_and_a_verify_step() {
     let folder = folder();
     let folder = folder.path();
     let template =
@@ -130,7 +130,7 @@ fn a_job_description_has_a_task_a_shard_and_verifies_them() {
 }
 
 #[test]
-fn a_kubernetes_job_has_an_index_a_shard() {
+fn kubernetes_job_has_an_index_per_shard() {
     let folder = folder();
     let folder = folder.path();
     let arguments = ["farm", "kubernetes", "it's a $HOME.ron", "--shards", "2"];
@@ -155,7 +155,7 @@ fn a_kubernetes_job_has_an_index_a_shard() {
 }
 
 #[test]
-fn what_jobs_would_stumble_over_is_told_before() {
+fn invalid_farm_arguments_are_reported() {
     let folder = folder();
     let few = r#"{"frames": [{"frame": 0, "time": 0, "samples": 1, "max_error": 0}]}"#;
     fs::write(folder.path().join("few.json"), few).unwrap();
@@ -319,7 +319,7 @@ proptest! {
 
     /// Checks that jobs get exactly these arguments and run nothing else for any names and values, or that nothing is printed.
     #[test]
-    fn jobs_run_what_was_given_and_nothing_else(name in odd_text(), out in odd_text(), value in odd_text()) {
+    fn jobs_run_exactly_the_given_arguments(name in odd_text(), out in odd_text(), value in odd_text()) {
         use std::os::unix::fs::PermissionsExt;
 
         let root = tempfile::tempdir().unwrap();

@@ -9,7 +9,7 @@ use crate::{FIRST_LIGHT, RAYREEL, command, output_of, pictures, text};
 const ARGUMENTS: [&str; 6] = ["render", FIRST_LIGHT, "--size=16x9", "--frames=0-3", "--out=out", "--movie"];
 
 #[test]
-fn impossible_movies_are_refused_before_frames_are_rendered() {
+fn impossible_movies_are_errors_before_rendering() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (movie, reason) in [("none/a.gif", "there is no folder `none`"), ("a.mp4", "made by ffmpeg")] {
@@ -41,7 +41,7 @@ fn names_like_protocols_and_options_are_files() {
 }
 
 #[test]
-fn omitted_gif_frames_are_warned_of_with_quiet() {
+fn omitted_gif_frames_are_reported_with_quiet() {
     let folder = tempfile::tempdir().unwrap();
     let mut rayreel = command(RAYREEL, folder.path());
     let arguments = ["render", "-", "--out=out", "--movie=a.gif", "--quiet"];

@@ -41,7 +41,7 @@ fn frame(folder: &Path, arguments: &[&str]) -> Vec<u8> {
 }
 
 #[test]
-fn a_value_does_what_an_edit_does() {
+fn overridden_value_equals_an_edit() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (arguments, edit) in [
@@ -82,7 +82,7 @@ fn a_value_does_what_an_edit_does() {
 }
 
 #[test]
-fn what_is_not_the_scenes_own_is_told() {
+fn overrides_are_listed_in_reports() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[]);
     let arguments = ["render", "a.ron", "--set", "camera.fov=55", "--samples", "2", "--without", "shadows"];
@@ -105,7 +105,7 @@ fn what_is_not_the_scenes_own_is_told() {
 }
 
 #[test]
-fn a_wrong_value_is_told_as_in_the_file() {
+fn invalid_override_is_reported_like_a_mistake_in_the_file() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[]);
     let wrong = |value: &str| {
@@ -147,7 +147,7 @@ a.ron: 1 mistake
 }
 
 #[test]
-fn what_is_no_value_and_no_effect_is_wrong_usage() {
+fn invalid_override_syntax_is_a_usage_error() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[]);
     for (arguments, expected) in [
@@ -169,7 +169,7 @@ fn what_is_no_value_and_no_effect_is_wrong_usage() {
 }
 
 #[test]
-fn names_with_dots_are_answered_with_the_form_that_works() {
+fn names_with_dots_report_the_quoted_form() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write(folder, &[("name: \"ball\"", "name: \"Sphere.001\"")]);

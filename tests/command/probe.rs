@@ -62,7 +62,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn every_pixel_of_the_shipped_scenes_has_the_color_that_its_rays_explain() {
+fn probe_colors_equal_rendered_pixels() {
     for path in shipped_scenes() {
         let mut engine = Engine::load(&path).unwrap();
         for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
@@ -109,7 +109,7 @@ fn with_one_sample(path: &Path, folder: &Path) -> PathBuf {
 }
 
 #[test]
-fn the_bytes_are_those_of_the_frame_file() {
+fn probe_bytes_equal_the_frame_file() {
     let folder = tempfile::tempdir().unwrap();
     let mut omitted = ["shadows", "transparent-shadows", "reflection", "diffuse-light"].into_iter().cycle();
     for path in shipped_scenes() {
@@ -141,7 +141,7 @@ fn the_bytes_are_those_of_the_frame_file() {
 }
 
 #[test]
-fn trees_look_as_they_always_did() {
+fn probe_trees_match_their_snapshots() {
     let bless = std::env::var_os("RAYREEL_BLESS").is_some();
     for (name, arguments) in [
         ("corner.touching", vec!["corner.ron", "--pixel", "2,1"]),
@@ -162,7 +162,7 @@ fn trees_look_as_they_always_did() {
 }
 
 #[test]
-fn the_camera_is_that_of_the_shot() {
+fn probe_uses_the_camera_of_the_shot() {
     let folder = tempfile::tempdir().unwrap();
     let scene = |name: &str, camera: &str, shots: &str| {
         let path = folder.path().join(name);
@@ -198,7 +198,7 @@ fn the_camera_is_that_of_the_shot() {
 }
 
 #[test]
-fn json_tells_what_the_tree_tells() {
+fn json_and_tree_have_the_same_values() {
     let report = told_json(&["corner.ron", "--pixel", "2,1"]);
     assert_eq!(report["scene"], "corner.ron");
     assert_eq!(
@@ -252,7 +252,7 @@ fn json_tells_what_the_tree_tells() {
 }
 
 #[test]
-fn numbers_of_json_and_tree_are_the_engines_own_bits() {
+fn json_and_tree_numbers_are_bit_exact() {
     let mut engine = Engine::load(root().join("tests/probe/mirrors.ron")).unwrap();
     engine.render_frame(3).unwrap();
     let expected = engine.probe(engine.report().time, (7, 2), 0).unwrap().unwrap();
@@ -270,7 +270,7 @@ fn numbers_of_json_and_tree_are_the_engines_own_bits() {
 }
 
 #[test]
-fn rays_are_answered_in_order_from_a_file_and_from_standard_input() {
+fn rays_are_cast_in_order_from_a_file_and_from_standard_input() {
     let rays = "ox,oy,oz,dx,dy,dz\n\
         -0.5,0,-4,0,0,2\n\
         \n\
@@ -302,7 +302,7 @@ fn rays_are_answered_in_order_from_a_file_and_from_standard_input() {
 }
 
 #[test]
-fn rays_see_the_moment_that_was_asked_for_and_normals_face_them() {
+fn rays_are_cast_at_the_given_moment_with_facing_normals() {
     // The bubble's radius is 2 after one second of its two.
     for when in [["--frame", "4"], ["--at", "1s"]] {
         let arguments = [["mirrors.ron", "--rays", "-"].as_slice(), &when].concat();
@@ -334,7 +334,7 @@ fn csv_of(rays: &[Ray]) -> String {
 }
 
 #[test]
-fn answers_are_the_engines_own_bits_over_many_batches() {
+fn hits_of_many_batches_are_bit_exact() {
     let scene = root().join("scenes/first_light.ron");
     let rays = many_rays(20_000);
     let mut engine = Engine::load(&scene).unwrap();
@@ -372,7 +372,7 @@ fn answers_are_the_engines_own_bits_over_many_batches() {
 }
 
 #[test]
-fn a_bad_ray_stops_after_the_answers_before_it() {
+fn invalid_ray_stops_after_earlier_results() {
     let mut input = csv_of(&many_rays(10_000));
     input += "0,0,0,0,0,zero\n0,0,0,0,0,1\n";
     let scene = root().join("scenes/first_light.ron");
@@ -386,7 +386,7 @@ fn a_bad_ray_stops_after_the_answers_before_it() {
 }
 
 #[test]
-fn wrong_wishes_are_answered_with_what_would_be_right() {
+fn invalid_options_report_the_valid_form() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("short.csv");
     fs::write(&file, "0,0,0,0,0,1\n0,0,0\n").unwrap();
@@ -464,7 +464,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
 }
 
 #[test]
-fn a_reader_that_goes_away_ends_it_quietly() {
+fn closed_pipe_ends_probe_without_an_error() {
     let mut probe = command(RAYREEL, root());
     probe.args(["probe", "scenes/first_light.ron", "--rays", "-"]).stdin(Stdio::piped());
     let mut child = probe.spawn().unwrap();

@@ -16,7 +16,7 @@ fn scene(keys: &str) -> String {
 }
 
 #[test]
-fn keys_further_apart_than_half_a_turn_are_warned_of() {
+fn keys_further_apart_than_half_a_turn_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (keys, message, help) in [
@@ -49,7 +49,7 @@ fn keys_further_apart_than_half_a_turn_are_warned_of() {
 }
 
 #[test]
-fn keys_up_to_half_a_turn_apart_are_not_warned_of() {
+fn keys_up_to_half_a_turn_apart_are_not_reported() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for keys in [

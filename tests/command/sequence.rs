@@ -73,7 +73,7 @@ fn frames(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn only_what_an_edit_touches_is_rendered_again() {
+fn only_edited_frames_are_rendered_again() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 3.0, |film| film);
@@ -117,7 +117,7 @@ fn only_what_an_edit_touches_is_rendered_again() {
 }
 
 #[test]
-fn a_film_made_shorter_names_what_is_left_over() {
+fn shorter_timeline_reports_surplus_frames() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 3.0, |film| film);
@@ -152,7 +152,7 @@ fn a_film_made_shorter_names_what_is_left_over() {
 }
 
 #[test]
-fn no_torn_frame_is_taken_for_done() {
+fn corrupt_frames_are_rendered_again() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 3.0, |film| film);
@@ -214,7 +214,7 @@ fn shards_together_render_every_frame_once() {
 }
 
 #[test]
-fn chosen_samples_are_part_of_what_is_verified() {
+fn selected_samples_are_verified() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);
@@ -232,7 +232,7 @@ fn chosen_samples_are_part_of_what_is_verified() {
 
 /// Checks that concurrent shards record their chosen samples next to the frames without losing the samples of other shards.
 #[test]
-fn shards_side_by_side_keep_each_others_samples() {
+fn concurrent_shards_merge_their_settings_files() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 3.0, |film| film);
@@ -252,7 +252,7 @@ fn shards_side_by_side_keep_each_others_samples() {
 }
 
 #[test]
-fn drafts_and_other_places_are_verified_too() {
+fn drafts_and_other_folders_are_verified() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);
@@ -303,7 +303,7 @@ fn standard_output_takes_video() {
 
 /// Checks that a reader that closes the pipe ends the rendering without a failure.
 #[test]
-fn a_reader_of_standard_output_may_go() {
+fn closed_standard_output_ends_the_stream_without_an_error() {
     use std::io::Read;
     use std::process::{Command, Stdio};
 
@@ -324,7 +324,7 @@ fn a_reader_of_standard_output_may_go() {
 /// Checks folders that even root cannot create.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_folder_that_cannot_be_written_is_named() {
+fn unwritable_folder_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     write_film(folder.path(), 1.0, |film| film);
     for out in ["/sys/kernel/rayreel", "/proc/rayreel"] {
@@ -340,7 +340,7 @@ fn a_folder_that_cannot_be_written_is_named() {
 
 /// Checks that every format holds the library's light, as exactly as the format allows.
 #[test]
-fn every_format_has_the_same_light() {
+fn every_format_stores_the_same_light() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);
@@ -379,7 +379,7 @@ fn every_format_has_the_same_light() {
 
 /// Checks that frames with alpha hold the library's values, premultiplied or not, as each format requires.
 #[test]
-fn frames_with_alpha_leave_the_background_out() {
+fn frames_with_alpha_omit_the_background() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film.replace("Scene(", "Scene(sampling: (samples: 4),"));
@@ -440,7 +440,7 @@ fn planes(film: &rayreel::trace::Film) -> Vec<u8> {
 }
 
 #[test]
-fn frames_are_named_as_one_likes() {
+fn frame_names_follow_the_pattern() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);
@@ -458,7 +458,7 @@ fn frames_are_named_as_one_likes() {
 }
 
 #[test]
-fn what_a_format_has_no_room_for_is_refused() {
+fn unsupported_channels_of_a_format_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);
@@ -480,7 +480,7 @@ fn what_a_format_has_no_room_for_is_refused() {
 }
 
 #[test]
-fn movies_have_every_frame() {
+fn movies_contain_every_frame() {
     use image::AnimationDecoder;
 
     let folder = tempfile::tempdir().unwrap();
@@ -529,7 +529,7 @@ fn movies_have_every_frame() {
 }
 
 #[test]
-fn programs_and_people_hear_what_they_want_to() {
+fn progress_formats_print_their_events() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);
@@ -590,7 +590,7 @@ fn programs_and_people_hear_what_they_want_to() {
 /// Checks that a very long frame reports its progress until it is interrupted.
 #[cfg(unix)]
 #[test]
-fn a_slow_frame_tells_how_far_it_is() {
+fn slow_frames_report_their_progress() {
     use std::io::{BufRead, BufReader};
 
     let folder = tempfile::tempdir().unwrap();
@@ -623,7 +623,7 @@ fn a_slow_frame_tells_how_far_it_is() {
 
 /// Checks that a name without a placeholder for the number names a single frame.
 #[test]
-fn a_single_frame_has_the_name_that_is_given() {
+fn single_frame_has_the_given_name() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);
@@ -652,7 +652,7 @@ fn a_single_frame_has_the_name_that_is_given() {
 /// Checks that arguments that are not UTF-8 are refused wherever text is required, instead of being converted.
 #[cfg(unix)]
 #[test]
-fn arguments_that_are_not_text_are_refused() {
+fn non_utf8_arguments_are_errors() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
 
@@ -670,7 +670,7 @@ fn arguments_that_are_not_text_are_refused() {
 
 #[cfg(unix)]
 #[test]
-fn frames_of_a_stream_have_no_scene_to_verify_them_by() {
+fn frames_from_standard_input_cannot_be_verified() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);

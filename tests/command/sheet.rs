@@ -55,7 +55,7 @@ fn assert_tiles_are_frames(folder: &TempDir, scene: &str, report: &Value, argume
 }
 
 #[test]
-fn a_sheet_shows_frames_from_the_first_to_the_last_with_their_own_bytes() {
+fn sheet_shows_frames_with_the_bytes_of_their_files() {
     let folder = tempfile::tempdir().unwrap();
     let report = render(&folder, FIRST_LIGHT, &["--sheet", "6x4"]);
     assert_eq!(files(&folder.path().join("out/first_light")), ["first_light.sheet.png"]);
@@ -71,7 +71,7 @@ fn a_sheet_shows_frames_from_the_first_to_the_last_with_their_own_bytes() {
 }
 
 #[test]
-fn a_sheet_of_few_frames_is_as_large_as_they_need() {
+fn sheet_of_few_frames_has_no_empty_rows() {
     let folder = tempfile::tempdir().unwrap();
     let report = render(&folder, FIRST_LIGHT, &["--sheet", "3x9", "--frames", "7-9,50", "--size", "40x30"]);
     assert_eq!(frames(&report), [7, 8, 9, 50]);
@@ -90,7 +90,7 @@ fn a_sheet_of_few_frames_is_as_large_as_they_need() {
 }
 
 #[test]
-fn sheets_have_the_same_bytes_on_any_number_of_threads() {
+fn sheets_do_not_depend_on_the_thread_count() {
     let folder = tempfile::tempdir().unwrap();
     let sheets = ["1", "2", "8"].map(|threads| {
         let arguments = ["--sheet", "3x2", "--size", "80x45", "--out", threads, "--threads", threads];
@@ -101,7 +101,7 @@ fn sheets_have_the_same_bytes_on_any_number_of_threads() {
 }
 
 #[test]
-fn drafts_are_small_and_lie_apart() {
+fn drafts_are_small_and_have_their_own_folder() {
     let folder = tempfile::tempdir().unwrap();
     let report = render(&folder, NEWTONS_CRADLE, &["--draft", "--frames", "3"]);
     assert_eq!((&report["width"], &report["height"]), (&213.into(), &120.into()));
@@ -121,7 +121,7 @@ fn drafts_are_small_and_lie_apart() {
 }
 
 #[test]
-fn a_draft_is_the_scene_with_less_of_what_costs_time() {
+fn drafts_reduce_size_depth_and_samples() {
     let folder = tempfile::tempdir().unwrap();
     let scene = |quality: &str, samples: &str, light: u32, film: &str| {
         format!(
@@ -175,7 +175,7 @@ fn a_draft_is_the_scene_with_less_of_what_costs_time() {
 }
 
 #[test]
-fn a_sheet_may_be_of_drafts() {
+fn sheets_of_drafts_are_possible() {
     let folder = tempfile::tempdir().unwrap();
     let report = render(&folder, NEWTONS_CRADLE, &["--draft", "--sheet", "3x1"]);
     assert_eq!(report["sheet"]["file"], "out/newtons_cradle/draft/newtons_cradle.sheet.png");
@@ -184,7 +184,7 @@ fn a_sheet_may_be_of_drafts() {
 }
 
 #[test]
-fn wrong_wishes_are_answered_with_what_would_be_right() {
+fn invalid_options_report_the_valid_form() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, code, told) in [
         (vec!["--sheet", "6"], 2, "write columns and rows, each from 1 to 100, as in 6x4"),
@@ -207,7 +207,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
 }
 
 #[test]
-fn a_sheet_that_cannot_be_written_is_told() {
+fn unwritable_sheet_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir_all(folder.path().join("o/first_light.sheet.png")).unwrap();
     let output =
@@ -223,7 +223,7 @@ fn a_sheet_that_cannot_be_written_is_told() {
 
 #[cfg(unix)]
 #[test]
-fn an_interruption_leaves_no_sheet_and_says_so() {
+fn interruption_writes_no_sheet() {
     use std::io::{BufRead, BufReader, Read};
 
     use crate::{RAYREEL, command, signal};

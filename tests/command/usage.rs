@@ -11,7 +11,7 @@ use crate::{FIRST_LIGHT, files, pictures, rayreel, text};
 use crate::{RAYREEL, command, signal, until};
 
 #[test]
-fn a_frame_alone_has_the_bytes_it_has_in_the_sequence_on_any_number_of_threads() {
+fn single_frames_equal_sequence_frames_on_any_thread_count() {
     let folder = tempfile::tempdir().unwrap();
     let sequence = rayreel(folder.path(), ["render", FIRST_LIGHT, "--frames", "36-44", "--size", "320x180"]);
     assert!(sequence.status.success(), "{}", text(&sequence.stderr));
@@ -61,7 +61,7 @@ fn frames_moments_sizes_and_formats_can_be_chosen() {
 }
 
 #[test]
-fn the_report_says_what_every_frame_cost() {
+fn report_has_the_cost_of_every_frame() {
     let folder = tempfile::tempdir().unwrap();
     let output = rayreel(
         folder.path(),
@@ -90,7 +90,7 @@ fn the_report_says_what_every_frame_cost() {
 }
 
 #[test]
-fn wrong_wishes_are_answered_with_what_would_be_right() {
+fn invalid_options_report_the_valid_form() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, code, told) in [
         (
@@ -123,7 +123,7 @@ fn wrong_wishes_are_answered_with_what_would_be_right() {
 
 /// Checks that an option's value that starts with a hyphen is reported as an invalid value, not as an unknown option.
 #[test]
-fn values_with_a_hyphen_are_answered_with_what_would_be_right() {
+fn values_with_a_hyphen_report_the_valid_form() {
     let folder = tempfile::tempdir().unwrap();
     for (command, option, told) in [
         ("render", "--frames", "is not a frame or a range: write `12`, `10-20`, `40-80x5` or `90-`"),
@@ -154,7 +154,7 @@ fn values_with_a_hyphen_are_answered_with_what_would_be_right() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_made_is_told() {
+fn folder_creation_failure_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("taken"), "").unwrap();
     let output = rayreel(
@@ -166,7 +166,7 @@ fn a_folder_that_cannot_be_made_is_told() {
 }
 
 #[test]
-fn a_frame_that_cannot_be_written_is_told_and_others_stay() {
+fn unwritable_frame_is_reported_and_others_stay() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir_all(folder.path().join("o/first_light.0001.png")).unwrap();
     let output =
@@ -191,7 +191,7 @@ const FAILS_MIDWAY: &str = r#"(
 )"#;
 
 #[test]
-fn a_script_that_fails_midway_leaves_a_report_of_what_was_written() {
+fn script_failure_reports_the_written_frames() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("s.ron"), FAILS_MIDWAY).unwrap();
     let run =
@@ -216,7 +216,7 @@ fn a_script_that_fails_midway_leaves_a_report_of_what_was_written() {
 }
 
 #[test]
-fn a_script_that_fails_hides_no_frame_that_could_not_be_written() {
+fn script_failure_still_reports_unwritable_frames() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("s.ron"), FAILS_MIDWAY).unwrap();
     fs::create_dir_all(folder.path().join("o/s.0005.png")).unwrap();
@@ -227,7 +227,7 @@ fn a_script_that_fails_hides_no_frame_that_could_not_be_written() {
 }
 
 #[test]
-fn check_tells_people_and_machines() {
+fn check_prints_text_and_json() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(
         folder.path().join("bad.ron"),
@@ -287,7 +287,7 @@ fn start_long_rendering(folder: &Path) -> (Child, PathBuf) {
 
 #[cfg(unix)]
 #[test]
-fn an_interruption_leaves_whole_files_and_says_so() {
+fn interruption_leaves_complete_files_and_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let (child, out) = start_long_rendering(folder.path());
     // Shells start background processes with SIGINT ignored.
@@ -306,7 +306,7 @@ fn an_interruption_leaves_whole_files_and_says_so() {
 
 #[cfg(unix)]
 #[test]
-fn even_a_kill_leaves_no_torn_frame_file() {
+fn kill_leaves_no_corrupt_frame_file() {
     let folder = tempfile::tempdir().unwrap();
     let (mut child, out) = start_long_rendering(folder.path());
     signal(&child, "KILL");

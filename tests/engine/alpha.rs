@@ -27,7 +27,7 @@ fn render(engine: &mut Engine, time: Time) -> RenderedImage {
 }
 
 #[test]
-fn alpha_is_that_of_the_reference_path() {
+fn alpha_equals_the_reference_path() {
     for scene in ["first_light", "glass_marbles", "fairground", "foggy_avenue", "box_field"] {
         for (samples, max_error, full) in [(1, 0.0, true), (3, 0.0, false), (32, 2.0, false)] {
             let mut engine = engine(scene, samples, max_error);
@@ -41,7 +41,7 @@ fn alpha_is_that_of_the_reference_path() {
 }
 
 #[test]
-fn what_is_covered_and_the_background_are_the_picture() {
+fn covered_light_and_background_add_up_to_the_picture() {
     for (samples, max_error) in [(1, 0.0), (5, 0.0), (64, 1.0)] {
         let mut engine = engine("first_light", samples, max_error);
         let picture = engine.render_at(Time::ZERO).unwrap();
@@ -100,7 +100,7 @@ const GLASS: &str = r#"
 
 /// Checks that mirrors and glass cover the background that they show, and that fog covers it.
 #[test]
-fn what_meets_something_covers_the_background() {
+fn hits_cover_the_background() {
     let fog = render(&mut engine("foggy_avenue", 2, 0.0), Time::ZERO);
     assert!(fog.alpha.unwrap().pixels().iter().all(|alpha| *alpha == 1.0));
     let scene = Scene::from_text("glass.ron", GLASS.to_owned()).unwrap_or_else(|error| panic!("{error}"));
@@ -116,7 +116,7 @@ fn what_meets_something_covers_the_background() {
 }
 
 #[test]
-fn threads_and_vectors_change_no_bit() {
+fn threads_and_instruction_sets_do_not_change_alpha() {
     let time = "0.7".parse().unwrap();
     let picture = render(&mut engine("fairground", 16, 1.0), time);
     for threads in [1, 3] {

@@ -100,7 +100,7 @@ fn an_orbit_ends_where_it_began_to_the_last_bit() {
 }
 
 #[test]
-fn an_orbit_goes_from_z_to_x_about_y() {
+fn orbits_turn_from_z_to_x_about_y() {
     let orbit = "(target: \"camera\", channel: Position, track: Orbit(center: (0, 1, 0), radius: 8, from: 180, duration: 4))";
     let eyes = eyes(&mut engine(4.0, orbit));
     let expected = [(0.0, -8.0), (-8.0, 0.0), (0.0, 8.0), (8.0, 0.0)];
@@ -111,7 +111,7 @@ fn an_orbit_goes_from_z_to_x_about_y() {
 
 /// Checks that `repeat`, `offset` and `speed` apply to paths, too.
 #[test]
-fn ways_are_played_like_keys() {
+fn paths_repeat_like_keys() {
     let keys = "track: Keys([(1, (0, 0, 0)), (3, (4, 0, 0))])";
     let path = "track: Path(points: [(0, 0, 0), (4, 0, 0)], start: 1, duration: 2)";
     for played in
@@ -126,7 +126,7 @@ fn ways_are_played_like_keys() {
 }
 
 #[test]
-fn entities_and_targets_go_along_ways_too() {
+fn entities_and_targets_follow_paths() {
     let text = "Scene(
         timeline: (fps: 24, duration: 4),
         film: (width: 16, height: 9),
@@ -148,7 +148,7 @@ fn entities_and_targets_go_along_ways_too() {
 
 /// Checks that targets stay at the end of their tracks, and that the view of a camera at rest then turns no further.
 #[test]
-fn targets_hold_where_their_ways_end() {
+fn targets_stay_at_the_end_of_their_paths() {
     for track in [
         "Path(points: [(0, 1, 0), (3, 1, 2), (6, 1, 1)], duration: 2)",
         "Path(points: [(0, 1, 0), (3, 1, 2), (6, 1, 1)], duration: 2, ease: InOutSine)",

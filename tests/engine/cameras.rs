@@ -79,7 +79,7 @@ fn close(found: DVec3, expected: DVec3) {
 }
 
 #[test]
-fn a_camera_with_a_parent_stands_in_its_space() {
+fn camera_with_a_parent_is_in_its_space() {
     // A rotation by +90 degrees about y takes z to x; the scale doubles lengths.
     let found =
         pose("position: (0, 0, -1), target: (0, 0, 3), up: (1, 1, 0), parent: \"wagon\"", "", time(0));
@@ -111,7 +111,7 @@ fn a_camera_looks_at_an_entity() {
 }
 
 #[test]
-fn roll_tips_the_camera_to_its_left() {
+fn roll_turns_the_camera_to_its_left() {
     let found = pose("position: (0, 0, 0), view: (0, 0, 1), roll: 90", "", time(0));
     // As +90 degrees about z take x to y and y to -x.
     close(found.axes.x_axis, DVec3::Y);
@@ -155,7 +155,7 @@ fn a_cut_belongs_to_the_frame_at_its_time_and_to_all_of_its_instants() {
 }
 
 #[test]
-fn without_shots_the_first_camera_films() {
+fn first_camera_renders_without_shots() {
     let film = |cameras: &str| Engine::from_scene(read(&text(cameras, ROLLING))).render_at(time(4)).unwrap();
     assert!(film(CAMERAS) == alone(CAMERAS, "camera", time(4)));
     let more = CAMERAS.split_once('\n').unwrap().1;
@@ -163,7 +163,7 @@ fn without_shots_the_first_camera_films() {
 }
 
 #[test]
-fn moments_without_a_view_or_an_upright_have_fixed_ones() {
+fn undefined_views_and_up_directions_have_fixed_fallbacks() {
     let at = |camera: Camera| {
         let mut world = World::new();
         world.spawn((camera,));
@@ -191,7 +191,7 @@ fn moments_without_a_view_or_an_upright_have_fixed_ones() {
 }
 
 #[test]
-fn parents_that_are_gone_or_in_rings_leave_a_frame() {
+fn missing_and_cyclic_parents_still_render() {
     let mut world = World::new();
     let camera = Camera { position: DVec3::X, view: View::Direction(DVec3::Z), ..Camera::default() };
     world.spawn((rayreel::components::FilmSettings { width: 3, height: 3, ..Default::default() },));
@@ -208,7 +208,7 @@ fn parents_that_are_gone_or_in_rings_leave_a_frame() {
 /// Checks the rotation of the camera between frames. Away from the axis of `up`, it is little more than the rotation of the view. Over the
 /// top, the camera turns by half a turn at once, unless `up` is an axis that the path does not cross.
 #[test]
-fn neighbouring_frames_turn_as_their_path_does() {
+fn neighbouring_frames_turn_with_the_path() {
     let steps = |up: DVec3, place: &dyn Fn(f64) -> DVec3| -> Vec<(f64, f64)> {
         let stances: Vec<CameraPose> = (0..=400)
             .map(|step| {
@@ -249,7 +249,7 @@ fn neighbouring_frames_turn_as_their_path_does() {
 /// Checks the example of the scene manual: without perspective, balls of one size have the same size in the picture at any depth, in the
 /// units of the screen.
 #[test]
-fn a_camera_far_away_with_its_screen_among_the_things_shows_no_perspective() {
+fn distant_camera_with_a_near_screen_is_orthographic() {
     const SIDE: u32 = 81;
     let example = "camera: (position: (0, 0, -1e9), view: (0, 0, 1), screen: (distance: 1e9, height: 4))";
     assert!(include_str!("../../src/scene/manual.md").contains(example));

@@ -131,7 +131,7 @@ fn hits(engine: &Engine) -> Vec<Option<(Entity, f64)>> {
 }
 
 #[test]
-fn films_and_hits_do_not_tell_how_often_the_tree_was_refitted() {
+fn refits_do_not_change_films_or_hits() {
     let (mut builds, mut refits) = (0, 0);
     for seed in 0..3 {
         let mut along = engine(seed);
@@ -159,7 +159,7 @@ fn films_and_hits_do_not_tell_how_often_the_tree_was_refitted() {
 }
 
 #[test]
-fn the_tree_is_refitted_while_few_move_and_built_when_many_do() {
+fn tree_is_refitted_for_few_moves_and_rebuilt_for_many() {
     let (world, crowd) = crowd(1);
     let mut engine = Engine::new(world);
     engine.add_stepped_system(Step::per_second(24), move |context| {

@@ -40,7 +40,7 @@ fn bytes(film: &Film, transfer: Transfer) -> Vec<u8> {
 }
 
 #[test]
-fn bytes_stored_while_tracing_are_those_of_linear_light() {
+fn encoded_films_equal_encoded_linear_films() {
     let blurred = "sampling: (samples: 4, instants: 2),";
     for (transfer, name) in [(Transfer::Classic, "Classic"), (Transfer::Srgb, "Srgb")] {
         for size in ["width: 1, height: 1", "width: 37, height: 22", "width: 130, height: 67"] {
@@ -66,7 +66,7 @@ fn bytes_stored_while_tracing_are_those_of_linear_light() {
 }
 
 #[test]
-fn no_bytes_are_returned_of_a_frame_that_was_cancelled() {
+fn cancelled_frames_return_no_bytes() {
     let cancelled = AtomicBool::new(true);
     let mut engine = engine("width: 64, height: 48", "");
     let transfer = engine.film_settings().transfer;

@@ -232,7 +232,7 @@ fn moving(property: Property, case: &Case, shutter: &str) -> Engine {
 }
 
 #[test]
-fn every_value_moves_in_the_world_and_in_the_picture() {
+fn every_channel_animates_the_world_and_the_picture() {
     for property in Property::ALL {
         let name = property.name();
         let case = case(property);
@@ -265,7 +265,7 @@ fn every_value_moves_in_the_world_and_in_the_picture() {
 
 /// Checks that values that move while the shutter is open cause motion blur, and that motion blur is disabled if nothing moves.
 #[test]
-fn every_value_moves_while_the_shutter_is_open() {
+fn every_channel_animates_during_the_shutter() {
     for property in Property::ALL {
         let case = case(property);
         let mut moving = moving(property, &case, "shutter: 0.5,");
@@ -332,7 +332,7 @@ fn swinging_curves_stay_in_range() {
 }
 
 #[test]
-fn handles_are_in_the_units_of_their_values() {
+fn handles_have_the_units_of_their_values() {
     let at_one = |target: &str, channel: &str, keys: &str| {
         let animation = format!("(target: \"{target}\", channel: {channel}, track: Keys([{keys}]))");
         let mut engine = engine(&[("animate", animation)]);
@@ -370,7 +370,7 @@ fn is_held(property: Property) -> bool {
 }
 
 #[test]
-fn a_script_gives_nothing_that_keys_may_not_have() {
+fn script_values_have_the_limits_of_keys() {
     let numbers = [
         "-1", "0", "1e-70", "1e-59", "0.001", "0.5", "1", "100", "179.9", "180", "180.1", "1001", "1e60",
         "1e61",

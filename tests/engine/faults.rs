@@ -352,7 +352,7 @@ proptest! {
     })]
 
     #[test]
-    fn every_shape_is_drawn_or_named(
+    fn every_shape_is_drawn_or_reported(
         things in prop::collection::vec(thing(), 0..6),
         settings in settings(),
         later in prop::collection::vec((any::<prop::sample::Index>(), thing()), 0..4),
@@ -425,7 +425,7 @@ fn said(build: impl FnOnce(&mut World) -> Entity) -> (String, String) {
 }
 
 #[test]
-fn faults_say_what_is_wrong_in_plain_words() {
+fn faults_have_messages_and_remedies() {
     let ball = Shape::Sphere { radius: 1.0 };
     let cube = Shape::Box { size: DVec3::ONE };
     let at = |x: f64| Transform::from_translation(DVec3::new(x, 0.0, 0.0));
@@ -503,7 +503,7 @@ const FAULTY: &str = r#"Scene(
 )"#;
 
 #[test]
-fn commands_warn_with_names_and_lines() {
+fn commands_print_faults_with_names_and_lines() {
     let directory = tempfile::tempdir().unwrap();
     let scene = directory.path().join("faulty.ron");
     std::fs::write(&scene, FAULTY).unwrap();

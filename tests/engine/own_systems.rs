@@ -46,7 +46,7 @@ fn assert_frames_are_pure(make: impl Fn() -> Engine) {
 }
 
 #[test]
-fn a_pure_system_that_adds_does_not_add_up() {
+fn pure_systems_do_not_accumulate() {
     assert_frames_are_pure(|| {
         let mut world = stage();
         let ball = world.spawn(ball(DVec3::ZERO));
@@ -61,7 +61,7 @@ fn a_pure_system_that_adds_does_not_add_up() {
 }
 
 #[test]
-fn an_undeclared_write_is_seen_and_undone() {
+fn undeclared_writes_are_reported_and_undone() {
     assert_frames_are_pure(|| {
         let mut world = stage();
         let ball = world.spawn(ball(DVec3::ZERO));
@@ -151,7 +151,7 @@ fn steps_see_tracks_at_their_own_time() {
 }
 
 #[test]
-fn a_component_that_cannot_be_copied_is_told() {
+fn uncopyable_component_is_an_error() {
     let mut world = stage();
     world.spawn((Velocity(DVec3::ZERO),));
     let mut engine = Engine::new(world);
@@ -179,7 +179,7 @@ fn the_world_can_be_edited_between_frames() {
 }
 
 #[test]
-fn children_follow_their_parents_and_only_what_moves_is_read_again() {
+fn children_follow_parents_and_only_moved_entities_are_prepared() {
     let mut world = stage();
     let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };
     let track = Track::new(vec![key(0.0, 0.0), key(1.0, 1.0)]).unwrap();
@@ -203,7 +203,7 @@ fn children_follow_their_parents_and_only_what_moves_is_read_again() {
 }
 
 #[test]
-fn what_is_written_to_lights_and_settings_does_not_outlive_its_frame() {
+fn writes_to_lights_and_settings_last_one_frame() {
     assert_frames_are_pure(|| {
         let mut world = stage();
         world.spawn(ball(DVec3::ZERO));
@@ -223,7 +223,7 @@ fn what_is_written_to_lights_and_settings_does_not_outlive_its_frame() {
 }
 
 #[test]
-fn a_scene_with_a_lamp_that_changes_its_material_keeps_its_light_in_place() {
+fn lamp_material_change_keeps_its_light() {
     let text = r#"Scene(
         timeline: (fps: 10, duration: 2), film: (width: 32, height: 18),
         camera: (position: (0, 2, -8), target: (0, 1, 0)), ambient: (0.1, 0.1, 0.1),
@@ -276,7 +276,7 @@ fn steps_do_not_see_which_frames_were_rendered() {
 }
 
 #[test]
-fn entities_that_are_each_others_parents_stay_where_they_are() {
+fn cyclic_parents_keep_local_transforms() {
     assert_frames_are_pure(|| {
         let mut world = stage();
         let key = |time, x| Key { time, value: DVec3::new(x, 0.0, 0.0), easing: Easing::Linear };

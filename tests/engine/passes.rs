@@ -8,7 +8,7 @@ use rayreel::trace::reference::RayEnd;
 use rayreel::{Engine, FrameReport, Scene, Time};
 
 #[test]
-fn passes_are_what_the_reference_path_meets() {
+fn passes_equal_the_reference_path() {
     for scene in ["first_light", "glass_marbles", "box_field"] {
         let path = format!("{}/scenes/{scene}.ron", env!("CARGO_MANIFEST_DIR"));
         let mut engine = Engine::load(path).unwrap();

@@ -43,7 +43,7 @@ impl Prepared {
 }
 
 #[test]
-fn nothing_is_different_until_something_is_written() {
+fn unchanged_world_has_no_changes() {
     let mut prepared = Prepared::new();
     let mut changes = Changes::default();
     let ball = prepared.named("ball");
@@ -55,7 +55,7 @@ fn nothing_is_different_until_something_is_written() {
 }
 
 #[test]
-fn what_is_different_is_told_apart() {
+fn changes_are_distinguished_by_kind() {
     let mut prepared = Prepared::new();
     let (floor, ball, lamp) = (prepared.named("floor"), prepared.named("ball"), prepared.named("lamp"));
 
@@ -94,7 +94,7 @@ fn what_is_different_is_told_apart() {
 }
 
 #[test]
-fn what_comes_or_changes_its_kind_makes_the_scene_anew() {
+fn spawned_and_retyped_entities_rebuild_the_scene() {
     let mut prepared = Prepared::new();
     let ball = prepared.named("ball");
     let mut changes = Changes::default();

@@ -14,7 +14,7 @@ const SCENE: &str = r#"Scene(
 )"#;
 
 #[test]
-fn all_samples_are_counted_where_they_are_taken() {
+fn samples_are_counted_per_pixel() {
     let mut engine = Engine::from_scene(Scene::from_text("balls.ron", SCENE.to_owned()).unwrap());
     assert!(engine.sample_counts().is_empty());
     let film = engine.render_at(Time::ZERO).unwrap();

@@ -45,7 +45,7 @@ fn translation(engine: &mut Engine, name: &str, seconds: &str) -> DVec3 {
 }
 
 #[test]
-fn a_script_moves_what_it_belongs_to() {
+fn script_moves_its_entity() {
     let mut engine = engine(&ball("[3 * cos(t), base[1] + frame / 2, index + len(name)]"));
     for (seconds, t) in [("0", 0.0), ("1.5", 1.5), ("0.25", 0.25)] {
         let expected = DVec3::new(3.0 * libm::cos(t), 2.0 + 5.0 * t, 4.0);
@@ -173,7 +173,7 @@ fn a_script_of_a_material_is_no_base_for_one_of_an_entity() {
 }
 
 #[test]
-fn what_is_made_of_other_values_is_read_after_them() {
+fn scripts_run_after_their_inputs() {
     let balls = r#"entities: [
             (name: "a", shape: Sphere(radius: 1), material: "stone"),
             (name: "b", shape: Sphere(radius: 1), material: "clay", transform: (translation: (2, 0, 0))),
@@ -211,7 +211,7 @@ fn what_is_made_of_other_values_is_read_after_them() {
 }
 
 #[test]
-fn what_scripts_drive_is_given_back_as_it_was() {
+fn scripted_values_are_restored() {
     use rayreel::components::{Camera, View};
     let mut engine = engine(
         r#"entities: [(name: "ball", shape: Sphere(radius: 1), material: "clay")],
@@ -228,7 +228,7 @@ fn what_scripts_drive_is_given_back_as_it_was() {
 }
 
 #[test]
-fn a_script_that_fails_in_a_step_leaves_no_trace() {
+fn failed_step_changes_nothing() {
     let build = || {
         let mut engine = engine(
             r#"entities: [
@@ -253,7 +253,7 @@ fn a_script_that_fails_in_a_step_leaves_no_trace() {
 }
 
 #[test]
-fn a_script_that_reads_thousands_ends_soon_too() {
+fn scripts_with_thousands_of_reads_are_limited() {
     let scene = |count: u32| {
         format!(
             r#"Scene({HEAD} entities: [(name: "ball")],
@@ -307,7 +307,7 @@ fn a_frame_is_cancelled_while_its_scripts_run() {
 }
 
 #[test]
-fn what_was_cancelled_leaves_no_trace() {
+fn cancelled_frames_change_nothing() {
     let text = laborious(3);
     let mut engine = engine(&text);
     engine.render_at("1".parse().unwrap()).unwrap();
@@ -371,7 +371,7 @@ fn scripts_blur_what_they_move() {
 }
 
 #[test]
-fn scripts_and_systems_of_one_s_own_go_together() {
+fn scripts_and_custom_systems_combine() {
     let text = ball("base + [t, 0, 0]");
     let build = || {
         let mut engine = engine(&text);
@@ -487,7 +487,7 @@ fn complaint(text: &str) -> String {
 /// Checks the message of every scene in `tests/bad_scripts` against the file next to it. `RAYREEL_BLESS=1 cargo test --test engine scripts`
 /// rewrites these files; review the changes before keeping them.
 #[test]
-fn every_bad_script_says_what_is_wrong_with_it() {
+fn every_bad_script_has_its_message() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scripts");
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut scenes: Vec<_> =
@@ -526,7 +526,7 @@ fn the_examples_of_the_description_work() {
 }
 
 #[test]
-fn scripts_of_parts_read_their_own_part() {
+fn scripts_of_included_files_read_their_own_file() {
     let folder = tempfile::tempdir().unwrap();
     let part = r#"Scene(
         materials: { "clay": (k_a: 1) },

@@ -86,7 +86,7 @@ fn decimal_stacks_are_flush() {
 
 /// Checks stacks whose cube is rotated on the table, in groups that are translated, rotated, tilted or scaled, separately or combined.
 #[test]
-fn stacks_are_flush_however_they_are_moved_together() {
+fn moved_stacks_stay_flush() {
     let groups = [
         "translation: (0.1, 0.7, 3.3)",
         "translation: (1000.1, -77.7, 3.3), scale: 0.3",
@@ -113,7 +113,7 @@ fn stacks_are_flush_however_they_are_moved_together() {
 
 /// Checks that a gap between faces stays, however small it is.
 #[test]
-fn faces_that_are_apart_stay_apart() {
+fn separate_faces_stay_separate() {
     for apart in ["1e-15", "3e-16", "1e-12"] {
         let place = 1.0 + apart.parse::<f64>().unwrap();
         assert!(place > 1.0);

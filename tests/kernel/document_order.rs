@@ -81,7 +81,7 @@ fn film(scene: &PreparedScene, camera: &PreparedCamera) -> Film {
 }
 
 #[test]
-fn ids_are_names_and_the_order_of_the_document_is_a_key_beside_them() {
+fn shape_ids_are_independent_of_document_order() {
     let mut random = Random(7);
     let mut differing_orders = 0;
     for _ in 0..300 {

@@ -94,7 +94,7 @@ fn exact_across(a: DVec3, b: DVec3) -> DVec3 {
 }
 
 #[test]
-fn a_camera_at_its_target_is_refused_and_in_passing_looks_forward() {
+fn camera_at_its_target_is_an_error_or_looks_forward() {
     let message = refusal(&scene("position: (1, 2, 3), target: (1, 2, 3)", ""));
     assert_eq!(message, "the camera's target is where it stands");
     let passing = r#"(target: "camera", channel: Target, track: Keys([(0, (-9, 0, 0)), (2, (9, 0, 0))]))"#;
@@ -104,7 +104,7 @@ fn a_camera_at_its_target_is_refused_and_in_passing_looks_forward() {
 }
 
 #[test]
-fn a_target_may_be_as_near_as_numbers_go() {
+fn targets_may_be_arbitrarily_near() {
     let [expected, ..] = pictures_of(&scene("position: (0, 0, 0), view: (0, 0, 1), up: (1, 1, 0)", ""));
     for distance in [5e-324, 1e-300, 1e-100, 1e60] {
         let target = format!("position: (0, 0, 0), target: (0, 0, {distance:?}), up: (1, 1, 0)");
@@ -115,7 +115,7 @@ fn a_target_may_be_as_near_as_numbers_go() {
 }
 
 #[test]
-fn axes_are_perpendicular_however_near_up_is_to_the_view() {
+fn camera_axes_are_perpendicular_for_any_up() {
     let views =
         [DVec3::Y, DVec3::new(1.0, 2.0, 3.0), DVec3::new(-0.3, 0.9, 1e-5), DVec3::new(3.0, 1e-3, 7.0)];
     for view in views {
@@ -146,7 +146,7 @@ fn axes_are_perpendicular_however_near_up_is_to_the_view() {
 }
 
 #[test]
-fn up_parallel_to_the_view_is_refused() {
+fn up_parallel_to_the_view_is_an_error() {
     for up in ["(0, 0, 1)", "(0, 0, -1e-60)", "(0, 1e-10, 1)", "(1e-20, 0, 1e10)"] {
         let message = refusal(&scene(&format!("position: (0, 0, 0), view: (0, 0, 5), up: {up}"), ""));
         assert_eq!(message, "the camera's up is parallel to its view", "{up}");
@@ -167,7 +167,7 @@ fn same(found: impl IntoIterator<Item = DVec3>, expected: impl IntoIterator<Item
 }
 
 #[test]
-fn views_and_ups_count_by_direction_alone() {
+fn length_of_view_and_up_is_irrelevant() {
     for length in LENGTHS {
         for (view, up) in [(DVec3::X, DVec3::Y), (DVec3::NEG_Y, DVec3::Z), (DVec3::Z, DVec3::X)] {
             for (view_length, up_length) in [(length, 1.0), (1.0, length), (length, length)] {
@@ -236,7 +236,7 @@ fn is_blank(film: &Film) -> bool {
 }
 
 #[test]
-fn normals_and_light_directions_count_by_direction_alone() {
+fn length_of_normals_and_light_directions_is_irrelevant() {
     let plane = |normal: DVec3, light: DVec3| {
         film_of(world(Shape::Plane { normal }, Transform::from_translation(DVec3::NEG_Y), light))
     };
@@ -252,7 +252,7 @@ fn normals_and_light_directions_count_by_direction_alone() {
 }
 
 #[test]
-fn rotation_axes_count_by_direction_alone() {
+fn length_of_rotation_axes_is_irrelevant() {
     let turned = |rotation: Rotation| [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| rotation.quaternion() * axis);
     for length in LENGTHS {
         let about = |length: f64| turned(Rotation::AxisAngle(DVec3::Y * length, 1.0));
@@ -263,7 +263,7 @@ fn rotation_axes_count_by_direction_alone() {
 }
 
 #[test]
-fn sizes_and_scales_of_zero_are_refused() {
+fn sizes_and_scales_of_zero_are_errors() {
     let entity = |entity: &str| {
         refusal(&format!(
             r#"Scene(camera: (position: (0, 0, 0), view: (0, 0, 1)), materials: {{ "m": () }}, entities: [({entity})])"#
@@ -296,7 +296,7 @@ fn sizes_and_scales_of_zero_are_refused() {
 }
 
 #[test]
-fn a_scale_that_passes_through_zero_hides_the_entity_for_that_moment() {
+fn zero_scale_hides_the_entity_for_that_moment() {
     for keys in ["(0, 1), (2, -1)", "(0, (1, 1, 1)), (2, (1, 1, -1))"] {
         let camera = "position: (-1, 0, 0), view: (0, 0, 1), fov: 12";
         let track = format!(r#"(target: "ball", channel: Scale, track: Keys([{keys}]))"#);
@@ -308,7 +308,7 @@ fn a_scale_that_passes_through_zero_hides_the_entity_for_that_moment() {
 }
 
 #[test]
-fn a_light_that_passes_through_no_direction_is_off_for_that_moment() {
+fn light_without_a_direction_is_off_for_that_moment() {
     let camera = "position: (0, 0, 0), view: (0, 0, 1)";
     let turning = r#"(target: "sun", channel: Direction, track: Keys([(0, (0, 0, 1)), (2, (0, 0, -1))]))"#;
     let off = r#"(target: "sun", channel: Intensity, track: Keys([(0, (0, 0, 0))]))"#;
@@ -318,7 +318,7 @@ fn a_light_that_passes_through_no_direction_is_off_for_that_moment() {
 
 /// Checks that powers of two change no bit while all numbers stay in range.
 #[test]
-fn things_of_any_size_look_alike() {
+fn shapes_of_any_size_look_alike() {
     let rotation = DQuat::from_xyzw(0.1, 0.2, 0.3, 0.9).normalize();
     let things = [
         (Shape::Sphere { radius: 1.5 }, DVec3::ONE, DQuat::IDENTITY),
@@ -359,7 +359,7 @@ fn things_of_any_size_look_alike() {
 
 /// Checks distances whose squares overflow. `oracle` has the general rule; these cases occurred in practice.
 #[test]
-fn rays_from_beyond_all_measure_miss_what_they_miss() {
+fn rays_from_extreme_distances_miss() {
     let miss = |entity: &str, origin: [f64; 3], direction: DVec3| {
         let mut engine = engine(&format!(
             r#"Scene(camera: (position: (0, 0, -9), target: (0, 0, 0)), materials: {{ "m": () }}, entities: [(material: "m", {entity})])"#
@@ -385,7 +385,7 @@ fn rays_from_beyond_all_measure_miss_what_they_miss() {
 }
 
 #[test]
-fn the_tiny_is_seen_before_the_huge() {
+fn tiny_shapes_are_hit_before_huge_ones() {
     let text = |tiny: &str, near: &str, huge: &str| {
         format!(
             r#"Scene(film: (width: 3, height: 3, transfer: Classic), camera: (position: (0, 0, -{near}), view: (0, 0, 1), fov: 90), ambient: (1, 1, 1),
@@ -452,7 +452,7 @@ fn slerp_is_exact_where_others_were_not() {
 }
 
 #[test]
-fn slerp_goes_the_short_way_evenly_and_stays_of_unit_length() {
+fn slerp_takes_the_short_way_at_constant_speed_and_unit_length() {
     let half_turn_and_more = [PI - 1e-9, PI - 1e-15, PI, PI + 1e-15, PI + 1e-9, 4.0, TAU - 1e-9, TAU];
     let small = [
         0.0, 5e-324, 1e-300, 1e-160, 1e-17, 1e-16, 1e-15, 1e-9, 1e-8, 1e-7, 1e-6, 1.5e-6, 3e-6, 1e-5, 1e-3,
@@ -511,7 +511,7 @@ const EASINGS: [Easing; 14] = [
 ];
 
 #[test]
-fn keys_at_the_same_time_are_refused_and_neighbouring_instants_are_a_jump() {
+fn equal_key_times_are_errors_and_adjacent_ones_jump() {
     let keys = |keys: &str| {
         scene(
             "position: (0, 0, 0), view: (0, 0, 1)",
@@ -536,7 +536,7 @@ fn keys_at_the_same_time_are_refused_and_neighbouring_instants_are_a_jump() {
 }
 
 #[test]
-fn a_single_key_holds_for_ever() {
+fn single_key_is_constant() {
     for easing in EASINGS {
         let single = track(&[(2.0, 7.25, easing)]).unwrap();
         for time in [-1e60, 0.0, 2.0, 2.0 + 1e-9, 1e60] {
@@ -546,7 +546,7 @@ fn a_single_key_holds_for_ever() {
 }
 
 #[test]
-fn a_value_that_does_not_change_does_not_move_however_keys_crowd() {
+fn constant_values_stay_constant_between_dense_keys() {
     for easing in EASINGS {
         for gap in [5e-324, 1e-300, 1e-16, 1e-9, 1e-3, 1.0] {
             let value = 0.3;
@@ -561,7 +561,7 @@ fn a_value_that_does_not_change_does_not_move_however_keys_crowd() {
 }
 
 #[test]
-fn where_nothing_is_there_is_the_background() {
+fn empty_scene_shows_the_background() {
     let mut empty = Engine::new(World::new());
     let film = empty.render_frame(0).unwrap();
     assert_eq!((film.width(), film.height()), (640, 360));
@@ -604,13 +604,13 @@ fn heap_of_spheres(radii: impl Iterator<Item = f64>) -> Film {
 }
 
 #[test]
-fn a_heap_of_equal_spheres_looks_like_one() {
+fn coincident_spheres_look_like_one() {
     let one = heap_of_spheres(std::iter::once(1.25));
     assert!(heap_of_spheres((0..heap()).map(|_| 1.25)) == one);
 }
 
 #[test]
-fn a_heap_of_concentric_spheres_looks_like_the_outermost() {
+fn concentric_spheres_look_like_the_outermost() {
     let one = heap_of_spheres(std::iter::once(1.25));
     let count = heap();
     let radius = |index: u32| 0.5 + 0.75 * f64::from(index + 1) / f64::from(count);
@@ -619,7 +619,7 @@ fn a_heap_of_concentric_spheres_looks_like_the_outermost() {
 }
 
 #[test]
-fn numbers_that_are_not_finite_are_refused_wherever_they_stand() {
+fn non_finite_numbers_are_errors_in_every_field() {
     let text = include_str!("../hard_cases/every_number.ron");
     drop(engine(text));
     let is_digit = |character: char| character.is_ascii_digit() || character == '.';

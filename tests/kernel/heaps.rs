@@ -118,7 +118,7 @@ proptest! {
 
     /// Checks heaps against the reference path, which intersects every shape by itself.
     #[test]
-    fn a_heap_is_drawn_as_if_each_of_its_shapes_were_asked(
+    fn stacked_shapes_equal_a_linear_scan(
         heaps in prop::collection::vec(heap(), 1..5),
         eye in prop_oneof![
             3 => Just(DVec3::new(0.5, 1.0, -5.0)),
@@ -136,7 +136,7 @@ proptest! {
 
     /// Checks that only the first of coincident opaque shapes is visible, and that the others cause no rays and no escalations.
     #[test]
-    fn an_opaque_heap_is_its_first(heaps in prop::collection::vec(heap(), 1..4)) {
+    fn opaque_coincident_shapes_look_like_the_first(heaps in prop::collection::vec(heap(), 1..4)) {
         let opaque = |heap: &Heap| {
             let members = heap.members.iter().map(|member| Member { clear: None, lamp: false, ..member.clone() });
             Heap { members: members.collect(), ..heap.clone() }
@@ -157,7 +157,7 @@ proptest! {
 
 /// Checks that coincident shapes of any kind and material are compared once. Each further comparison would need a hundred bits.
 #[test]
-fn rays_ask_a_heap_once() {
+fn rays_test_coincident_shapes_once() {
     let glass = Refractive { k_t: 0.9, ior: 1.5, absorption: Rgb::ZERO, fresnel: false };
     let shapes = [
         Shape::Sphere { radius: 1.0 },

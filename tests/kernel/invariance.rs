@@ -166,7 +166,7 @@ fn difference(one: &Film, other: &Film) -> f64 {
 }
 
 #[test]
-fn a_power_of_two_changes_no_bit() {
+fn scaling_by_powers_of_two_changes_no_bit() {
     for path in scenes() {
         let plain = picture(&path, 1.0, DVec3::ZERO);
         for exponent in [-60, 60] {
@@ -177,7 +177,7 @@ fn a_power_of_two_changes_no_bit() {
 }
 
 #[test]
-fn other_scales_and_places_change_next_to_nothing() {
+fn other_scales_and_translations_change_few_pixels() {
     for path in scenes() {
         let plain = picture(&path, 1.0, DVec3::ZERO);
         for (scale, offset) in [
@@ -197,7 +197,7 @@ fn other_scales_and_places_change_next_to_nothing() {
 }
 
 #[test]
-fn quarter_turns_change_next_to_nothing() {
+fn quarter_turns_change_few_pixels() {
     for path in scenes() {
         let (plain, camera) = moved(&path, Motion::Stay, true);
         for axis in DVec3::AXES {

@@ -41,7 +41,7 @@ fn ambient_light_is_k_a_times_colour_times_intensity() {
 }
 
 #[test]
-fn the_files_own_bytes_come_back_in_both_transfers() {
+fn file_colours_round_trip_in_both_transfers() {
     for transfer in ["Classic", "Srgb"] {
         let film = format!("film: (width: 1, height: 1, transfer: {transfer})");
         let mut engine = engine(&format!(
@@ -135,7 +135,7 @@ fn highlights_change_over_time() {
 }
 
 #[test]
-fn highlights_are_seen_in_mirrors_from_where_the_mirror_is() {
+fn mirrored_highlights_are_seen_from_the_mirror() {
     // The mirror turns the view upwards, where it meets the ceiling at (0, 5, 0) head on, as the light does. Seen from the eye itself, the
     // highlight would be 45 degrees off.
     let body = r#"camera: (position: (0, 0, -5), view: (0, 0, 1)),
@@ -149,7 +149,7 @@ fn highlights_are_seen_in_mirrors_from_where_the_mirror_is() {
 }
 
 #[test]
-fn only_lights_that_can_add_something_are_asked() {
+fn shadow_rays_are_cast_only_to_contributing_lights() {
     let asked = |material: &str, light: &str| {
         let mut engine = engine(&format!(
             r#"film: (width: 1, height: 1, transfer: Classic), camera: (position: (0, 0, -5), view: (0, 0, 1)),
@@ -184,7 +184,7 @@ fn only_lights_that_can_add_something_are_asked() {
 }
 
 #[test]
-fn what_stands_before_a_light_hides_it() {
+fn occluders_cast_shadows() {
     let matte = "(k_d: 1, color: (100, 100, 100))";
     let light = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 8, -9)))";
     let wall = |y: f64, z: f64| {
@@ -199,7 +199,7 @@ fn what_stands_before_a_light_hides_it() {
 }
 
 #[test]
-fn a_light_that_casts_no_shadows_reaches_what_faces_it() {
+fn light_without_shadows_reaches_facing_surfaces() {
     let matte = "(k_d: 1, color: (100, 100, 100))";
     let lit = |light: &str, z: f64| {
         let wall = r#"(shape: Box(size: (9, 9, 0.1)), material: "m", transform: (translation: (0, 0, -7)))"#;
@@ -217,7 +217,7 @@ fn a_light_that_casts_no_shadows_reaches_what_faces_it() {
 
 /// Checks that nothing occludes such a light: neither its highlights, nor a transparent surface that it lights from behind.
 #[test]
-fn a_light_that_casts_no_shadows_makes_highlights_and_shines_through_what_is_clear() {
+fn light_without_shadows_makes_highlights_and_passes_transparent_shapes() {
     let lit = |material: &str, casts: bool, z: f64| {
         let wall = r#"(shape: Box(size: (9, 9, 0.1)), material: "m", transform: (translation: (0, 0, -7)))"#;
         let light = format!("Point(intensity: (1, 1, 1), casts_shadows: {casts})");
@@ -292,7 +292,7 @@ fn a_spot_shines_into_a_cone_about_its_forward_axis() {
 }
 
 #[test]
-fn a_lamps_own_shape_does_not_stand_in_its_light() {
+fn lamp_shape_does_not_occlude_its_light() {
     let matte = "(k_d: 1, color: (100, 100, 100))";
     let lamp = r#"(shape: Sphere(radius: 0.5), material: "m", light: Point(intensity: (1, 1, 1)),
         transform: (translation: (0, 8, -9)))]"#;
@@ -316,7 +316,7 @@ fn planes_have_two_sides_and_shells_are_seen_from_inside() {
 }
 
 #[test]
-fn mirrors_show_k_r_of_what_they_see_until_the_depth_limit() {
+fn mirrors_reflect_k_r_until_the_depth_limit() {
     let facing = |depth: u32| {
         pixel(&format!(
             r#"camera: (position: (0, 0, 0), view: (0, 0, 1)), quality: (depth: {depth}), background: (200, 0, 0),
@@ -334,7 +334,7 @@ fn mirrors_show_k_r_of_what_they_see_until_the_depth_limit() {
 }
 
 #[test]
-fn of_coincident_surfaces_the_first_in_the_file_is_seen() {
+fn first_of_coincident_surfaces_is_seen() {
     let pair = |first: &str, second: &str| {
         pixel(&format!(
             r#"camera: (position: (0, 0, -5), view: (0, 0, 1)), ambient: (1, 1, 1),
@@ -373,7 +373,7 @@ fn parents_turn_scale_and_move_their_children() {
 }
 
 #[test]
-fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
+fn spawned_rays_do_not_hit_their_surface_again() {
     let mut engine = engine(
         r#"camera: (position: (0, 0, -5), view: (0, 0, 1)), materials: { "m": (k_a: 1) }, entities: [
             (name: "shell", shape: Sphere(radius: 1e6), material: "m", transform: (translation: (0, 1e6, 0))),
@@ -409,7 +409,7 @@ fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
 }
 
 #[test]
-fn t_counts_the_direction_as_it_was_given() {
+fn distances_are_in_units_of_the_given_direction() {
     let mut engine = engine(
         r#"camera: (position: (0, 2, -8), target: (0, 0, 0)), materials: { "m": () }, entities: [
             (name: "floor", material: "m", shape: Plane(normal: (0, 1, 0))),
@@ -445,7 +445,7 @@ fn t_counts_the_direction_as_it_was_given() {
 }
 
 #[test]
-fn a_closed_mirror_box_leaks_nowhere() {
+fn closed_mirror_box_does_not_leak() {
     // Whole columns of pixels lie on edges.
     for (shape, rotation) in [
         ("Box(size: (2, 2, 2))", "Euler(0, 0, 0)"),
@@ -484,7 +484,7 @@ fn faces_one_unit_in_the_last_place_apart_do_not_shadow_each_other() {
 }
 
 #[test]
-fn coincident_shells_are_one_shell_however_often_light_bounces() {
+fn coincident_shells_act_as_one_shell() {
     let shell = r#"(shape: Sphere(radius: 10), material: "m")"#;
     let picture = |shells: &str| {
         let mut engine = engine(&format!(

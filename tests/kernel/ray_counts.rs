@@ -63,7 +63,7 @@ const MATTE: &str = "(k_d: 1)";
 const LAMP: &str = "(light: Point(intensity: (1, 1, 1)), transform: (translation: (0, 0, -3)))";
 
 #[test]
-fn a_light_is_asked_once_for_every_point_that_it_may_light() {
+fn one_shadow_ray_per_light_and_point() {
     for (material, lights, shadow) in [
         (MATTE, "", 0),
         (MATTE, LAMP, 1),
@@ -107,7 +107,7 @@ fn a_light_is_asked_once_for_every_point_that_it_may_light() {
 }
 
 #[test]
-fn a_spot_light_is_asked_only_in_its_cone() {
+fn spot_lights_get_shadow_rays_only_in_their_cone() {
     // The view is 45 degrees high and, as pixels are square, less than 60 wide. For a light at the camera, the rim of a cone of 90 degrees
     // lies outside the view, and the rim of a cone of 2 degrees between the four middle pixels.
     let spot = |angle: f64, turned: f64| {
@@ -130,7 +130,7 @@ fn a_spot_light_is_asked_only_in_its_cone() {
 }
 
 #[test]
-fn a_light_with_a_size_is_asked_once_a_sample() {
+fn area_lights_get_one_shadow_ray_per_sample() {
     for samples in [1, 2, 16, 100] {
         for shape in ["Sphere(radius: 0.5)", "Rectangle(width: 1, height: 2)"] {
             let light = |z: f64| {
@@ -154,7 +154,7 @@ fn a_light_with_a_size_is_asked_once_a_sample() {
 }
 
 #[test]
-fn nothing_is_lit_where_nothing_is_met() {
+fn misses_spawn_no_shadow_rays() {
     let engine = rendered(&format!(r#"background: (200, 100, 50), entities: [{LAMP}]"#));
     assert_eq!(rays(&engine), each(1, 0, 0, 0));
     // Half of the rows show a floor.
@@ -167,7 +167,7 @@ fn nothing_is_lit_where_nothing_is_met() {
 }
 
 #[test]
-fn every_pixels_sample_is_a_camera_ray_and_is_lit_for_itself() {
+fn every_sample_has_a_camera_ray_and_shadow_rays() {
     for samples in [1, 2, 7, 64] {
         let engine = wall(MATTE, &format!("{LAMP}], sampling: (samples: {samples})"));
         assert_eq!(rays(&engine), each(samples, samples, 0, 0));
@@ -207,7 +207,7 @@ fn mirrors_are_followed_to_the_depth_limit() {
 }
 
 #[test]
-fn mirrors_are_followed_while_they_can_show() {
+fn mirrors_are_followed_until_the_cutoff() {
     // The radiance bound B(n) is 1 for all n: 200/255, rounded up to a power of two. After k mirrors, the throughput is 2^-k; at 16 steps
     // of 255 the fourth is cut, at 0.25 the tenth.
     for (cutoff, followed) in [(16.0, 3), (0.25, 9), (128.0, 0), (127.0, 1)] {
@@ -223,7 +223,7 @@ fn mirrors_are_followed_while_they_can_show() {
 }
 
 #[test]
-fn what_mirrors_show_is_lit() {
+fn reflected_surfaces_are_lit() {
     let shown = |material: &str| {
         rays(&rendered(&format!(
             r#"materials: {{ "mirror": (reflective: (k_r: 0.5)), "m": {material} }}, entities: [
@@ -236,7 +236,7 @@ fn what_mirrors_show_is_lit() {
 }
 
 #[test]
-fn a_mirror_that_cannot_be_seen_costs_nothing() {
+fn invisible_mirrors_cost_nothing() {
     let ball = |z: f64, more: &str| {
         rendered(&format!(
             r#"background: (9, 9, 9), materials: {{ "mirror": (reflective: (k_r: 1)), "m": (k_d: 1) }}, entities: [
@@ -273,7 +273,7 @@ fn glass_ball(refractive: &str, depth: u32) -> Engine {
 }
 
 #[test]
-fn glass_sends_one_ray_in_and_one_out() {
+fn glass_spawns_one_ray_in_and_one_out() {
     for (depth, refraction, beyond) in [(1, 0, 1), (2, 1, 1), (3, 2, 0), (9, 2, 0)] {
         for ior in [1.0, 1.5] {
             let engine = glass_ball(&format!("(k_t: 0.9, ior: {ior:?})"), depth);
@@ -285,7 +285,7 @@ fn glass_sends_one_ray_in_and_one_out() {
 }
 
 #[test]
-fn glass_that_mirrors_as_fresnel_says_splits_every_ray() {
+fn fresnel_glass_splits_every_ray() {
     // The first surface spawns one reflected and one refracted ray. Every ray inside spawns one of each, too, and is never totally
     // reflected, as it meets the sphere at the angle at which it entered.
     for depth in [1, 2, 3, 9] {
@@ -317,7 +317,7 @@ fn total_reflection_keeps_rays_inside() {
 }
 
 #[test]
-fn glass_out_of_the_view_is_asked_for_shadows_only() {
+fn glass_outside_the_view_only_casts_shadows() {
     let scene = |refractive: &str| {
         rendered(&format!(
             r#"background: (9, 9, 9), materials: {{ "glass": ({refractive}), "m": (k_d: 1) }}, entities: [
@@ -335,7 +335,7 @@ fn glass_out_of_the_view_is_asked_for_shadows_only() {
 }
 
 #[test]
-fn every_effect_is_called_for_by_something_and_left_out_without_it() {
+fn every_effect_is_needed_with_and_omitted_without_its_cause() {
     const BLUR: &str = r#"animate: [(target: "wall", channel: Color, track: Keys([(0, (0, 0, 0)), (1, (255, 255, 255))]))],
         sampling: (samples: 4)"#;
     let area = "(light: Area(shape: Sphere(radius: 1), intensity: (1, 1, 1), samples: 4), transform: (translation: (0, 0, -3)))]";
@@ -534,7 +534,7 @@ const UNSEEN: &str = r#"materials: { "m": (reflective: (k_r: 1), refractive: (k_
     entities: [(shape: Sphere(radius: 1), material: "m", transform: (translation: (0, 0, -99)))]"#;
 
 #[test]
-fn what_is_left_out_is_left_out_for_its_own_reason() {
+fn omitted_effects_have_their_reasons() {
     for (body, effect, reason) in OMITTED {
         assert_eq!(need(&rendered(body), *effect), Need::Omitted(reason), "{body}");
     }
@@ -549,7 +549,7 @@ fn what_is_left_out_is_left_out_for_its_own_reason() {
 }
 
 #[test]
-fn what_is_left_out_now_is_needed_later() {
+fn effects_omitted_now_are_needed_later() {
     let mut engine = rendered(NOT_YET);
     engine.render_frame(1).unwrap();
     for effect in [
@@ -573,7 +573,7 @@ fn what_is_left_out_now_is_needed_later() {
 }
 
 #[test]
-fn lens_and_shutter_are_left_out_where_they_could_not_show() {
+fn lens_and_shutter_are_omitted_without_an_effect() {
     let scene = |camera: &str, sampling: &str, channel: &str| {
         rendered_text(&format!(
             r#"Scene(timeline: (fps: 1, duration: 2), film: (width: 8, height: 6, transfer: Classic), sampling: ({sampling}),

@@ -139,7 +139,7 @@ fn edge() -> (Engine, Film) {
 }
 
 #[test]
-fn a_reference_says_how_far_it_is_off_the_closed_form() {
+fn reference_uncertainty_covers_the_closed_form() {
     let (mut engine, truth) = edge();
     for samples in [4, 16, 64, 256] {
         let films: Vec<Film> = (1..=4)
@@ -156,7 +156,7 @@ fn a_reference_says_how_far_it_is_off_the_closed_form() {
 }
 
 #[test]
-fn an_adaptive_picture_is_as_near_the_closed_form_as_it_is_meant_to_be() {
+fn adaptive_pictures_meet_their_target_against_the_closed_form() {
     let (mut engine, truth) = edge();
     let mut rays = 0;
     for max_error in [4.0, 1.0, 0.25, 0.06] {
@@ -217,7 +217,7 @@ fn a_measurement_finds_the_order_of_convergence() {
 }
 
 #[test]
-fn the_mean_of_one_color_is_exactly_that_color() {
+fn mean_of_one_color_is_exact() {
     let color = Rgb::new(1.0 / 3.0, 0.7, 1e-3);
     let (mut engine, _) = engine(Shape::Plane { normal: DVec3::Z }, DVec3::new(0.0, 0.0, 3.0), sampling(1));
     for material in engine.world_mut().query_mut::<&mut Material>() {
@@ -229,7 +229,7 @@ fn the_mean_of_one_color_is_exactly_that_color() {
 }
 
 #[test]
-fn more_samples_make_more_camera_rays_and_all_paths_make_the_same_bits() {
+fn samples_cast_camera_rays_and_all_paths_agree() {
     let (mut engine, _) = engine(Shape::Sphere { radius: 1.0 }, DVec3::new(0.1, 0.2, 3.0), sampling(1));
     let single = render(&mut engine, 1);
     for samples in [1, 5, 16] {
@@ -245,7 +245,7 @@ fn more_samples_make_more_camera_rays_and_all_paths_make_the_same_bits() {
 }
 
 #[test]
-fn a_pixel_is_the_mean_of_the_samples_that_a_probe_explains() {
+fn pixels_are_the_mean_of_probed_samples() {
     let (mut engine, _) = engine(Shape::Sphere { radius: 1.0 }, DVec3::new(0.1, 0.2, 3.0), sampling(6));
     let film = engine.render_at(Time::ZERO).unwrap();
     for (i, j) in [(0, 0), (9, 24), (24, 24), (40, 17)] {
@@ -281,7 +281,7 @@ fn noise_is_fixed_or_a_function_of_the_moment_and_the_seed() {
 }
 
 #[test]
-fn a_point_out_of_focus_is_a_disc_of_the_size_that_the_lens_equation_says() {
+fn blur_disc_matches_the_lens_equation() {
     const APERTURE: f64 = 2.0;
     // Beyond the plane in focus, and in front of it.
     for (focus, place) in [(4.0, DVec3::new(1.0, -0.5, 8.0)), (10.0, DVec3::new(0.3, 0.4, 4.0))] {
@@ -330,7 +330,7 @@ fn a_point_out_of_focus_is_a_disc_of_the_size_that_the_lens_equation_says() {
 }
 
 #[test]
-fn what_is_in_focus_stays_sharp() {
+fn focused_points_stay_sharp() {
     // A thin plate in the plane in focus: through a point of the screen, all points of the lens see the same point of the plate.
     let plate = Shape::Box { size: DVec3::new(1.3, 2.1, 1e-9) };
     let (mut engine, _) = engine(plate, DVec3::new(0.2, 0.1, 5.0), sampling(1));
@@ -342,7 +342,7 @@ fn what_is_in_focus_stays_sharp() {
 }
 
 #[test]
-fn a_lens_without_an_aperture_and_a_single_sample_change_nothing() {
+fn zero_aperture_and_single_samples_equal_a_pinhole() {
     let (mut engine, _) = engine(Shape::Sphere { radius: 1.0 }, DVec3::new(0.1, 0.2, 3.0), sampling(1));
     let (single, several) = (render(&mut engine, 1), render(&mut engine, 4));
     for (aperture, focus) in [(0.0, 2.0), (-1.0, 2.0), (f64::NAN, 2.0), (0.5, 0.0), (f64::INFINITY, 2.0)] {

@@ -106,7 +106,7 @@ fn until(browser: &Browser, expression: &str) {
 }
 
 #[test]
-fn the_page_shows_scrubs_plays_and_recovers() {
+fn page_shows_scrubs_plays_and_recovers() {
     let mut preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full && at('now').naturalWidth === 160");
@@ -177,7 +177,7 @@ const PIXEL: &str = "(window.pixel = (right = 0.5, down = 0.5) => { const canvas
     return [...context.getImageData(Math.round(canvas.width * right), Math.round(canvas.height * down), 1, 1).data].join(); }, true)";
 
 #[test]
-fn a_frame_that_fails_can_be_left_again() {
+fn failed_frames_can_be_left() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     let keys = "Keys([(0, (0, 0, 0)), (2, (0, 0.5, 0))])";
@@ -201,7 +201,7 @@ fn a_frame_that_fails_can_be_left_again() {
 }
 
 #[test]
-fn two_pages_do_not_keep_each_other_waiting() {
+fn two_pages_do_not_block_each_other() {
     let preview = Preview::new();
     let (Some(one), Some(other)) = (open(&preview), open(&preview)) else { return };
     for browser in [&one, &other] {
@@ -224,7 +224,7 @@ fn two_pages_do_not_keep_each_other_waiting() {
 
 /// Checks more pages than connections: a browser opens at most six connections to a server.
 #[test]
-fn more_pages_than_connections_all_hear_and_ask() {
+fn many_pages_share_one_event_stream() {
     for kind in ["tab", "window"] {
         let preview = Preview::new();
         let Some(browser) = open(&preview) else { return };
@@ -248,7 +248,7 @@ fn more_pages_than_connections_all_hear_and_ask() {
 }
 
 #[test]
-fn nothing_is_told_before_there_is_anything() {
+fn panels_are_empty_before_the_first_picture() {
     let preview = Preview::of("Scene(");
     let Some(browser) = open(&preview) else { return };
     until(&browser, "!at('wrong').hidden && at('status').textContent === 'nothing to show yet'");
@@ -262,7 +262,7 @@ fn nothing_is_told_before_there_is_anything() {
 }
 
 #[test]
-fn a_server_that_is_away_stays_so_whatever_is_pressed() {
+fn keys_do_not_hide_a_lost_server() {
     let mut preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full");
@@ -306,7 +306,7 @@ fn another_scene_begins_with_its_own_frame() {
 }
 
 #[test]
-fn pictures_keep_their_shapes() {
+fn pictures_keep_their_aspect_ratio() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full");
@@ -335,7 +335,7 @@ fn pictures_keep_their_shapes() {
 }
 
 #[test]
-fn the_pixel_panel_tells_what_the_picture_shows() {
+fn pixel_panel_describes_the_picture() {
     let preview = Preview::of(&SCENE.replacen("Scene(", "Scene(sampling: (samples: 16),", 1));
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full");
@@ -354,7 +354,7 @@ fn the_pixel_panel_tells_what_the_picture_shows() {
 }
 
 #[test]
-fn a_long_picture_shows_how_far_it_has_come() {
+fn slow_pictures_show_their_progress() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full && at('progress').hidden");
@@ -377,7 +377,7 @@ fn a_long_picture_shows_how_far_it_has_come() {
 }
 
 #[test]
-fn on_a_phone_a_mistake_can_be_read_and_its_place_is_seen() {
+fn mistakes_are_readable_on_phones() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     let phone = json!({ "width": 360, "height": 640, "deviceScaleFactor": 2, "mobile": true });
@@ -414,7 +414,7 @@ fn on_a_phone_a_mistake_can_be_read_and_its_place_is_seen() {
 }
 
 #[test]
-fn the_page_fits_phones_and_the_dark_and_keeps_its_view() {
+fn page_fits_phones_and_dark_mode_and_keeps_its_view() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full");
@@ -480,7 +480,7 @@ fn only_this_machines_own_pages_are_served() {
 
 /// Checks incomplete requests, which end in the head, in the body, or before any byte.
 #[test]
-fn who_begins_to_ask_and_does_not_go_on_is_sent_away() {
+fn incomplete_requests_time_out() {
     let preview = Preview::new();
     let host = format!("127.0.0.1:{}", preview.port);
     let head = format!("POST /view HTTP/1.1\r\nHost: {host}\r\nContent-Length: 20\r\n\r\n");
@@ -517,7 +517,7 @@ fn who_begins_to_ask_and_does_not_go_on_is_sent_away() {
 }
 
 #[test]
-fn the_page_needs_nothing_from_elsewhere() {
+fn page_loads_nothing_from_other_hosts() {
     let preview = Preview::new();
     let host = format!("127.0.0.1:{}", preview.port);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/live/page");

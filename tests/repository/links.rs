@@ -84,7 +84,7 @@ fn dead<'a>(from: &Path, prose: &'a str) -> Vec<&'a str> {
 }
 
 #[test]
-fn links_between_files_lead_somewhere() {
+fn links_between_files_resolve() {
     let mut count = 0;
     for path in texts() {
         let prose = prose(&fs::read_to_string(&path).unwrap());
@@ -112,7 +112,7 @@ fn dead_links_are_found() {
 }
 
 #[test]
-fn texts_that_are_documentation_link_by_names_that_have_a_meaning_there() {
+fn included_documentation_links_by_item_names() {
     let mut count = 0;
     for source in files_in(&root().join("src"), "rs") {
         let module = fs::read_to_string(&source).unwrap();

@@ -41,7 +41,7 @@ fn command(row: &str) -> &str {
 }
 
 #[test]
-fn the_scene_is_a_scene() {
+fn readme_scene_loads() {
     let blocks = TEXTS.into_iter().flat_map(|text| text.split("```ron\n").skip(1));
     let blocks = blocks.map(|rest| rest.split("```").next().unwrap());
     let scenes: Vec<&str> = blocks.filter(|block| block.starts_with("Scene(")).collect();
@@ -51,7 +51,7 @@ fn the_scene_is_a_scene() {
 }
 
 #[test]
-fn every_command_and_every_option_of_the_table_is_there() {
+fn readme_commands_and_options_exist() {
     assert!(rows(README).count() >= 7);
     for row in TEXTS.into_iter().flat_map(rows) {
         let help = rayreel(&[command(row), "--help"]);
@@ -94,7 +94,7 @@ fn every_pass_is_documented() {
 }
 
 #[test]
-fn every_command_line_is_understood() {
+fn readme_command_lines_parse() {
     for text in TEXTS {
         let lines = text.lines().filter(|line| line.starts_with("rayreel ")).chain(code(text));
         let lines: Vec<&str> =

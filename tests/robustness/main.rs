@@ -131,14 +131,14 @@ fn edited_scenes() -> impl Strategy<Value = Files> {
 }
 
 #[test]
-fn no_edit_of_a_scene_makes_it_fail() {
+fn edits_of_scenes_do_not_panic() {
     fuzz("edited scenes", 400, &(edited_scenes(), 0..200u32), |(files, frame)| {
         files.check(|folder| check_files(folder, frame))
     });
 }
 
 #[test]
-fn no_scene_makes_it_fail() {
+fn random_scenes_do_not_panic() {
     fuzz("random scenes", 400, &(parts(), 0..10u32), |(parts, frame)| {
         let text = parts.good()?.text();
         let Some(scene) = read(&text)? else {
@@ -161,7 +161,7 @@ fn no_scene_makes_it_fail() {
 }
 
 #[test]
-fn no_mass_makes_it_fail() {
+fn large_scenes_do_not_panic() {
     fuzz("masses", 60, &(masses(1000), 0..10u32), |(files, frame)| {
         files.check(|folder| check_files(folder, frame))
     });

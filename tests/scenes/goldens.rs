@@ -123,7 +123,7 @@ fn stem(path: &Path) -> &str {
 }
 
 #[test]
-fn shipped_scenes_look_as_they_always_did() {
+fn shipped_scenes_match_their_goldens() {
     let mut wrong = Vec::new();
     let scenes = scenes();
     assert!(scenes.len() >= 6);
@@ -148,7 +148,7 @@ fn flush_faces_show_neither_speckles_nor_leaks_nor_seams() {
 }
 
 #[test]
-fn neither_threads_nor_instructions_matter() {
+fn goldens_do_not_depend_on_threads_or_instruction_sets() {
     let pools = [1, 2, 8].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
     for path in scenes() {
         let mut engine = load(&path, (150, 85));
@@ -169,7 +169,7 @@ fn neither_threads_nor_instructions_matter() {
 }
 
 #[test]
-fn the_reference_path_makes_the_same_pictures() {
+fn reference_path_matches_the_goldens() {
     for path in scenes().into_iter().chain(flush_faces()) {
         let mut engine = load(&path, (80, 45));
         for frame in frames(&engine) {
@@ -182,7 +182,7 @@ fn the_reference_path_makes_the_same_pictures() {
 }
 
 #[test]
-fn a_changed_pixel_is_found_and_told() {
+fn changed_pixels_are_reported() {
     let golden = image::open(root().join("tests/goldens/first_light.0000.png")).unwrap().to_rgb8();
     let mut changed = golden.clone();
     changed.get_pixel_mut(7, 5).0[1] ^= 1;

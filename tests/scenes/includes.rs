@@ -253,7 +253,7 @@ fn flat_street() -> String {
 }
 
 #[test]
-fn a_scene_of_several_files_is_the_scene_that_one_would_write_flat() {
+fn included_files_equal_a_flat_scene() {
     let folder = folder(&STREET_FILES);
     let whole = load(&folder);
     let flat = Scene::from_text("flat.ron", flat_street()).unwrap_or_else(|error| panic!("{error}"));
@@ -272,7 +272,7 @@ fn a_scene_of_several_files_is_the_scene_that_one_would_write_flat() {
 }
 
 #[test]
-fn a_part_can_be_loaded_for_itself_if_it_has_a_camera() {
+fn included_files_with_a_camera_load_alone() {
     let folder = folder(&STREET_FILES);
     let car = Scene::load(&folder.path().join("parts/car.ron")).unwrap();
     assert_eq!(names(&car), ["front", "front/axle", "back", "back/axle", "body", "headlight"]);
@@ -281,7 +281,7 @@ fn a_part_can_be_loaded_for_itself_if_it_has_a_camera() {
 }
 
 #[test]
-fn what_is_included_comes_first_in_document_order() {
+fn included_entities_come_first_in_document_order() {
     let ball = |name: &str| {
         format!(
             "(materials: {{ \"m\": (k_a: 1) }}, entities: [(name: \"{name}\", shape: Sphere(radius: 1), material: \"m\")])"
@@ -303,7 +303,7 @@ fn what_is_included_comes_first_in_document_order() {
 }
 
 #[test]
-fn a_scene_knows_its_files_and_a_failed_one_also_those_that_are_not_there() {
+fn scenes_list_their_files_including_missing_ones() {
     let folder = folder(&STREET_FILES);
     let relative = |path: &PathBuf| path.strip_prefix(folder.path()).unwrap().display().to_string();
     let scene = load(&folder);
@@ -322,7 +322,7 @@ fn a_scene_knows_its_files_and_a_failed_one_also_those_that_are_not_there() {
 }
 
 #[test]
-fn a_text_includes_files_beside_the_file_that_it_is_said_to_be_of() {
+fn texts_include_files_relative_to_their_path() {
     let folder = folder(&STREET_FILES);
     for name in ["scene.ron", "no_such_file.ron"] {
         let file = folder.path().join(name).display().to_string();
@@ -384,7 +384,7 @@ fn entities_are_found_in_their_files() {
 }
 
 #[test]
-fn the_commands_name_the_right_file() {
+fn commands_report_the_file_of_a_mistake() {
     let folder = folder(&STREET_FILES);
     let run = |arguments: &[&str]| {
         let mut command = Command::cargo_bin("rayreel").unwrap();
@@ -416,7 +416,7 @@ fn the_commands_name_the_right_file() {
 }
 
 #[test]
-fn files_include_each_other_so_deep_and_no_deeper() {
+fn include_depth_is_limited() {
     for (depth, good) in [(32, true), (33, false)] {
         let mut files =
             vec![("scene.ron".to_owned(), format!("({CAMERA}, include: [(file: \"1.ron\", name: \"p\")])"))];
@@ -437,7 +437,7 @@ fn files_include_each_other_so_deep_and_no_deeper() {
 }
 
 #[test]
-fn few_files_do_not_make_billions_of_entities() {
+fn repeated_includes_are_limited() {
     let twice = |what: &str, name: [&str; 2]| {
         let [one, two] = name;
         format!("(include: [(file: \"{what}\"{one}), (file: \"{what}\"{two})], {CAMERA})")
@@ -459,7 +459,7 @@ fn few_files_do_not_make_billions_of_entities() {
 }
 
 #[test]
-fn a_hundred_cars_are_one_file() {
+fn repeated_includes_read_a_file_once() {
     let mut scene = format!("Scene({CAMERA}, include: [");
     for car in 0..100 {
         write!(scene, "(file: \"{}parts/car.ron\", name: \"car {car}\"),", "./".repeat(car % 3)).unwrap();

@@ -22,7 +22,7 @@ fn message(path: &Path) -> String {
 }
 
 #[test]
-fn every_bad_scene_says_what_is_wrong_with_it() {
+fn every_bad_scene_has_its_message() {
     let (scenes, of_several_files) = (scenes_in("tests/bad_scenes"), bad_includes());
     assert!(scenes.len() >= 30 && of_several_files.len() >= 7);
     let bless = std::env::var_os("RAYREEL_BLESS").is_some();
@@ -51,7 +51,7 @@ fn five_mistakes_of_meaning_are_reported_at_once() {
 }
 
 #[test]
-fn a_directory_and_a_missing_file_are_named() {
+fn directories_and_missing_files_are_reported() {
     assert_eq!(
         message(&root().join("tests/bad_scenes")),
         "error: `tests/bad_scenes` is a directory\n--> tests/bad_scenes\n = help: name a scene file, such as one that ends in .ron\n"

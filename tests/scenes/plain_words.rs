@@ -323,7 +323,7 @@ fn faults(change: &Change) -> Vec<String> {
 }
 
 #[test]
-fn every_mistake_is_told_in_a_readers_words() {
+fn messages_use_plain_words() {
     assert!(Scene::from_text("scene.ron", SCENE.to_owned()).is_ok());
     let changes = changes();
     assert!(changes.len() > 20_000, "{}", changes.len());
@@ -342,7 +342,7 @@ fn every_mistake_is_told_in_a_readers_words() {
 
 /// Checks that names, numbers and words of any length, in any place, are quoted only in part.
 #[test]
-fn nothing_that_is_long_makes_long_messages() {
+fn long_inputs_have_short_messages() {
     const LENGTH: usize = 10_000;
     let long = ["x", "7", "(", "[0,", "ß"].map(|piece| piece.repeat(LENGTH));
     let texts = ["x", "\\n", "\u{1b}"].map(|piece| format!("\"{}\"", piece.repeat(LENGTH)));
@@ -366,7 +366,7 @@ fn nothing_that_is_long_makes_long_messages() {
 }
 
 #[test]
-fn a_ring_of_very_many_is_told_by_its_ends() {
+fn long_rings_are_shortened_in_messages() {
     let count = 100_000;
     let entities: String = (0..count)
         .map(|index| format!("(name: \"e{index}\", parent: \"e{}\"),", (index + 1) % count))
@@ -385,7 +385,7 @@ fn a_ring_of_very_many_is_told_by_its_ends() {
 }
 
 #[test]
-fn one_more_mistake_is_one() {
+fn further_mistakes_are_counted() {
     let with = |count: usize| {
         let entities: String = (0..count).map(|index| format!("(parent: \"nobody{index}\"),")).collect();
         let text = format!("(camera: (position: (0, 0, -5), target: (0, 0, 0)), entities: [{entities}])");
@@ -397,7 +397,7 @@ fn one_more_mistake_is_one() {
 
 /// Checks that whole numbers may be written with a point or an exponent.
 #[test]
-fn whole_numbers_are_whole_however_they_are_written() {
+fn integers_are_accepted_in_any_notation() {
     let plain = "(timeline: (fps: 24, duration: 2), film: (width: 640, height: 360), sampling: (samples: 4, seed: 100),
         camera: (position: (0, 0, -5), target: (0, 0, 0)))";
     let other =

@@ -33,7 +33,7 @@ fn setting<T: hecs::Component + Clone>(world: &World) -> Option<T> {
 }
 
 #[test]
-fn what_is_clear_or_chequered_is_so_on_every_entity_made_of_it() {
+fn material_effects_apply_to_every_entity_of_the_material() {
     let world = scene(
         r##"film: (transfer: Classic), materials: {
             "glass": (refractive: (k_t: 0.75, ior: 1.5, absorption: (0.5, 0.25, 0), fresnel: true)),
@@ -59,7 +59,7 @@ fn what_is_clear_or_chequered_is_so_on_every_entity_made_of_it() {
 }
 
 #[test]
-fn lights_have_an_extent() {
+fn area_lights_have_an_extent() {
     let world = scene(
         r#"entities: [
             (name: "lamp", light: Area(shape: Sphere(radius: 0.25), intensity: (1, 2, 3))),
@@ -77,7 +77,7 @@ fn lights_have_an_extent() {
 }
 
 #[test]
-fn a_background_is_a_colour_or_two() {
+fn background_has_one_or_two_colours() {
     let background = |body: &str| setting::<Background>(&scene(&format!("{CLASSIC}, {body}")).world);
     let blue = Rgb::new(0.0, 0.2, 1.0);
     assert_eq!(background(""), Some(Background::Flat(Rgb::ZERO)));
@@ -89,7 +89,7 @@ fn a_background_is_a_colour_or_two() {
 }
 
 #[test]
-fn what_is_not_said_is_the_same_in_files_and_in_code() {
+fn defaults_are_the_same_in_files_and_in_code() {
     let world = scene("").world;
     assert_eq!(setting(&world), Some(FilmSettings::default()));
     assert_eq!(setting(&world), Some(Quality::default()));
@@ -98,7 +98,7 @@ fn what_is_not_said_is_the_same_in_files_and_in_code() {
 }
 
 #[test]
-fn fog_is_there_where_it_is_called_for() {
+fn fog_is_read_from_the_scene() {
     let fog = |body: &str| setting::<Fog>(&scene(&format!("{CLASSIC}, {body}")).world);
     assert_eq!(fog(""), None);
     assert_eq!(
@@ -108,7 +108,7 @@ fn fog_is_there_where_it_is_called_for() {
 }
 
 #[test]
-fn shutter_instants_and_cutoff_are_what_is_written() {
+fn shutter_instants_and_cutoff_are_read_from_the_scene() {
     let world = scene("").world;
     assert_eq!(setting::<Quality>(&world), Some(Quality { depth: 5, cutoff: 0.25 }));
     assert_eq!(setting::<Sampling>(&world), Some(Sampling::default()));
@@ -139,7 +139,7 @@ fn a_single_sample_may_have_a_shutter_and_glass_may_add_light() {
 }
 
 #[test]
-fn what_is_clear_changes_over_time_and_stays_in_range() {
+fn transparency_tracks_stay_in_range() {
     let mut engine = Engine::from_scene(scene(
         r#"timeline: (fps: 1, duration: 5), film: (width: 1, height: 1),
         materials: { "glass": (refractive: (k_t: 0.5, ior: 1.5)) },

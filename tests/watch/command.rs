@@ -56,7 +56,7 @@ fn interrupt(child: Child) -> Output {
 
 #[cfg(unix)]
 #[test]
-fn the_terminal_tells_and_the_current_frame_is_written() {
+fn watch_prints_events_and_writes_the_current_frame() {
     let overridden = &["--without", "diffuse-light", "--samples", "2"][..];
     for (more, overrides) in [(&[][..], &[][..]), (&["--poll"], &[]), (&[], overridden)] {
         let folder = tempfile::tempdir().unwrap();
@@ -100,7 +100,7 @@ fn address(child: &mut Child) -> String {
 /// Checks files that become readable again, a change that the file system does not report.
 #[cfg(target_os = "linux")]
 #[test]
-fn files_that_cannot_be_read_for_a_while_are_read_later_without_another_save() {
+fn temporarily_unreadable_files_are_read_again() {
     let is_there = Command::new("prlimit").arg("--version").stdout(Stdio::null()).status();
     if !is_there.is_ok_and(|status| status.success()) {
         println!("there is no prlimit: it was not tried");
@@ -163,7 +163,7 @@ fn refused(folder: &TempDir, arguments: &[&str]) -> String {
 }
 
 #[test]
-fn what_cannot_be_served_or_written_is_told_at_once() {
+fn invalid_ports_and_outputs_are_errors_at_start() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("ball.ron"), scene(1.0, "")).unwrap();
     let taken = TcpListener::bind(("127.0.0.1", 0)).unwrap();

@@ -24,7 +24,7 @@ fn render(engine: &mut Engine, time: Time, settings: RenderSettings, cancelled: 
 }
 
 #[test]
-fn a_draft_has_one_sample_and_leaves_the_frame_as_it_is() {
+fn draft_has_one_sample_and_keeps_the_frame() {
     let sampled = scene(1.0, "").replacen("Scene(", "Scene(sampling: (samples: 4),", 1);
     let never = AtomicBool::new(false);
     let (mut plain, mut sampled) = (engine(scene(1.0, "")), engine(sampled));
@@ -55,7 +55,7 @@ fn rich(samples: u32, instants: u32) -> String {
 }
 
 #[test]
-fn less_is_left_out_of_a_draft_than_it_is_asked_for_and_the_scene_stays_whole() {
+fn cheaper_drafts_trace_fewer_rays_and_keep_the_scene() {
     let mut engine = engine(rich(4, 2));
     let (time, never) = (engine.timeline().time_of(3), AtomicBool::new(false));
     let whole = engine.render_at(time).unwrap();
@@ -77,7 +77,7 @@ fn less_is_left_out_of_a_draft_than_it_is_asked_for_and_the_scene_stays_whole() 
 
 /// Checks a picture that is interrupted at many places, at once or after the current samples, and continued.
 #[test]
-fn a_picture_made_in_pieces_has_the_bits_and_the_rays_of_one_made_at_once() {
+fn resumed_picture_equals_an_uninterrupted_one() {
     for (samples, instants) in [(1, 1), (3, 1), (4, 4), (5, 2)] {
         let mut engine = engine(rich(samples, instants));
         let time = engine.timeline().time_of(3);
@@ -119,7 +119,7 @@ fn a_picture_made_in_pieces_has_the_bits_and_the_rays_of_one_made_at_once() {
 }
 
 #[test]
-fn what_there_is_of_a_picture_lies_over_another_one() {
+fn unfinished_picture_is_resolved_over_another() {
     let mut engine = engine(rich(2, 1));
     let time = engine.timeline().time_of(0);
     let whole = engine.render_at(time).unwrap();

@@ -100,7 +100,7 @@ fn emacs_with_backups() {
 }
 
 #[test]
-fn emacs_that_writes_another_file_first() {
+fn emacs_that_writes_a_temporary_file_first() {
     emacs("(setq file-precious-flag t make-backup-files nil)");
 }
 

@@ -74,7 +74,7 @@ fn first_picture(stage: &Stage) -> (Shown, Duration) {
 }
 
 #[test]
-fn the_first_picture_comes_soon_whatever_the_scene() {
+fn first_picture_appears_quickly_for_any_scene() {
     for (what, text) in heavy() {
         let mut best = Duration::MAX;
         for _ in 0..TRIES {
@@ -93,7 +93,7 @@ fn the_first_picture_comes_soon_whatever_the_scene() {
 }
 
 #[test]
-fn work_is_left_at_once_for_what_is_asked() {
+fn seeking_interrupts_rendering_at_once() {
     for (what, text) in heavy() {
         let mut best = Duration::MAX;
         for frame in (1..).take(TRIES - 1) {
@@ -126,7 +126,7 @@ fn slow() -> String {
 }
 
 #[test]
-fn pictures_get_finer_in_steps_up_to_the_full_one() {
+fn pictures_get_finer_up_to_the_full_one() {
     let stage = Stage::new(Some(&slow()));
     let (first, _) = first_picture(&stage);
     let mut seen = vec![first];
@@ -170,7 +170,7 @@ fn pictures_get_finer_in_steps_up_to_the_full_one() {
 }
 
 #[test]
-fn a_question_does_not_lose_what_has_been_done() {
+fn stopped_preview_resumes_with_its_samples() {
     let stage = Stage::new(Some(&slow()));
     first_picture(&stage);
     let start = Instant::now();
@@ -191,7 +191,7 @@ fn a_question_does_not_lose_what_has_been_done() {
 }
 
 #[test]
-fn an_edit_while_a_page_plays_gets_its_full_picture() {
+fn edits_during_playback_get_a_full_picture() {
     let stage = Stage::with(Some(&slow()), true);
     stage.shows_what_a_cold_start_shows();
     stage.save(&slow().replace("255, 120, 60", "60, 120, 255"));

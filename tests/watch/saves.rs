@@ -42,20 +42,20 @@ fn saved_often(save: impl Fn(&Stage, &str)) -> (usize, usize) {
 }
 
 #[test]
-fn saves_in_place_that_never_rest_are_shown_and_are_no_mistake() {
+fn continuous_saves_in_place_are_shown_without_mistakes() {
     let (shown, broken) = saved_often(|stage, text| fs::write(stage.path("ball.ron"), text).unwrap());
     assert!(shown > 6 && broken == 0, "{shown} shown, {broken} told broken");
 }
 
 #[test]
-fn renames_that_never_rest_are_shown_several_times_a_second() {
+fn continuous_renames_are_shown_several_times_a_second() {
     let (shown, broken) = saved_often(Stage::save);
     assert!(shown > 9 && broken == 0, "{shown} shown, {broken} told broken");
 }
 
 /// Checks files that are written in pieces of several sizes, with several pauses.
 #[test]
-fn a_file_that_is_being_written_is_no_mistake() {
+fn partially_written_files_are_not_reported() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.shows_what_a_cold_start_shows();
     for (radius, (pieces, pause)) in

@@ -169,7 +169,7 @@ impl Stage {
 }
 
 #[test]
-fn an_edit_is_shown_first_coarsely_and_then_as_after_a_cold_start() {
+fn edits_show_a_coarse_and_then_the_cold_start_picture() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     let first = stage.shows_what_a_cold_start_shows();
     stage.save(&scene(1.5, ""));
@@ -190,7 +190,7 @@ fn an_edit_is_shown_first_coarsely_and_then_as_after_a_cold_start() {
 }
 
 #[test]
-fn a_broken_file_leaves_the_last_good_scene_and_a_good_one_recovers() {
+fn broken_files_keep_the_last_good_scene_until_fixed() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     let good = stage.shows_what_a_cold_start_shows();
     let whole = scene(0.7, "");
@@ -216,7 +216,7 @@ fn a_broken_file_leaves_the_last_good_scene_and_a_good_one_recovers() {
 }
 
 #[test]
-fn a_scene_may_come_later() {
+fn missing_scene_is_loaded_when_created() {
     let stage = Stage::new(None);
     assert!(stage.breaks().contains("there is no file"));
     stage.seek(3);
@@ -254,7 +254,7 @@ fn included_files_are_watched_while_they_are_included() {
 }
 
 #[test]
-fn the_playhead_survives_shorter_scenes() {
+fn playhead_is_kept_for_shorter_scenes() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.seek(15);
     stage.comes_to("frame 15", |state| state.picture.is_some_and(|picture| picture.frame == 15));
@@ -267,7 +267,7 @@ fn the_playhead_survives_shorter_scenes() {
 }
 
 #[test]
-fn a_newer_edit_ends_the_picture_in_hand() {
+fn newer_edit_interrupts_the_current_picture() {
     // Far too slow for the test to wait for.
     let slow = scene(1.0, "").replace("width: 64, height: 36", "width: 4096, height: 4096");
     let slow = slow.replacen("Scene(", "Scene(sampling: (samples: 4096),", 1);
@@ -280,7 +280,7 @@ fn a_newer_edit_ends_the_picture_in_hand() {
 }
 
 #[test]
-fn a_pixel_says_what_it_sees() {
+fn probe_describes_the_visible_surface() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.shows_what_a_cold_start_shows();
     let spot = stage.sees((32, 18)).unwrap();
@@ -295,7 +295,7 @@ fn a_pixel_says_what_it_sees() {
 
 /// Checks pixels across edges, where samples differ.
 #[test]
-fn a_pixel_has_the_colour_of_the_picture() {
+fn probe_has_the_colour_of_the_picture() {
     for (sampling, samples) in
         [("1", Some(1)), ("4", Some(4)), ("16", Some(16)), ("64, max_error: 0.5", None)]
     {
@@ -312,7 +312,7 @@ fn a_pixel_has_the_colour_of_the_picture() {
 }
 
 #[test]
-fn costs_are_measured_for_what_is_needed_only() {
+fn only_needed_effects_are_measured() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.shows_what_a_cold_start_shows();
     stage.session.handle().send(SessionCommand::ViewChange(ViewChange::Measure));
@@ -335,7 +335,7 @@ fn costs_are_measured_for_what_is_needed_only() {
 }
 
 #[test]
-fn nothing_remains_of_a_session_that_has_ended() {
+fn ended_sessions_emit_no_events() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     let folder: &Path = stage.folder.path();
     assert!(folder.exists());

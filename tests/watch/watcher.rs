@@ -100,7 +100,7 @@ fn save_in_every_way(watched: &Watched) {
 }
 
 #[test]
-fn every_way_of_saving_is_noticed_once() {
+fn every_save_method_is_noticed_once() {
     save_in_every_way(&Watched::new(Watching::Events, &["ball.ron", "part.ron"]));
 }
 
@@ -112,7 +112,7 @@ fn polling_notices_the_same() {
 }
 
 #[test]
-fn what_changes_nothing_is_not_noticed() {
+fn saves_without_changes_are_not_noticed() {
     let watched = Watched::new(Watching::Events, &["ball.ron"]);
     watched.write("ball.ron", "first");
     watched.does_not_change("the same text");
@@ -126,7 +126,7 @@ fn what_changes_nothing_is_not_noticed() {
 }
 
 #[test]
-fn files_join_and_leave_come_and_go() {
+fn followed_files_may_be_added_removed_and_recreated() {
     let watched = Watched::new(Watching::Events, &["ball.ron"]);
     fs::create_dir(watched.path("parts")).unwrap();
     watched.write("parts/wheel.ron", "first");
@@ -146,7 +146,7 @@ fn files_join_and_leave_come_and_go() {
 }
 
 #[test]
-fn what_is_written_while_it_is_read_is_noticed() {
+fn writes_during_reading_are_noticed() {
     let watched = Watched::new(Watching::Events, &["ball.ron"]);
     let follow =
         |file: &str, since| watched.watcher.follow(&[watched.path("ball.ron"), watched.path(file)], since);

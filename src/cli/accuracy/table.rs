@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_have_marks_and_marks_are_explained() {
+    fn rows_have_marks_with_a_legend() {
         let report = report();
         let expected = [
             "   setting          s/frame  x own  spread  rays    max   rms   estimated  PSNR    SSIM  off > 1",

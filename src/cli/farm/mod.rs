@@ -190,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_those_that_schedulers_take() {
+    fn job_names_are_valid_for_schedulers() {
         for (scene, name) in [
             ("a/First_Light.ron", "rayreel-first-light"),
             ("\u{e9}.ron", "rayreel"),

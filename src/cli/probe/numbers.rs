@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn seventeen_digits_are_fixed_where_that_reads_well() {
+    fn numbers_use_fixed_notation_in_a_readable_range() {
         for (value, text) in [
             (0.1, "0.10000000000000001"),
             (-8.5, "-8.5000000000000000"),

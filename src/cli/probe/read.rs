@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn blank_lines_headers_marks_and_line_endings_do_not_matter() {
+    fn blank_lines_headers_byte_order_marks_and_line_endings_are_ignored() {
         for text in [
             "0,0,0,0,0,1\n1,2,3,4,5,6\n",
             "\u{feff}ox,oy,oz,dx,dy,dz\r\n0,0,0,0,0,1\r\n\r\n1,2,3,4,5,6",
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told_with_line_column_and_remedy() {
+    fn mistakes_have_line_column_and_remedy() {
         for (text, message) in [
             (
                 "0,0,0,0,0,1\r\n\r\n1,2,3,4,5\r\n",

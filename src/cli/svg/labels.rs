@@ -83,7 +83,7 @@ mod tests {
 
     /// Places labels at clustered marks, as made by settings with nearly the same time and error.
     #[test]
-    fn labels_cover_neither_each_other_nor_marks() {
+    fn labels_do_not_overlap_labels_or_marks() {
         let within = Area { left: 0.0, top: 0.0, width: 640.0, height: 340.0 };
         let mut state = 7_u32;
         let mut random = move |most: f64| {
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_without_room_are_left_out() {
+    fn labels_without_room_are_omitted() {
         let mut labels = Labels::within(Area { left: 0.0, top: 0.0, width: 30.0, height: 30.0 });
         assert_eq!(labels.place([5.0, 5.0], "longer than the area", &directions(), [7.0]), None);
     }

@@ -207,7 +207,7 @@ mod tests {
 
     /// Includes two files with the same names, each a hundred times.
     #[test]
-    fn clashes_are_counted_and_few_are_kept() {
+    fn clashes_are_counted_and_few_are_listed() {
         let folder = tempfile::tempdir().unwrap();
         let entities = "(name: \"a\"), (name: \"b\"), (name: \"c\"),";
         for file in ["one.ron", "two.ron"] {

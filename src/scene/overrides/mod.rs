@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_and_a_value_are_read_and_written() {
+    fn overrides_are_parsed_and_formatted() {
         for text in [
             "a=1",
             "camera.lens.aperture=0.2",
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_path_or_not_one_value_is_refused() {
+    fn invalid_overrides_are_errors() {
         let refused = |text: &str| text.parse::<Override>().unwrap_err();
         for text in ["", "a", "a.b", "a=", "a.b= "] {
             assert_eq!(refused(text), OverrideError::Incomplete, "{text}");

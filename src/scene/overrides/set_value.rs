@@ -218,7 +218,7 @@ Scene( // a scene
     }
 
     #[test]
-    fn a_value_takes_the_place_of_another() {
+    fn values_are_replaced() {
         for (overridden, before, after) in [
             ("film.width=64", "1280", "64"),
             ("camera.position.1=3", "(0, 2, -8)", "(0, 3, -8)"),
@@ -235,7 +235,7 @@ Scene( // a scene
     }
 
     #[test]
-    fn a_field_that_is_left_out_is_added() {
+    fn omitted_fields_are_added() {
         for (overridden, before, after) in [
             ("film.transfer=Classic", "720,", "720, transfer: Classic,"),
             ("quality.depth=3", "quality: ()", "quality: (depth: 3)"),
@@ -249,7 +249,7 @@ Scene( // a scene
     }
 
     #[test]
-    fn what_comes_after_stays_in_its_line() {
+    fn positions_after_an_override_stay_in_their_line() {
         let moved = with("camera.target=(0, 0, 0)").unwrap();
         let line = |text: &str| text[..text.find("quality").unwrap()].matches('\n').count();
         assert_eq!(line(&moved), line(SCENE));
@@ -257,7 +257,7 @@ Scene( // a scene
     }
 
     #[test]
-    fn what_is_not_there_is_told() {
+    fn unknown_paths_are_reported() {
         let told = |overridden: &str| {
             let (message, help) = with(overridden).unwrap_err().tell();
             format!("{message}: {help}")
@@ -291,7 +291,7 @@ Scene( // a scene
     }
 
     #[test]
-    fn a_text_that_is_no_scene_is_left_to_the_parser() {
+    fn invalid_scenes_are_passed_to_the_parser() {
         let broken =
             ["", "Scene", "(a: (", "[1, 2", "# # #", "#ß", "{\"a\" 1", "(a: ]", "\"(\"", "(a: Some("];
         let cuts = SCENE.char_indices().map(|(end, _)| &SCENE[..end]);

@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn examples_are_right_and_none_is_missing() {
+    fn every_type_has_valid_examples() {
         check::<RotationDocument>("Rotation");
         check::<ShapeDocument>("Shape");
         check::<AreaShapeDocument>("AreaShape");

@@ -426,13 +426,13 @@ mod tests {
     }
 
     #[test]
-    fn all_that_an_entity_may_be_is_plain() {
+    fn fast_path_reads_every_entity_field() {
         assert!(of_all(ENTITIES).is_some());
         assert_eq!(of_plain(ENTITIES), of_all(ENTITIES));
     }
 
     #[test]
-    fn what_is_not_plain_is_refused() {
+    fn fast_path_rejects_unusual_syntax() {
         for entity in [
             "name: \"\\u{41}\"",
             "name: Some(\"a\")",
@@ -461,7 +461,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
 
         #[test]
-        fn what_is_read_here_is_what_the_parser_of_all_texts_reads(
+        fn fast_path_equals_the_general_parser(
             edits in prop::collection::vec((any::<Index>(), 0..4_usize, select(&PIECES[..])), 1..4),
         ) {
             let mut text = ENTITIES.to_owned();

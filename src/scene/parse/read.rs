@@ -57,7 +57,7 @@ mod tests {
 
     /// Checks a scene, all its prefixes up to a token, and the scene without each one of its tokens.
     #[test]
-    fn a_text_is_the_same_along_a_trail() {
+    fn reading_along_an_empty_trail_equals_a_full_read() {
         let text = include_str!("../../../tests/hard_cases/every_number.ron");
         let cut = tokens(text).map(|token| text[..token.start].to_owned());
         let without = tokens(text).map(|token| text[..token.start].to_owned() + &text[token.end..]);

@@ -34,7 +34,7 @@ fn values_are_found_through_names_lists_maps_and_comments() {
 }
 
 #[test]
-fn what_is_not_there_is_found_at_the_value_around_it() {
+fn unknown_fields_are_located_at_the_enclosing_value() {
     let text = "(entities: [(shape: Sphere(radius: 1))])";
     let path = [PathStep::Field("entities"), PathStep::Index(0), PathStep::Field("material")];
     assert_eq!(found(text, &path), "(shape: Sphere(radius: 1))");
@@ -43,7 +43,7 @@ fn what_is_not_there_is_found_at_the_value_around_it() {
 }
 
 #[test]
-fn places_in_texts_are_places_in_the_file() {
+fn positions_in_strings_map_to_the_file() {
     let text = r###"("a + b", r#"a "+" b"#, "a\tb", b)"###;
     let inside = |index: usize, inside: Range<usize>| {
         let literal = locate(text, &[vec![PathStep::Index(index)]])[0].clone();
@@ -65,7 +65,7 @@ fn tokens_are_words_numbers_texts_and_signs() {
 }
 
 #[test]
-fn a_comment_without_an_end_is_found_by_its_start() {
+fn unclosed_comments_are_located_at_their_start() {
     assert_eq!(open_comment("(a: \"/*\") // /*\n /* /* */ b"), Some(17));
     assert_eq!(open_comment("/* /*"), Some(0));
     assert_eq!(open_comment("(a)"), None);

@@ -159,7 +159,7 @@ mod tests {
     use crate::script::{Language, NoResult, limits};
 
     #[test]
-    fn the_description_has_every_function_every_name_and_every_limit() {
+    fn language_description_is_complete() {
         let description = include_str!("../language.md");
         for usage in USUAL.iter().chain(&READING).chain(&SPAWNING) {
             assert!(description.contains(&format!("`{usage}`")), "{usage}");
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn every_function_that_is_named_is_there_and_says_how_it_is_called() {
+    fn described_functions_exist_with_their_signatures() {
         let language = Language::new(0);
         for usage in USUAL.iter().chain(&READING) {
             let name = name_in(usage);

@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_stays_in_its_range_uses_it_and_has_no_mean() {
+    fn noise_uses_its_range_with_zero_mean() {
         for kind in 0..3 {
             let values: Vec<FLOAT> = (0..200_000).map(|i| along(7, f64::from(i) * 0.0371)[kind]).collect();
             assert!(values.iter().all(|value| value.abs() <= 1.0));

@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn entities_are_spawned_in_order_and_by_the_hundred() {
+    fn hundreds_of_entities_spawn_in_order() {
         let list =
             spawned("for i in 0..100 { spawn(#{ name: `ball ${i}`, shape: sphere(i / 2) }); }").unwrap();
         assert_eq!(list.len(), 100);
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn calls_are_found_in_lines_of_any_length_soon() {
+    fn calls_in_long_lines_are_found_quickly() {
         let start = Instant::now();
         let text = format!(
             "/* {} */\n/* ß */ for i in 0..20000 {{ spawn(#{{}}); }}\nspawn(#{{}});",
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_spawned_takes_from_the_room_for_all() {
+    fn spawned_entities_share_one_limit() {
         let two = "spawn(#{ name: \"four\", other: [\"five5\", 1] }); spawn(#{ name: \"\" });";
         let mut budget = SpawnBudget { entities: 5, text: 20 };
         assert_eq!(spawned_into(two, &mut budget).unwrap().len(), 2);
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn refused_entities_bring_no_operations() {
+    fn rejected_spawns_do_not_extend_the_budget() {
         let asked = std::sync::Arc::new(std::sync::atomic::AtomicUsize::new(0));
         let count = std::sync::Arc::clone(&asked);
         let refuse = move |_: Spawned| {
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn repeated_names_bring_no_operations() {
+    fn repeated_names_do_not_extend_the_budget() {
         let count = |fields: &str| {
             let mut budget = SpawnBudget::default();
             let text = format!("let i = 0; loop {{ i += 1; {} spawn(#{{ {fields} }}); }}", "i;".repeat(200));

@@ -24,7 +24,7 @@ fn in_own_space(folder: &Path, mounts: bool, script: &str) -> Option<Output> {
 
 /// Checks frames of some 30 kB each on a disk with room for a few.
 #[test]
-fn a_full_disk_keeps_whole_frames_and_the_next_run_adds_the_rest() {
+fn full_disk_keeps_complete_frames_and_the_next_run_continues() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     fs::create_dir(folder.join("out")).unwrap();
@@ -50,7 +50,7 @@ fn a_full_disk_keeps_whole_frames_and_the_next_run_adds_the_rest() {
 }
 
 #[test]
-fn a_folder_that_may_not_be_written_stays_as_it_is() {
+fn unwritable_folder_stays_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     fs::create_dir(folder.join("out")).unwrap();
@@ -71,7 +71,7 @@ fn a_folder_that_may_not_be_written_stays_as_it_is() {
 }
 
 #[test]
-fn a_folder_that_goes_is_named() {
+fn removed_folder_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let mut rendering = command(RAYREEL, folder.path());

@@ -19,7 +19,7 @@ const RENDERED: [&str; 4] =
     ["first_light.0000.png", "first_light.0001.png", "first_light.0002.png", "first_light.sequence.json"];
 
 #[test]
-fn what_cannot_be_written_is_absent() {
+fn failed_writes_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (arguments, told) in [
@@ -35,7 +35,7 @@ fn what_cannot_be_written_is_absent() {
 }
 
 #[test]
-fn what_dies_while_it_writes_is_cleared_up_by_the_next() {
+fn partial_files_of_killed_writers_are_removed() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (arguments, written, names) in [
@@ -57,7 +57,7 @@ fn what_dies_while_it_writes_is_cleared_up_by_the_next() {
 /// Checks names that are not valid UTF-8. Other systems require valid names.
 #[cfg(target_os = "linux")]
 #[test]
-fn names_that_are_no_text_are_different_names() {
+fn non_utf8_names_stay_distinct() {
     use std::ffi::{OsStr, OsString};
     use std::os::unix::ffi::OsStrExt;
 

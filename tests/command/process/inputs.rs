@@ -35,7 +35,7 @@ fn scenes(file: &str) -> Vec<String> {
 }
 
 #[test]
-fn commands_end_whatever_is_named() {
+fn commands_terminate_for_any_input_file() {
     let folder = folder_with_a_pipe();
     let folder = folder.path();
     for file in endless() {
@@ -66,7 +66,7 @@ fn commands_end_whatever_is_named() {
 }
 
 #[test]
-fn standard_input_is_read_where_it_is_offered() {
+fn standard_input_is_read_where_supported() {
     let folder = tempfile::tempdir().unwrap();
     let scene = format!("({CAMERA})");
     for (arguments, input) in [
@@ -87,7 +87,7 @@ fn standard_input_is_read_where_it_is_offered() {
 
 /// Checks that commands that read a scene again, or later, refuse streams.
 #[test]
-fn streams_are_neither_watched_nor_farmed() {
+fn streams_cannot_be_watched_or_farmed() {
     let folder = tempfile::tempdir().unwrap();
     for stream in ["-", "/dev/stdin", "/dev/fd/0"] {
         for (arguments, told) in [
@@ -107,7 +107,7 @@ fn streams_are_neither_watched_nor_farmed() {
 }
 
 #[test]
-fn the_watcher_reads_no_more_than_the_loader() {
+fn watcher_and_loader_have_the_same_size_limit() {
     let folder = folder_with_a_pipe();
     let folder = folder.path();
     for file in ["pipe", "/dev/zero"] {
@@ -186,7 +186,7 @@ fn bounded(folder: &Path, arguments: &[&str]) -> std::process::Output {
 }
 
 #[test]
-fn frames_and_manifests_may_be_anything() {
+fn invalid_frames_and_manifests_are_reported() {
     for format in ["png", "png16", "ppm", "pfm", "exr", "hdr"] {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();

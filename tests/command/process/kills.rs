@@ -63,7 +63,7 @@ fn kill(mut child: Child) {
 }
 
 #[test]
-fn killed_processes_tear_no_frame_and_leave_nothing_after_the_next_run() {
+fn killed_processes_leave_no_corrupt_frames() {
     let kills = std::env::var("RAYREEL_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(8);
     let folder = tempfile::tempdir().unwrap();
     let (folder, out) = (folder.path(), folder.path().join("out"));

@@ -86,7 +86,7 @@ fn assert_interruptible(folder: &Path, movie: &str, frames: &str, is_under_way: 
 }
 
 #[test]
-fn interrupted_loops_end_at_once_and_leave_nothing() {
+fn interrupted_animations_end_at_once_without_files() {
     let folder = folder_with("exit 1", MANY);
     let folder = folder.path();
     for movie in ["a.gif", "a.apng"] {
@@ -95,7 +95,7 @@ fn interrupted_loops_end_at_once_and_leave_nothing() {
 }
 
 #[test]
-fn interrupted_ffmpegs_end_at_once_and_leave_nothing() {
+fn interrupted_ffmpeg_ends_at_once_without_files() {
     for hangs in [
         "exec sleep 600",
         "cat > /dev/null; exec sleep 600",
@@ -109,7 +109,7 @@ fn interrupted_ffmpegs_end_at_once_and_leave_nothing() {
 }
 
 #[test]
-fn ffmpegs_that_die_are_reported_and_leave_nothing() {
+fn ffmpeg_failure_is_reported_without_files() {
     for (dies, reason) in [
         ("exit 3", "could not make the movie: it ended with exit status: 3"),
         ("kill -9 $$", "could not make the movie: it ended with signal: 9"),

@@ -25,7 +25,7 @@ fn start_rendering(folder: &Path, ignored: &str) -> Child {
 }
 
 #[test]
-fn each_signal_ends_it_with_its_code_unless_it_is_ignored() {
+fn signals_set_the_exit_code_unless_ignored() {
     let signals = [("HUP", 1), ("INT", 2), ("TERM", 15)];
     for (sent, number) in signals {
         for ignored in [&[][..], &["HUP"], &["INT"], &["TERM"], &["HUP", "INT", "TERM"]] {
@@ -54,7 +54,7 @@ fn each_signal_ends_it_with_its_code_unless_it_is_ignored() {
 }
 
 #[test]
-fn nohup_lets_it_live() {
+fn nohup_ignores_the_hangup_signal() {
     let folder = tempfile::tempdir().unwrap();
     let mut nohup = command("nohup", folder.path());
     nohup.args([RAYREEL, "render", FIRST_LIGHT, "--size", "240x135", "--frames", "0-23", "--out", "out"]);
@@ -69,7 +69,7 @@ fn nohup_lets_it_live() {
 
 /// Checks signals during the reading of a scene from a stream that never ends.
 #[test]
-fn reading_ends_at_once() {
+fn interrupted_reading_ends_at_once() {
     let folder = tempfile::tempdir().unwrap();
     for arguments in [&["render"][..], &["check"], &["explain"], &["probe", "--pixel", "0,0"]] {
         let mut reads = command(RAYREEL, folder.path());

@@ -156,7 +156,7 @@ fn check(output: &Output, is_csv: bool, what: &str) {
 }
 
 #[test]
-fn nothing_is_printed_that_a_terminal_would_obey() {
+fn control_characters_are_escaped() {
     let cases = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(5);
     let random = &mut Random(1);
     let mut told = 0;
@@ -220,7 +220,7 @@ const TOLD: [(&str, &str); 2] = [
 
 /// Checks that the program's own line breaks, and on a terminal its own colours, are not escaped.
 #[test]
-fn what_is_said_by_itself_is_not_escaped() {
+fn own_messages_are_not_escaped() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (name, scene) in TOLD {

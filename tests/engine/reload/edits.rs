@@ -16,7 +16,7 @@ use super::random::Random;
 const EDITS: usize = 10;
 
 #[test]
-fn any_edits_lead_to_where_a_cold_start_does() {
+fn edits_equal_a_cold_start() {
     let cases = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(500);
     let mut tally = Tally::default();
     for seed in 0..cases {
@@ -29,7 +29,7 @@ fn any_edits_lead_to_where_a_cold_start_does() {
 }
 
 #[test]
-fn systems_of_ones_own_start_over() {
+fn custom_systems_restart_after_a_reload() {
     for seed in 0..20 {
         sequence(1_000_000 + seed, add_systems, &mut Tally::default());
     }

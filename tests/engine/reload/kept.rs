@@ -90,7 +90,7 @@ fn a_light_above_all_others_renumbers_them_and_builds_nothing() {
 }
 
 #[test]
-fn what_moves_comes_or_goes_takes_one_tree_and_leaves_the_others_who_they_are() {
+fn structural_edits_build_one_tree_and_keep_other_entities() {
     let mut engine = engine(&balls(CLAY, PLACES, ""));
     let before = entities(&engine);
     let [a, b, c] = PLACES;
@@ -108,7 +108,7 @@ fn what_moves_comes_or_goes_takes_one_tree_and_leaves_the_others_who_they_are() 
 }
 
 #[test]
-fn entities_without_names_are_known_by_what_they_are() {
+fn unnamed_entities_are_matched_by_content() {
     let row = |places: &[i32]| {
         let balls = places.iter().map(|x| {
             format!("(shape: Sphere(radius: 0.5), material: \"clay\", transform: (translation: ({x}, 0, 0)))")
@@ -125,7 +125,7 @@ fn entities_without_names_are_known_by_what_they_are() {
 }
 
 #[test]
-fn names_that_are_exchanged_take_their_entities_along() {
+fn swapped_names_move_their_entities() {
     let mut engine = engine(&balls(CLAY, PLACES, ""));
     let (b, c) = (named(&engine, "b"), named(&engine, "c"));
     let [at_a, at_b, at_c] = PLACES;
@@ -136,7 +136,7 @@ fn names_that_are_exchanged_take_their_entities_along() {
 }
 
 #[test]
-fn a_track_that_is_taken_away_gives_back_what_the_scene_says() {
+fn removed_track_restores_the_scene_value() {
     let animated = |rest: &str| format!("timeline: (duration: 5), {}, {rest}", balls(CLAY, PLACES, ""));
     let moving = animated(
         "animate: [(target: \"b\", channel: Translation, track: Keys([(0, (0, 0, 0)), (4, (0, 4, 0))])),
@@ -155,7 +155,7 @@ fn a_track_that_is_taken_away_gives_back_what_the_scene_says() {
 }
 
 #[test]
-fn the_first_camera_is_the_first_in_the_file_whatever_was_there_before() {
+fn first_camera_follows_file_order_after_a_reload() {
     let filmed = |things: &str, cameras: &str| {
         format!(
             "Scene(film: (width: 12, height: 8), ambient: (1, 1, 1), materials: {{ {CLAY} }},
@@ -179,14 +179,14 @@ fn the_first_camera_is_the_first_in_the_file_whatever_was_there_before() {
 }
 
 #[test]
-fn a_world_of_ones_own_can_become_a_scene() {
+fn custom_worlds_can_reload_into_scenes() {
     let mut engine = Engine::new(rayreel::World::new());
     engine.render_frame(0).unwrap();
     assert_eq!(builds_after(&mut engine, &balls(CLAY, PLACES, "")), 1);
 }
 
 #[test]
-fn zeros_of_another_sign_are_other_zeros() {
+fn zeros_of_different_signs_are_changes() {
     let body =
         |zero: &str| balls(CLAY, [&format!("({zero}, 0, 0)"), &format!("(0, {zero}, 0)"), "(2, 0, 0)"], "");
     let mut engine = engine(&body("0"));

@@ -102,7 +102,7 @@ fn a_penumbra_ends_where_the_tangents_to_the_light_do() {
 /// Checks that a ball is a disc of its radius from every direction, as wide as it is high. A wall half-way to it, across the view, covers
 /// the part beyond a chord, above or to one side.
 #[test]
-fn a_ball_looks_the_same_from_everywhere() {
+fn sphere_light_is_symmetric() {
     let (distance, radius) = (10.0, 1.5);
     for degrees in [15.0, 40.0, 65.0, 90.0] {
         let (sine, cosine) = libm::sincos(f64::to_radians(degrees));
@@ -182,7 +182,7 @@ fn a_rectangle_lights_by_the_mean_of_the_cosine() {
 
 /// Checks that the size of a light does not change its intensity: a distant area light is a point light.
 #[test]
-fn far_away_a_light_with_a_size_is_a_point() {
+fn distant_area_light_equals_a_point_light() {
     let shown = |light: &str| {
         row(0.5, "k_d: 1", &format!("(light: {light}, transform: (translation: (0, 3000, 4000)))"))
     };
@@ -197,7 +197,7 @@ fn far_away_a_light_with_a_size_is_a_point() {
 }
 
 #[test]
-fn a_light_in_a_ceiling_is_not_hidden_by_it() {
+fn ceiling_does_not_occlude_its_light() {
     // The light is flush with the ceiling, also when rotated, so that no coordinate is a round number.
     for turn in [0.0, -7.0] {
         let room = |ceiling: &str| {

@@ -47,7 +47,7 @@ fn a_plate_absorbs_along_the_refracted_way() {
 
 /// Checks glass in water: the medium entered last counts, and after it is left, the medium around it.
 #[test]
-fn of_nested_media_the_inner_one_counts() {
+fn innermost_nested_medium_applies() {
     let water = (0.0, 2.0, "(k_t: 0.9, ior: 1.33, absorption: (0.5, 0.1, 0))");
     let glass = (0.4, 1.0, "(k_t: 0.8, ior: 1.5, absorption: (0, 0.7, 0.2))");
     for order in [[water, glass], [glass, water]] {
@@ -65,7 +65,7 @@ fn of_nested_media_the_inner_one_counts() {
 
 /// Checks overlapping media: in the overlap, the medium entered last counts, also after the other one is left.
 #[test]
-fn of_overlapping_media_the_last_entered_counts() {
+fn last_entered_overlapping_medium_applies() {
     let first = (0.0, 1.0, "(k_t: 1, ior: 1.33, absorption: (0.5, 0, 0.1))");
     let second = (0.6, 2.0, "(k_t: 1, ior: 1.5, absorption: (0, 0.5, 0.2))");
     for order in [[first, second], [second, first]] {
@@ -81,7 +81,7 @@ fn of_overlapping_media_the_last_entered_counts() {
 
 /// Checks a camera inside media: in a half-space, and in the plate in it.
 #[test]
-fn a_camera_knows_what_it_is_inside_of() {
+fn camera_starts_inside_media() {
     for normal in ["(0, 0, 1)", "(0, 0, 2)"] {
         let body = format!(
             r#"background: (255, 255, 255), materials: {{ "glass": (refractive: (k_t: 0.5, ior: 1.5, absorption: (1, 0, 0.25))),
@@ -107,7 +107,7 @@ fn refracted(tree: &[TracedRay]) -> Vec<&TracedRay> {
 
 /// Checks a bubble of empty space in glass, with parallel faces: in it, light has its direction from before the glass.
 #[test]
-fn a_bubble_undoes_the_glass_around_it() {
+fn bubble_cancels_the_glass_around_it() {
     let glass = (0.0, 2.0, "(k_t: 1, ior: 1.5, absorption: (1, 2, 3))");
     let bubble = (0.5, 1.5, "(k_t: 1, ior: 1, fresnel: false)");
     for degrees in [0.0, 25.0, 50.0, 80.0] {

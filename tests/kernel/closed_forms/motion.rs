@@ -30,7 +30,7 @@ fn trapezoid(x: f64, open: f64) -> f64 {
 /// Checks that instants lie in the middles of equal parts of the shutter's time, and that a pixel that no edge crosses at any instant shows
 /// the share of samples at which the box is there.
 #[test]
-fn a_moving_box_is_drawn_at_so_many_instants() {
+fn moving_box_is_drawn_at_every_instant() {
     let pitch = 2.0 / f64::from(COLUMNS - 1);
     for (instants, samples) in [(2, 2), (3, 60), (4, 64), (16, 64), (7, 50)] {
         let times = (0..instants).map(|k| (f64::from(k) + 0.5) / f64::from(instants) - 0.5);

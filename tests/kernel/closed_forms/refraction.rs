@@ -82,7 +82,7 @@ fn reflectance(angle: f64, ior: f64) -> f64 {
 }
 
 #[test]
-fn light_is_shared_as_fresnel_says() {
+fn fresnel_splits_light() {
     // Known values for an index of 1.5, in per cent.
     for (degrees, percent) in [(0.0, 4.0), (30.0, 4.15), (45.0, 5.02), (60.0, 8.92), (80.0, 38.8)] {
         assert_near(100.0 * reflectance(f64::to_radians(degrees), 1.5), percent, 0.05);
@@ -131,7 +131,7 @@ fn brewsters_angle() {
 /// Checks a lake under a sky that goes from black, straight down, to white, straight up: (1 + y)/2. At an angle i from the vertical, the
 /// picture shows F (1 + cos i)/2 + (1 - F) (1 - cos t)/2.
 #[test]
-fn a_lake_shows_the_sky_and_the_deep() {
+fn lake_shows_reflection_and_refraction() {
     let ior = 1.33;
     for degrees in [10.0, 30.0, 53.0, 70.0, 85.0, 89.0] {
         let angle = f64::to_radians(degrees);
@@ -179,7 +179,7 @@ fn total_reflection_begins_at_the_critical_angle() {
 /// Checks total reflection in a box. Light reflected at one face arrives at the next at 90 degrees minus its angle, beyond the critical
 /// angle of both, so it is reflected without end.
 #[test]
-fn light_is_caught_in_a_box_of_glass() {
+fn glass_box_reflects_totally() {
     let caught = |degrees: f64| {
         tree(
             DVec3::new(0.1, 0.0, 0.0),
@@ -233,7 +233,7 @@ fn a_ball_of_glass_focuses() {
 
 /// Checks that shapes with the index of the surrounding medium are invisible: the picture is the same, bit for bit.
 #[test]
-fn glass_without_a_boundary_is_not_there() {
+fn glass_of_equal_index_is_invisible() {
     let scene = |entities: &str| {
         film(&format!(
             r#"film: (width: 40, height: 30, transfer: Classic), camera: (position: (0.3, 0.2, -3), view: (0, 0, 1)),

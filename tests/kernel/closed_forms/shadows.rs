@@ -69,7 +69,7 @@ fn a_slab_dims_by_its_thickness_over_the_cosine() {
 
 /// Checks that every crossed surface applies its own k_t, and that inside, the solid entered last absorbs.
 #[test]
-fn nested_balls_dim_each_by_its_own() {
+fn nested_balls_absorb_separately() {
     let (light, center) = (DVec3::new(0.5, 6.0, 1.0), DVec3::new(0.2, 2.0, 0.3));
     let materials = r#""outer": (refractive: (k_t: 0.9, ior: 1.33, absorption: (0.5, 0, 0.3))),
         "inner": (refractive: (k_t: 0.7, ior: 1.5, absorption: (0, 2, 0.6)))"#;
@@ -110,7 +110,7 @@ fn a_light_inside_glass_shines_out() {
 }
 
 #[test]
-fn what_is_opaque_hides_the_light_behind_or_before_glass() {
+fn opaque_shapes_occlude_light_behind_and_before_glass() {
     let (lit, light) = (DVec3::ZERO, DVec3::new(0.0, 6.0, 0.0));
     let materials = r#""glass": (refractive: (k_t: 0.8, ior: 1.5)), "opaque": (k_a: 1)"#;
     let at = |y: f64, material: &str| {
@@ -128,7 +128,7 @@ fn what_is_opaque_hides_the_light_behind_or_before_glass() {
 
 /// Checks that a light behind a surface adds k_d |N.L|, and that the surface itself counts as crossed, once.
 #[test]
-fn a_clear_surface_is_lit_from_behind() {
+fn transparent_surface_is_lit_from_behind() {
     let lit = |material: &str, shape: &str, light: DVec3| {
         seen(
             DVec3::new(0.0, 0.0, -5.0),
@@ -172,7 +172,7 @@ fn a_clear_surface_is_lit_from_behind() {
 }
 
 #[test]
-fn a_lamp_shines_through_its_own_shape_undimmed() {
+fn lamp_is_not_attenuated_by_its_own_shape() {
     // The lamp's own shape must not absorb, whether the lit point is inside it (radius 2) or outside (radius 0.1).
     for (lamp, seen_from) in
         [("radius: 2", DVec3::new(0.0, 0.5, 0.0)), ("radius: 0.1", DVec3::new(0.0, 0.5, 0.0))]

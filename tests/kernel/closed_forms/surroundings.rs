@@ -43,7 +43,7 @@ fn fog_dims_camera_rays_and_not_lights() {
 
 /// Checks fog in mirrors: fog in front of the mirror affects all light from it, fog on the reflected path only the reflected light.
 #[test]
-fn fog_lies_in_mirrors() {
+fn fog_applies_to_reflections() {
     let shown = |behind: &str| {
         seen(
             DVec3::ZERO,
@@ -63,7 +63,7 @@ fn fog_lies_in_mirrors() {
 
 /// Checks fog in front of glass, in it and behind it. Inside, glass absorbs as well.
 #[test]
-fn fog_lies_behind_clear_surfaces() {
+fn fog_applies_behind_transparent_surfaces() {
     let absorption = [0.0, 0.5, 1.0];
     for degrees in [0.0, 50.0] {
         let angle = f64::to_radians(degrees);
@@ -96,7 +96,7 @@ fn fog_lies_behind_clear_surfaces() {
 
 /// Checks fog in front of a plate, in it and behind it. Inside, absorption dims fog and the light from behind alike.
 #[test]
-fn fog_fills_clear_solids() {
+fn fog_applies_inside_transparent_solids() {
     let (density, thickness, absorption) = (0.3, 1.5, [0.0, 0.4, 2.0]);
     let found = seen(
         DVec3::new(0.0, 0.0, -4.0),
@@ -120,7 +120,7 @@ fn fog_fills_clear_solids() {
 
 /// Checks gradients from 0, straight down, to 1, straight up, (1 + y)/2 in between, for camera rays and in mirrors.
 #[test]
-fn skies_go_with_the_height_of_the_direction() {
+fn gradient_depends_on_the_height_of_the_direction() {
     let sky = "background: (bottom: (255, 0, 51), top: (0, 255, 51)), quality: (cutoff: 0)";
     for direction in
         [DVec3::new(0.0, 1.0, 1e-9), DVec3::new(3.0, -4.0, 12.0), DVec3::X, DVec3::new(-1.0, 9.0, 1.0)]

@@ -24,7 +24,7 @@ fn report(mut wrong: Vec<String>) {
 }
 
 #[test]
-fn verdicts_and_distances_are_right_in_every_category() {
+fn hits_and_distances_are_exact_in_every_category() {
     let cases = cases();
     let mut random = Random(2026);
     let mut wrong = Vec::new();
@@ -78,7 +78,7 @@ fn short(number: f64) -> String {
 }
 
 #[test]
-fn rays_that_leave_a_surface_meet_what_they_must() {
+fn spawned_rays_hit_the_exact_next_surface() {
     let cases = cases();
     let mut random = Random(1971);
     let mut wrong = Vec::new();

@@ -78,7 +78,7 @@ fn assert_cutoffs_hold_and_pay(engine: &mut Engine, depth: u32, what: &str) {
 }
 
 #[test]
-fn a_room_of_mirrors_and_glass_is_finite_in_finite_time() {
+fn mirror_and_glass_room_renders_in_finite_time() {
     let start = Instant::now();
     let mut engine = engine(ROOM);
     for (cutoff, width, height) in [(0.25, 32, 18), (0.0, 16, 9)] {
@@ -122,7 +122,7 @@ fn cutoffs_hold_in_random_rooms() {
 /// Checks scenes in which all light is nearly as bright as possible, so that the light that is cut is nearly the maximum: k_a/(1 - k_r) in
 /// a room of mirrors, and white all around a glass ball.
 #[test]
-fn cutoffs_hold_where_all_is_bright() {
+fn cutoffs_hold_in_bright_scenes() {
     let many: Vec<f32> = (1..=50).map(|step| 5.0 * step as f32).collect();
     for (k_a, k_r) in [(1.0, 0.5), (0.1, 0.9), (0.5, 0.75)] {
         let mut engine = engine(&format!(
@@ -181,7 +181,7 @@ fn trees_of_glass_are_small() {
 
 /// Checks that the reported counts are the counts of the trees of all samples.
 #[test]
-fn ends_of_trees_are_counted_as_the_trees_say() {
+fn tree_ends_match_probe_trees() {
     let mut engine = engine(ROOM);
     set_film(&mut engine, FilmSettings { width: 16, height: 9, transfer: Transfer::Classic });
     for (depth, cutoff) in [(1, 0.0), (2, 0.0), (6, 0.0), (6, 2.0), (30, 2.0), (30, 100.0)] {
@@ -218,7 +218,7 @@ fn doubling(depth: u32) -> Engine {
 }
 
 #[test]
-fn no_sample_has_more_rays_than_the_most() {
+fn samples_respect_the_ray_limit() {
     let start = Instant::now();
     let mut engine = doubling(1000);
     render(&mut engine, 1000, 0.0);
@@ -240,7 +240,7 @@ fn no_sample_has_more_rays_than_the_most() {
 /// Checks light that is trapped in a glass box and doubled at every total reflection: k_r + k_t is 2. Light that exceeds the range of a
 /// number is as bright as a number can be, and black stays black.
 #[test]
-fn light_that_doubles_without_end_is_as_bright_as_can_be() {
+fn unbounded_light_is_clamped() {
     for depth in [2, 11, 1000] {
         let mut engine = engine(
             r#"Scene(film: (width: 1, height: 1, transfer: Classic), camera: (position: (0.1, 0, 0), view: (1, 0, 1)), background: (255, 0, 0),

@@ -219,7 +219,7 @@ fn the_kernel_s_folders_import_one_way() {
 }
 
 #[test]
-fn circles_are_found_through_what_passes_names_on() {
+fn import_circles_are_found_through_reexports() {
     let modules = |texts: &[(&str, &str)]| {
         let mut modules = Modules::default();
         for (module, text) in texts {

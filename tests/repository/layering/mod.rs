@@ -138,7 +138,7 @@ fn violations(
 }
 
 #[test]
-fn every_file_keeps_to_its_layer() {
+fn every_file_imports_only_allowed_layers() {
     let layers = layers(&fs::read_to_string(source().join("lib.rs")).unwrap());
     let dependencies = dependencies();
     let paths = files_in(&source(), "rs");
@@ -158,7 +158,7 @@ fn every_file_keeps_to_its_layer() {
 }
 
 #[test]
-fn forbidden_imports_are_found_in_every_way_of_writing_them() {
+fn forbidden_imports_are_found_in_every_syntax() {
     let layers = layers(&fs::read_to_string(source().join("lib.rs")).unwrap());
     let dependencies = dependencies();
     let check = |layer: &str, text: &str| violations(layer, text, &layers, &dependencies);
@@ -186,7 +186,7 @@ fn forbidden_imports_are_found_in_every_way_of_writing_them() {
 }
 
 #[test]
-fn every_module_says_what_it_holds_and_no_file_is_too_long() {
+fn every_module_has_docs_and_files_are_short() {
     let paths = files_in(&source(), "rs");
     for path in paths {
         let text = fs::read_to_string(&path).unwrap();

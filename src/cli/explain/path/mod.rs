@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_is_a_gap_in_the_way_and_in_the_charts() {
+    fn cuts_are_gaps_in_path_and_charts() {
         let drawing = drawing(&with_a_cut(1.0), "two.ron");
         // Two views with two lines each, one point per frame, and the legend.
         assert_eq!(lines(&drawing, "eye"), [[10], [10], [10], [10], [2]]);
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn every_frame_has_a_tick_unless_they_would_be_too_near() {
+    fn ticks_are_thinned_when_too_close() {
         let many = |count: u32, length: f64| {
             let at = |index: u32| {
                 let u = f64::from(index) / f64::from(count - 1);
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn any_journey_makes_numbers() {
+    fn any_camera_path_draws_finite_numbers() {
         let still = |count: u32| {
             let samples = (0..count).map(|index| sample(f64::from(index), DVec3::ZERO, "camera")).collect();
             CameraPath { samples, spread_over: None, things: Vec::new() }

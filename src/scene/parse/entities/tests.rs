@@ -104,7 +104,7 @@ fn shown(document: Option<&SceneDocument>) -> String {
 
 /// Compares sequences of edited texts: parsed after the text before, parsed without any knowledge, and parsed as a whole.
 #[test]
-fn entities_by_themselves_are_the_same_as_in_the_whole_text() {
+fn entities_parse_alone_as_in_the_full_text() {
     let length = select(&[0, 0, 0, 0, 1, 2, 20][..]);
     let edit = (any::<Index>(), length, select(&PIECES[..]));
     let edits = (vec(vec(edit, 1..3), 1..8), select(&[1, 40, 150, PART][..]));
@@ -145,7 +145,7 @@ fn entities_by_themselves_are_the_same_as_in_the_whole_text() {
 }
 
 #[test]
-fn wrong_guesses_of_parts_do_no_harm() {
+fn wrong_part_boundaries_are_detected() {
     let inner = "/*),\n(*/ (name: \"),(\", /* ), ( */ transform: (rotation: Quat(0, 0, 0, 1))), // ),\n(";
     let text = Arc::new(format!("(entities: [{})], animate: [])", [inner; 20].join("),\n")));
     for part in [1, 7, 50, PART] {
@@ -239,7 +239,7 @@ const DECEPTIONS: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn what_looks_like_another_thing_is_not_taken_for_it() {
+fn misleading_edits_are_parsed_correctly() {
     for (old, new) in DECEPTIONS {
         let (old, new) = (Arc::new((*old).to_owned()), Arc::new((*new).to_owned()));
         let mut entities = ParsedEntities::default();

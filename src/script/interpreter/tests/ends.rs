@@ -117,7 +117,7 @@ fn oversized() -> [(String, &'static str); 5] {
 }
 
 #[test]
-fn whatever_a_script_does_it_ends_soon() {
+fn every_script_terminates_quickly() {
     let written = SCRIPTS.iter().map(|(text, message)| ((*text).to_owned(), *message));
     let endless = TURNS.iter().map(|(before, turn)| (endless(before, turn), LONG));
     let mut wrong = Vec::new();

@@ -9,7 +9,7 @@ use crate::script::limits;
 type Many = fn(usize) -> String;
 
 #[test]
-fn what_is_within_a_limit_is_taken_and_one_more_is_not() {
+fn limits_are_inclusive() {
     let limits: [(&str, usize, Many); 11] = [
         ("values of a list", limits::LIST, |count| format!("[{}]", vec!["1"; count].join(", "))),
         ("values of a list in a list", limits::LIST - 1, |count| {
@@ -50,7 +50,7 @@ fn what_is_within_a_limit_is_taken_and_one_more_is_not() {
 }
 
 #[test]
-fn long_scripts_are_read_or_refused_soon() {
+fn long_scripts_are_parsed_or_rejected_quickly() {
     let numbered = |part: fn(usize) -> String| {
         let mut text = String::new();
         (0..)

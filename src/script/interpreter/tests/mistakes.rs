@@ -81,7 +81,7 @@ const MISTAKES: &[(&str, &str, &str)] = &[
 ];
 
 #[test]
-fn mistakes_have_a_message_and_a_place() {
+fn script_mistakes_have_a_message_and_a_position() {
     let mut wrong = Vec::new();
     for (text, message, marked) in MISTAKES {
         let (found, at) = mistake(text);

@@ -4,7 +4,7 @@ use super::{number, run};
 use crate::script::{Data, Language, NoResult, Read, ScriptContext, SpawnBudget, run_spawning};
 
 #[test]
-fn division_is_that_of_real_numbers() {
+fn division_is_real() {
     for (text, expected) in [
         ("1 / 2", 0.5),
         ("let a = 7; a /= 2; a", 3.5),
@@ -27,7 +27,7 @@ fn division_is_that_of_real_numbers() {
 }
 
 #[test]
-fn functions_are_those_of_libm() {
+fn functions_match_libm() {
     for (text, expected) in [
         ("sin(t)", libm::sin(2.5)),
         ("cos(t)", libm::cos(2.5)),
@@ -138,7 +138,7 @@ fn scripts_have_variables_branches_loops_and_functions() {
 }
 
 #[test]
-fn others_are_read_when_they_are_known() {
+fn other_values_are_read_once_known() {
     let language = Language::new(0);
     let script =
         language.compile("let r = 0; try { r = value(\"ball\", \"Radius\"); } catch { } r * 2").unwrap();
@@ -165,7 +165,7 @@ fn randomness_is_a_function_of_its_arguments_and_the_seed() {
 }
 
 #[test]
-fn what_is_for_the_other_kind_of_script_is_not_called_mistyped() {
+fn names_of_the_other_script_kind_are_not_reported_as_typos() {
     let refused = |text: &str| {
         let error = run_spawning(text, 0, &mut SpawnBudget::default(), |_| Ok(())).unwrap_err();
         (error.message, error.help, error.unknown)
