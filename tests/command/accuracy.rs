@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::{rayreel, text, told};
+use crate::{rayreel, stdout_of, text};
 
 const SCENE: &str = "Scene(
     timeline: (fps: 4, duration: 1), film: (width: 48, height: 27), sampling: (samples: 4),
@@ -25,7 +25,7 @@ const SCENE: &str = "Scene(
 
 fn measured(folder: &Path, arguments: &[&str]) -> Value {
     fs::write(folder.join("a.ron"), SCENE).unwrap();
-    let output = told(folder, [&["accuracy", "a.ron", "--quick", "--json"], arguments].concat());
+    let output = stdout_of(folder, [&["accuracy", "a.ron", "--quick", "--json"], arguments].concat());
     serde_json::from_str(&output).unwrap()
 }
 
@@ -88,7 +88,7 @@ fn a_page_and_a_table_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     fs::write(folder.join("a.ron"), SCENE.replace("samples: 4", "samples: 2")).unwrap();
-    let table = told(
+    let table = stdout_of(
         folder,
         [
             &["accuracy", "a.ron", "--quick", "--size", "16x9", "--sizes", "8x5,32x18"][..],

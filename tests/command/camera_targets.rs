@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::{rayreel, text, told};
+use crate::{rayreel, stdout_of, text};
 
 fn scene(duration: f64, position: &str, target: &str) -> String {
     format!(
@@ -33,7 +33,7 @@ fn targets_that_stop_before_their_cameras_are_reported() {
         ("duration: 3), offset: 0.25, speed: 2", "1.75"),
     ] {
         fs::write(folder.join("a.ron"), scene(4.0, POSITION, &target(pace))).unwrap();
-        let checked: Value = serde_json::from_str(&told(folder, ["check", "--json", "a.ron"])).unwrap();
+        let checked: Value = serde_json::from_str(&stdout_of(folder, ["check", "--json", "a.ron"])).unwrap();
         let warning = &checked[0]["warnings"][0];
         let message = format!(
             "moves on past a fixed target: its target path ends at {end} s, its position path at 4 s"
@@ -74,7 +74,7 @@ fn targets_that_stop_with_their_cameras_or_later_are_not_reported() {
         (4.0, "track: Orbit(center: (0, 1, 0), radius: 5, duration: 4)", &moving),
     ] {
         fs::write(folder.join("a.ron"), scene(duration, position, target)).unwrap();
-        let checked: Value = serde_json::from_str(&told(folder, ["check", "--json", "a.ron"])).unwrap();
+        let checked: Value = serde_json::from_str(&stdout_of(folder, ["check", "--json", "a.ron"])).unwrap();
         assert_eq!(checked[0]["warnings"], Value::Array(Vec::new()), "{position} {target}");
     }
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::{rayreel, text, told};
+use crate::{rayreel, stdout_of, text};
 
 const SCENE: &str = "Scene(
     timeline: (fps: 4, duration: 1), film: (width: 64, height: 36), sampling: (samples: 2),
@@ -31,7 +31,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 fn render(folder: &Path, arguments: &[&str]) -> Value {
-    let output = told(folder, [&["render", "a.ron", "--format", "ppm", "--json"], arguments].concat());
+    let output = stdout_of(folder, [&["render", "a.ron", "--format", "ppm", "--json"], arguments].concat());
     serde_json::from_str(&output).unwrap()
 }
 
@@ -160,8 +160,8 @@ fn norm_and_minimum_samples_apply() {
     assert!(per_pixel(&["--min-samples", "16"]) >= 16.0);
     let report = render(folder, &["--max-error", "4", "--min-samples", "16", "--out", "norms"]);
     assert_eq!(report["frames"].as_array().unwrap().len(), 0, "the same frames are there");
-    let told = told(folder, ["verify", "norms"]);
-    assert!(told.contains("4 of 4 frames"), "{told}");
+    let stdout = stdout_of(folder, ["verify", "norms"]);
+    assert!(stdout.contains("4 of 4 frames"), "{stdout}");
 }
 
 #[test]
@@ -177,8 +177,8 @@ fn frames_of_the_same_deadline_are_kept() {
     assert_eq!(rendered(&[]), 2, "the others");
     assert!(frames(&folder.join("kept"), 2) == before);
     assert_eq!(rendered(&[]), 0);
-    let told = told(folder, ["verify", "kept"]);
-    assert!(told.contains("4 of 4 frames"), "{told}");
+    let stdout = stdout_of(folder, ["verify", "kept"]);
+    assert!(stdout.contains("4 of 4 frames"), "{stdout}");
     // A missing or corrupt frame is rendered again; the other frames are kept.
     fs::remove_file(folder.join("kept/a.0001.ppm")).unwrap();
     fs::write(folder.join("kept/a.0002.ppm"), "P6").unwrap();

@@ -5,7 +5,7 @@ use std::process::Output;
 
 use serde_json::{Value, json};
 
-use crate::{rayreel, text, told};
+use crate::{rayreel, stdout_of, text};
 
 /// A floor that fills the picture, viewed and lit from straight above, and a marble outside the picture. Ambient light contributes 0.2 of
 /// full white. More is added between frames: diffuse light of 0.4 from frame 3, a reflection of 0.2 from frame 5, and a highlight of 0.2 as
@@ -55,13 +55,13 @@ fn explained(arguments: &[&str]) -> Value {
 }
 
 /// Returns the report of an effect.
-fn effect<'a>(told: &'a Value, name: &str) -> &'a Value {
-    told["effects"].as_array().unwrap().iter().find(|effect| effect["effect"] == name).unwrap()
+fn effect<'a>(report: &'a Value, name: &str) -> &'a Value {
+    report["effects"].as_array().unwrap().iter().find(|effect| effect["effect"] == name).unwrap()
 }
 
 /// Returns the frames of each span of an effect, the need for the effect, and the reason.
-fn spans(told: &Value, name: &str) -> Vec<(Value, bool, String)> {
-    let all = effect(told, name)["spans"].as_array().unwrap();
+fn spans(report: &Value, name: &str) -> Vec<(Value, bool, String)> {
+    let all = effect(report, name)["spans"].as_array().unwrap();
     let span = |span: &Value| {
         (span["frames"].clone(), span["needed"].as_bool().unwrap(), span["why"].as_str().unwrap().to_owned())
     };
@@ -76,10 +76,10 @@ fn cells(line: &str) -> Vec<&str> {
 
 #[test]
 fn every_effect_has_its_frames_and_reasons() {
-    let told = explained(&[]);
-    assert_eq!((&told["scene"], &told["frames"]), (&json!("scene.ron"), &json!(10)));
-    assert_eq!((&told["width"], &told["height"]), (&json!(64), &json!(36)));
-    assert_eq!(told["measured"]["frames"], json!([0, 4, 9]));
+    let report = explained(&[]);
+    assert_eq!((&report["scene"], &report["frames"]), (&json!("scene.ron"), &json!(10)));
+    assert_eq!((&report["width"], &report["height"]), (&json!(64), &json!(36)));
+    assert_eq!(report["measured"]["frames"], json!([0, 4, 9]));
     let expected = [
         ("ambient light", vec![(json!([[0, 9]]), true, "k_a is above 0")]),
         (
@@ -157,12 +157,12 @@ fn every_effect_has_its_frames_and_reasons() {
             ],
         ),
     ];
-    assert_eq!(told["effects"].as_array().unwrap().len(), expected.len());
-    for (told_effect, (name, _)) in told["effects"].as_array().unwrap().iter().zip(&expected) {
-        assert_eq!(told_effect["effect"], *name);
+    assert_eq!(report["effects"].as_array().unwrap().len(), expected.len());
+    for (effect, (name, _)) in report["effects"].as_array().unwrap().iter().zip(&expected) {
+        assert_eq!(effect["effect"], *name);
     }
     for (name, expected) in expected {
-        let found = spans(&told, name);
+        let found = spans(&report, name);
         let found: Vec<_> =
             found.iter().map(|(frames, needed, why)| (frames.clone(), *needed, why.as_str())).collect();
         assert_eq!(found, expected, "{name}");
@@ -171,10 +171,10 @@ fn every_effect_has_its_frames_and_reasons() {
 
 #[test]
 fn effect_costs_count_rays_and_errors() {
-    let told = explained(&["--measure"]);
+    let report = explained(&["--measure"]);
     // Frame 0 has camera rays, frame 4 also shadow rays, and frame 9 also reflection rays.
-    assert_eq!(told["measured"]["rays"], json!(CAMERA * (1.0 + 2.0 + 3.0) / 3.0));
-    assert!(told["measured"]["seconds"].as_f64().unwrap() > 0.0);
+    assert_eq!(report["measured"]["rays"], json!(CAMERA * (1.0 + 2.0 + 3.0) / 3.0));
+    assert!(report["measured"]["seconds"].as_f64().unwrap() > 0.0);
     // Columns: rays over the three frames in units of a frame's camera rays, the largest error, and the number of frames with that error.
     for (name, rays, max_error, frames) in [
         ("ambient light", 0.0, 51, 3.0),
@@ -189,7 +189,7 @@ fn effect_costs_count_rays_and_errors() {
         ("antialiasing", 0.75 * 6.0, 0, 0.0),
         ("motion blur", 0.0, 0, 0.0),
     ] {
-        let cost = &effect(&told, name)["cost"];
+        let cost = &effect(&report, name)["cost"];
         assert_eq!(cost["rays"], json!(CAMERA * rays / 3.0), "{name}");
         assert!((cost["max_error"].as_f64().unwrap() - f64::from(max_error)).abs() < 1e-4, "{name}");
         let rms_error = f64::from(max_error) * (frames / 3.0_f64).sqrt();
@@ -198,7 +198,7 @@ fn effect_costs_count_rays_and_errors() {
         assert!(0.0 <= low && low <= share && share <= high && high <= 1.0, "{name}");
     }
     for name in ["area lights", "fog", "depth of field"] {
-        assert_eq!(effect(&told, name)["cost"], Value::Null, "{name}");
+        assert_eq!(effect(&report, name)["cost"], Value::Null, "{name}");
     }
     let unmeasured = explained(&["--frames", "0"]);
     let cost = effect(&unmeasured, "ambient light")["cost"].as_object().unwrap().clone();
@@ -251,7 +251,7 @@ fn text_output_is_a_table_of_the_json_values() {
         "fog                  all     its density is 0",
         "motion blur          0-6     nothing moves while the shutter is open",
     ] {
-        assert!(omitted.lines().any(|told| told == line), "{line}\n{omitted}");
+        assert!(omitted.lines().any(|report| report == line), "{line}\n{omitted}");
     }
     assert_eq!(omitted.lines().count(), 1 + 20);
     assert_eq!(blocks.next(), None);
@@ -259,12 +259,12 @@ fn text_output_is_a_table_of_the_json_values() {
 
 #[test]
 fn only_selected_frames_are_explained() {
-    let told = explained(&["--frames", "8,1-7x2", "--size", "8x2"]);
-    assert_eq!((&told["width"], &told["height"], &told["frames"]), (&json!(8), &json!(2), &json!(5)));
-    assert_eq!(told["measured"]["frames"], json!([1, 5, 8]));
+    let report = explained(&["--frames", "8,1-7x2", "--size", "8x2"]);
+    assert_eq!((&report["width"], &report["height"], &report["frames"]), (&json!(8), &json!(2), &json!(5)));
+    assert_eq!(report["measured"]["frames"], json!([1, 5, 8]));
     // Spans have no gaps among the chosen frames 1, 3, 5, 7 and 8.
-    assert_eq!(spans(&told, "highlights")[1].0, json!([[3, 7]]));
-    assert_eq!(spans(&told, "highlights")[2].0, json!([[8, 8]]));
+    assert_eq!(spans(&report, "highlights")[1].0, json!([[3, 7]]));
+    assert_eq!(spans(&report, "highlights")[2].0, json!([[8, 8]]));
     let output = explain(&["scene.ron", "--frames", "2", "--size", "8x2"]);
     let found = text(&output.stdout);
     assert!(found.starts_with("scene.ron: 1 frame of 8x2\n"), "{found}");
@@ -277,7 +277,7 @@ fn only_selected_frames_are_explained() {
 
 #[test]
 fn invalid_options_report_the_valid_form() {
-    for (arguments, code, told) in [
+    for (arguments, code, expected) in [
         (
             vec!["scene.ron", "--frames", "5-10"],
             1,
@@ -295,7 +295,7 @@ fn invalid_options_report_the_valid_form() {
         let output = explain(&arguments);
         let error = text(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}");
-        assert!(error.contains(told), "{arguments:?}: {error}");
+        assert!(error.contains(expected), "{arguments:?}: {error}");
         assert!(output.stdout.is_empty(), "{arguments:?}");
     }
 }
@@ -306,18 +306,19 @@ fn long_timelines_are_sampled() {
     let folder = tempfile::tempdir().unwrap();
     let (before, after) = ("(fps: 10, duration: 1)", "(fps: 1000000, duration: 100)");
     fs::write(folder.path().join("long.ron"), COMING_AND_GOING.replace(before, after)).unwrap();
-    let explain = |arguments: &[&str]| told(folder.path(), [&["explain", "long.ron"], arguments].concat());
-    let told: Value = serde_json::from_str(&explain(&["--json"])).unwrap();
-    assert_eq!((&told["frames"], &told["spread_over"]), (&json!(10_000), &json!(100_000_000)));
-    assert_eq!(told["measured"]["frames"].as_array().unwrap().last(), Some(&json!(99_999_999)));
+    let explain =
+        |arguments: &[&str]| stdout_of(folder.path(), [&["explain", "long.ron"], arguments].concat());
+    let report: Value = serde_json::from_str(&explain(&["--json"])).unwrap();
+    assert_eq!((&report["frames"], &report["spread_over"]), (&json!(10_000), &json!(100_000_000)));
+    assert_eq!(report["measured"]["frames"].as_array().unwrap().last(), Some(&json!(99_999_999)));
     // The light turns on at frame 250 000, between the examined frames 240 024 and 250 025.
-    let lit = &spans(&told, "diffuse light")[1];
+    let lit = &spans(&report, "diffuse light")[1];
     assert_eq!((&lit.0, lit.1), (&json!([[250_025, 99_999_999]]), true));
     let words = explain(&[]);
     assert!(words.starts_with("long.ron: 10000 of 100000000 frames, spread evenly, of 64x36\n"), "{words}");
     assert!(words.contains("--frames looks at some of them one by one"), "{words}");
     // Ten thousand chosen frames are all examined.
-    let told: Value = serde_json::from_str(&explain(&["--json", "--frames", "240000-249999"])).unwrap();
-    assert_eq!((&told["frames"], &told["spread_over"]), (&json!(10_000), &Value::Null));
+    let report: Value = serde_json::from_str(&explain(&["--json", "--frames", "240000-249999"])).unwrap();
+    assert_eq!((&report["frames"], &report["spread_over"]), (&json!(10_000), &Value::Null));
     assert!(!explain(&["--frames", "7-8"]).contains("--frames"));
 }

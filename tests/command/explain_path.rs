@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::{rayreel, text, told};
+use crate::{rayreel, stdout_of, text};
 
 /// A camera on a circle of radius 5 around a ball and a box on a floor, once in 4 seconds.
 const AROUND: &str = r#"Scene(
@@ -23,8 +23,8 @@ fn explain(arguments: &[&str]) -> (String, String) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("around.ron"), AROUND).unwrap();
     let fixed = ["explain", "around.ron", "--path", "path.svg"];
-    let told = told(folder.path(), [&fixed[..], arguments].concat());
-    (told, fs::read_to_string(folder.path().join("path.svg")).unwrap())
+    let stdout = stdout_of(folder.path(), [&fixed[..], arguments].concat());
+    (stdout, fs::read_to_string(folder.path().join("path.svg")).unwrap())
 }
 
 /// An element with its unparsed attributes and its text.
@@ -81,9 +81,9 @@ fn of<'a>(elements: &'a [Element], class: &str) -> Vec<&'a Element> {
 
 #[test]
 fn the_drawing_has_two_views_and_two_charts() {
-    let (told, drawing) = explain(&[]);
+    let (stdout, drawing) = explain(&[]);
     assert_eq!(
-        told,
+        stdout,
         "path.svg: 96 frames, a path of 31.1 units at 7.85 units a second, turning by up to 90.0 degrees a second\n"
     );
     let elements = elements(&drawing);
@@ -151,33 +151,33 @@ fn labels_do_not_overlap() {
 
 #[test]
 fn only_selected_frames_are_drawn() {
-    let (told, drawing) = explain(&["--frames", "0-48x2"]);
-    assert!(told.starts_with("path.svg: 25 frames, "), "{told}");
+    let (stdout, drawing) = explain(&["--frames", "0-48x2"]);
+    assert!(stdout.starts_with("path.svg: 25 frames, "), "{stdout}");
     let elements = elements(&drawing);
     let ticks = of(&elements, "ticks")[0].attribute("d").unwrap().matches('M').count();
     assert_eq!(ticks, 25);
-    let (told, _) = explain(&["--frames", "7"]);
-    assert_eq!(told, "path.svg: 1 frame, the eye stands still\n");
+    let (stdout, _) = explain(&["--frames", "7"]);
+    assert_eq!(stdout, "path.svg: 1 frame, the eye stands still\n");
 }
 
 #[test]
 fn long_paths_are_sampled_with_the_last_frame() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("long.ron"), AROUND.replace("duration: 4)", "duration: 600)")).unwrap();
-    let told = |frames: &[&str]| {
+    let stdout_of = |frames: &[&str]| {
         let fixed = ["explain", "long.ron", "--path", "path.svg"];
-        told(folder.path(), [&fixed[..], frames].concat())
+        stdout_of(folder.path(), [&fixed[..], frames].concat())
     };
     // The camera goes around once at constant speed.
-    let all = told(&[]);
+    let all = stdout_of(&[]);
     assert!(
         all.starts_with("path.svg: 4000 of 14400 frames, a path of 31.4 units at 0.05 units a second"),
         "{all}"
     );
     let drawing = fs::read_to_string(folder.path().join("path.svg")).unwrap();
     assert!(drawing.contains(" frames drawn<") || drawing.contains("every frame drawn<"), "{drawing}");
-    assert!(told(&["--frames", "0-4000"]).starts_with("path.svg: 4000 of 4001 frames, "));
-    assert!(told(&["--frames", "0-3999"]).starts_with("path.svg: 4000 frames, "));
+    assert!(stdout_of(&["--frames", "0-4000"]).starts_with("path.svg: 4000 of 4001 frames, "));
+    assert!(stdout_of(&["--frames", "0-3999"]).starts_with("path.svg: 4000 frames, "));
 }
 
 /// Checks that the new drawing replaces the old file. A hard link to the old file keeps its content.
@@ -189,7 +189,7 @@ fn failed_drawing_keeps_the_old_file() {
     fs::write(scene, AROUND).unwrap();
     fs::write(&drawing, "old").unwrap();
     fs::hard_link(&drawing, &second_name).unwrap();
-    told(folder.path(), ["explain", "around.ron", "--path", "path.svg", "--frames", "0-3"]);
+    stdout_of(folder.path(), ["explain", "around.ron", "--path", "path.svg", "--frames", "0-3"]);
     assert!(fs::read_to_string(&drawing).unwrap().ends_with("</svg>\n"));
     assert_eq!(fs::read_to_string(&second_name).unwrap(), "old");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
@@ -201,9 +201,9 @@ fn impossible_drawings_are_errors() {
     fs::write(folder.path().join("around.ron"), AROUND).unwrap();
     let refused = |arguments: &[&str], code: i32, words: &str| {
         let output = rayreel(folder.path(), [&["explain", "around.ron", "--path"], arguments].concat());
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{told}");
-        assert!(told.contains(words), "{told}");
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{stderr}");
+        assert!(stderr.contains(words), "{stderr}");
     };
     let missing = Path::new("no").join("such").join("folder.svg");
     refused(&[missing.to_str().unwrap()], 1, "cannot write");

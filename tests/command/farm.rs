@@ -6,7 +6,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::{RAYREEL, command, output_of, pictures, rayreel, text, told};
+use crate::{RAYREEL, command, output_of, pictures, rayreel, stdout_of, text};
 
 const SCENE: &str = r#"Scene(
     timeline: (fps: 4, duration: 2),
@@ -48,7 +48,7 @@ fn a_cluster_renders_every_shard_and_verifies_them() {
 
     let folder = folder();
     let folder = folder.path();
-    let script = told(
+    let script = stdout_of(
         folder,
         [
             "farm",
@@ -106,7 +106,7 @@ fn openjd_job_has_a_task_per_shard_and_a_verify_step() {
     let folder = folder();
     let folder = folder.path();
     let template =
-        told(folder, ["farm", "openjd", "it's a $HOME.ron", "--shards", "4", "--", "--size", "8x8"]);
+        stdout_of(folder, ["farm", "openjd", "it's a $HOME.ron", "--shards", "4", "--", "--size", "8x8"]);
     fs::write(folder.join("job.json"), &template).unwrap();
     let template: Value = serde_json::from_str(&template).unwrap();
     assert_eq!(template["specificationVersion"], "jobtemplate-2023-09");
@@ -136,7 +136,8 @@ fn kubernetes_job_has_an_index_per_shard() {
     let arguments = ["farm", "kubernetes", "it's a $HOME.ron", "--shards", "2"];
     let missing = rayreel(folder, arguments);
     assert!(text(&missing.stderr).contains("--image"), "{}", text(&missing.stderr));
-    let manifests = told(folder, arguments.iter().chain(&["--image", "ours/rayreel:1", "--claim", "frames"]));
+    let manifests =
+        stdout_of(folder, arguments.iter().chain(&["--image", "ours/rayreel:1", "--claim", "frames"]));
     let (_, documents) = manifests.split_once('\n').unwrap();
     let documents: Vec<Value> =
         documents.split("\n---\n").map(|document| serde_json::from_str(document).unwrap()).collect();
@@ -177,9 +178,9 @@ fn invalid_farm_arguments_are_reported() {
     ] {
         let output = rayreel(folder.path(), ["farm", "slurm", "it's a $HOME.ron"].iter().chain(more));
         assert!(!output.status.success() && output.stdout.is_empty(), "{more:?}");
-        let told = text(&output.stderr);
-        assert!(told.contains(said), "{more:?}: {told}");
-        assert!(!told.contains("\\n\\n") && told.matches("error:").count() == 1, "{more:?}: {told}");
+        let stderr = text(&output.stderr);
+        assert!(stderr.contains(said), "{more:?}: {stderr}");
+        assert!(!stderr.contains("\\n\\n") && stderr.matches("error:").count() == 1, "{more:?}: {stderr}");
     }
 }
 

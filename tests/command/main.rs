@@ -53,7 +53,7 @@ fn rayreel<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A
 }
 
 /// Runs `rayreel` with these arguments, which must succeed, and returns its standard output.
-fn told<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> String {
+fn stdout_of<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> String {
     let output = rayreel(folder, arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
     String::from_utf8(output.stdout).unwrap()

@@ -49,6 +49,6 @@ fn omitted_gif_frames_are_reported_with_quiet() {
     let scene = b"Scene(timeline: (fps: 60, duration: 0.5), film: (width: 16, height: 9), camera: (position: (0, 0, -5), target: (0, 0, 0)), entities: [])";
     child.stdin.take().unwrap().write_all(scene).unwrap();
     let output = output_of(child);
-    let told = text(&output.stderr);
-    assert!(output.status.success() && told.starts_with("warning: a GIF plays at most 50"), "{told}");
+    let stderr = text(&output.stderr);
+    assert!(output.status.success() && stderr.starts_with("warning: a GIF plays at most 50"), "{stderr}");
 }

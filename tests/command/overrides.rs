@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::{rayreel, text, told};
+use crate::{rayreel, stdout_of, text};
 
 const SCENE: &str = "Scene(
     film: (width: 48, height: 27),
@@ -36,7 +36,7 @@ fn write(folder: &Path, edits: &[(&str, &str)]) {
 
 /// Renders the scene's frame, and returns its pixels.
 fn frame(folder: &Path, arguments: &[&str]) -> Vec<u8> {
-    told(folder, [&["render", "a.ron", "--out", "o", "--format", "ppm", "--json"], arguments].concat());
+    stdout_of(folder, [&["render", "a.ron", "--out", "o", "--format", "ppm", "--json"], arguments].concat());
     image::open(folder.join("o/a.0000.ppm")).unwrap().to_rgb8().into_raw()
 }
 
@@ -90,17 +90,19 @@ fn overrides_are_listed_in_reports() {
     let expected = "instead of the scene's own: sampling.samples=2, camera.fov=55, no shadows\n";
     assert!(text(&output.stderr).contains(expected), "{}", text(&output.stderr));
     let report: Value =
-        serde_json::from_str(&told(folder.path(), arguments.into_iter().chain(["--json"]))).unwrap();
+        serde_json::from_str(&stdout_of(folder.path(), arguments.into_iter().chain(["--json"]))).unwrap();
     assert_eq!(report["overrides"], serde_json::json!(["sampling.samples=2", "camera.fov=55"]));
     assert_eq!(report["without"], serde_json::json!(["shadows"]));
-    let explained = told(folder.path(), ["explain", "a.ron", "--without", "shadows"]);
+    let explained = stdout_of(folder.path(), ["explain", "a.ron", "--without", "shadows"]);
     assert!(explained.contains("\ninstead of the scene's own: no shadows\n"), "{explained}");
-    let explained: Value =
-        serde_json::from_str(&told(folder.path(), ["explain", "a.ron", "--without", "shadows", "--json"]))
-            .unwrap();
+    let explained: Value = serde_json::from_str(&stdout_of(
+        folder.path(),
+        ["explain", "a.ron", "--without", "shadows", "--json"],
+    ))
+    .unwrap();
     assert_eq!(explained["without"], serde_json::json!(["shadows"]));
     let shadows =
-        explained["effects"].as_array().unwrap().iter().find(|told| told["effect"] == "shadows").unwrap();
+        explained["effects"].as_array().unwrap().iter().find(|effect| effect["effect"] == "shadows").unwrap();
     assert_eq!(shadows["spans"][0]["needed"], false);
 }
 

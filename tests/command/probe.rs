@@ -32,14 +32,14 @@ fn probe(arguments: &[&str], input: &str) -> Output {
 }
 
 /// Returns the standard output of a call that must succeed.
-fn told(arguments: &[&str], input: &str) -> String {
+fn stdout_of(arguments: &[&str], input: &str) -> String {
     let output = probe(arguments, input);
     assert!(output.status.success() && output.stderr.is_empty(), "{arguments:?}: {}", text(&output.stderr));
     text(&output.stdout)
 }
 
-fn told_json(arguments: &[&str]) -> Value {
-    serde_json::from_str(&told(&[arguments, &["--json"]].concat(), "")).unwrap()
+fn json_of(arguments: &[&str]) -> Value {
+    serde_json::from_str(&stdout_of(&[arguments, &["--json"]].concat(), "")).unwrap()
 }
 
 fn shipped_scenes() -> Vec<PathBuf> {
@@ -122,16 +122,16 @@ fn probe_bytes_equal_the_frame_file() {
             (&without[..], ["--at", "0.3"], format!("{name}.at-0.3s.png")),
         ] {
             let arguments = [&["render", scene, "--out", "o"], size, when.as_slice()].concat();
-            crate::told(folder.path(), arguments);
+            crate::stdout_of(folder.path(), arguments);
             let picture = image::open(folder.path().join("o").join(&file)).unwrap().to_rgb8();
             let when = [if when[0] == "--frames" { "--frame" } else { when[0] }, when[1]];
             for (i, j) in [(0, 0), (63, 35), (32, 18), (20, 25), (41, 14)] {
                 let pixel = format!("{i},{j}");
                 let arguments = [&[scene, "--pixel", &pixel], size, when.as_slice()].concat();
-                let report = told_json(&arguments);
+                let report = json_of(&arguments);
                 assert_eq!(report["bytes"], json!(picture.get_pixel(i, j).0), "{file} at {pixel}");
                 // The text output has the same bytes.
-                let text = told(&arguments, "");
+                let text = stdout_of(&arguments, "");
                 let bytes = text.lines().find_map(|line| line.strip_prefix("bytes")).unwrap();
                 let bytes: Vec<u8> = bytes.split_whitespace().map(|byte| byte.parse().unwrap()).collect();
                 assert_eq!(bytes, picture.get_pixel(i, j).0, "{file} at {pixel}");
@@ -150,7 +150,7 @@ fn probe_trees_match_their_snapshots() {
         ("lens.sample", vec!["lens.ron", "--pixel", "2,1", "--sample", "3"]),
         ("mirrors.moment", vec!["mirrors.ron", "--pixel", "8,8", "--at", "0.3s"]),
     ] {
-        let found = told(&arguments, "");
+        let found = stdout_of(&arguments, "");
         assert!(found.lines().all(|line| line.chars().count() <= 100 && line.trim_end() == line));
         let path = root().join(format!("tests/probe/{name}.txt"));
         if bless {
@@ -187,19 +187,18 @@ fn probe_uses_the_camera_of_the_shot() {
     let none_alone = scene("none_alone.ron", "", r#"(1, "wide")"#);
     let lines = |scene: &Path| -> Vec<Value> {
         let scene = scene.to_str().unwrap();
-        let line =
-            |frame: &str| told_json(&[scene, "--pixel", "0,0", "--frame", frame])["camera_line"].clone();
+        let line = |frame: &str| json_of(&[scene, "--pixel", "0,0", "--frame", frame])["camera_line"].clone();
         ["1", "2", "5"].map(line).to_vec()
     };
     assert_eq!(lines(&several), [json!(5), json!(2), json!(4)]);
     assert_eq!(lines(&none_alone), [json!(5), json!(4), json!(4)]);
-    let told = told(&[several.to_str().unwrap(), "--pixel", "0,0"], "");
-    assert!(told.contains("several.ron:5)\n"), "{told}");
+    let stdout = stdout_of(&[several.to_str().unwrap(), "--pixel", "0,0"], "");
+    assert!(stdout.contains("several.ron:5)\n"), "{stdout}");
 }
 
 #[test]
 fn json_and_tree_have_the_same_values() {
-    let report = told_json(&["corner.ron", "--pixel", "2,1"]);
+    let report = json_of(&["corner.ron", "--pixel", "2,1"]);
     assert_eq!(report["scene"], "corner.ron");
     assert_eq!(
         (&report["pixel"], &report["width"], &report["height"]),
@@ -248,7 +247,7 @@ fn json_and_tree_have_the_same_values() {
     });
     assert_eq!(sum.map(f64::from).as_slice(), numbers(&report["linear"]));
 
-    assert_eq!(told_json(&["mirrors.ron", "--pixel", "0,0", "--at", "0.25s"])["frame"], json!(null));
+    assert_eq!(json_of(&["mirrors.ron", "--pixel", "0,0", "--at", "0.25s"])["frame"], json!(null));
 }
 
 #[test]
@@ -256,8 +255,8 @@ fn json_and_tree_numbers_are_bit_exact() {
     let mut engine = Engine::load(root().join("tests/probe/mirrors.ron")).unwrap();
     engine.render_frame(3).unwrap();
     let expected = engine.probe(engine.report().time, (7, 2), 0).unwrap().unwrap();
-    let report = told_json(&["mirrors.ron", "--pixel", "7,2", "--frame", "3"]);
-    let tree = told(&["mirrors.ron", "--pixel", "7,2", "--frame", "3"], "");
+    let report = json_of(&["mirrors.ron", "--pixel", "7,2", "--frame", "3"]);
+    let tree = stdout_of(&["mirrors.ron", "--pixel", "7,2", "--frame", "3"], "");
     let mut directions = tree.lines().filter_map(|line| line.split_once("direction").map(|(_, rest)| rest));
     assert_eq!(expected.rays.len(), 8);
     for (ray, found) in expected.rays.iter().zip(report["rays"].as_array().unwrap()) {
@@ -284,21 +283,21 @@ fn rays_are_cast_in_order_from_a_file_and_from_standard_input() {
         1,back mirror,4,0,0,-8,0,0,1\n\
         0,,,,,,,,\n"
     );
-    assert_eq!(told(&["corner.ron", "--rays", "-"], rays), expected);
+    assert_eq!(stdout_of(&["corner.ron", "--rays", "-"], rays), expected);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("rays.csv");
     fs::write(&file, rays).unwrap();
-    assert_eq!(told(&["corner.ron", "--rays", file.to_str().unwrap()], ""), expected);
+    assert_eq!(stdout_of(&["corner.ron", "--rays", file.to_str().unwrap()], ""), expected);
     assert_eq!(
-        told(&["corner.ron", "--rays", "-", "--json"], rays),
+        stdout_of(&["corner.ron", "--rays", "-", "--json"], rays),
         "{\"hit\":true,\"entity\":\"wall, left\",\"t\":2.0,\"point\":[-0.5,0.0,0.0],\"normal\":[0.0,0.0,-1.0]}\n\
         {\"hit\":true,\"entity\":\"#1\",\"t\":32.0,\"point\":[0.5,0.25,0.0],\"normal\":[0.0,0.0,-1.0]}\n\
         {\"hit\":true,\"entity\":\"back mirror\",\"t\":4.0,\"point\":[0.0,0.0,-8.0],\"normal\":[0.0,0.0,1.0]}\n\
         {\"hit\":false}\n"
     );
     // Empty input produces only the header.
-    assert_eq!(told(&["corner.ron", "--rays", "-"], ""), format!("{HEADER}\n"));
-    assert_eq!(told(&["corner.ron", "--rays", "-", "--json"], "\n"), "");
+    assert_eq!(stdout_of(&["corner.ron", "--rays", "-"], ""), format!("{HEADER}\n"));
+    assert_eq!(stdout_of(&["corner.ron", "--rays", "-", "--json"], "\n"), "");
 }
 
 #[test]
@@ -307,7 +306,7 @@ fn rays_are_cast_at_the_given_moment_with_facing_normals() {
     for when in [["--frame", "4"], ["--at", "1s"]] {
         let arguments = [["mirrors.ron", "--rays", "-"].as_slice(), &when].concat();
         assert_eq!(
-            told(&arguments, "0,0,0,0,0,1\n0,0,5,0,0,-1\n"),
+            stdout_of(&arguments, "0,0,0,0,0,1\n0,0,5,0,0,-1\n"),
             format!("{HEADER}\n1,bubble,2,0,0,2,0,0,-1\n1,bubble,3,0,0,2,0,0,1\n")
         );
     }
@@ -342,10 +341,10 @@ fn hits_of_many_batches_are_bit_exact() {
     let expected = engine.cast_all(&rays);
     let input = csv_of(&rays);
 
-    let answers = told(&[scene.to_str().unwrap(), "--rays", "-"], &input);
+    let answers = stdout_of(&[scene.to_str().unwrap(), "--rays", "-"], &input);
     let mut lines = answers.lines();
     assert_eq!(lines.next(), Some(HEADER));
-    let objects = told(&[scene.to_str().unwrap(), "--rays", "-", "--json"], &input);
+    let objects = stdout_of(&[scene.to_str().unwrap(), "--rays", "-", "--json"], &input);
     let mut objects = objects.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
     let mut hits = 0;
     for hit in &expected {
@@ -445,7 +444,7 @@ fn invalid_options_report_the_valid_form() {
             assert_eq!(text(&output.stderr), message, "{arguments:?}");
         }
     }
-    for (arguments, told) in [
+    for (arguments, expected) in [
         (vec!["corner.ron"], "<--pixel <COLUMN,ROW>|--rays <FILE>>"),
         (vec!["corner.ron", "--pixel", "1,1", "--rays", "-"], "cannot be used with"),
         (vec!["corner.ron", "--rays", "-", "--size", "5x5"], "cannot be used with"),
@@ -458,7 +457,7 @@ fn invalid_options_report_the_valid_form() {
     ] {
         let output = probe(&arguments, "");
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains(expected), "{arguments:?}: {}", text(&output.stderr));
         assert!(output.stdout.is_empty());
     }
 }

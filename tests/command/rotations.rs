@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::{rayreel, text, told};
+use crate::{rayreel, stdout_of, text};
 
 fn scene(keys: &str) -> String {
     format!(
@@ -37,7 +37,7 @@ fn keys_further_apart_than_half_a_turn_are_reported() {
         ),
     ] {
         fs::write(folder.join("a.ron"), scene(keys)).unwrap();
-        let checked: Value = serde_json::from_str(&told(folder, ["check", "--json", "a.ron"])).unwrap();
+        let checked: Value = serde_json::from_str(&stdout_of(folder, ["check", "--json", "a.ron"])).unwrap();
         let warning = &checked[0]["warnings"][0];
         assert_eq!(warning["message"], format!("turns the short way: {message}"), "{keys}");
         assert_eq!(warning["entity"], "\"arm\"");
@@ -61,7 +61,7 @@ fn keys_up_to_half_a_turn_apart_are_not_reported() {
         "(0, Quat(0, 0, 0, 1)), (1, Quat(0, 0, 0, -1))",
     ] {
         fs::write(folder.join("a.ron"), scene(keys)).unwrap();
-        let checked: Value = serde_json::from_str(&told(folder, ["check", "--json", "a.ron"])).unwrap();
+        let checked: Value = serde_json::from_str(&stdout_of(folder, ["check", "--json", "a.ron"])).unwrap();
         assert_eq!(checked[0]["warnings"], Value::Array(Vec::new()), "{keys}");
     }
 }

@@ -8,7 +8,7 @@ use rayreel::RenderRequest;
 use rayreel::color::Transfer;
 use serde_json::Value;
 
-use crate::{RAYREEL, command, output_of, pictures, rayreel, text, told};
+use crate::{RAYREEL, command, output_of, pictures, rayreel, stdout_of, text};
 
 /// Returns a film of three shots, cut to `duration` seconds and edited.
 fn film(duration: f64, edit: impl Fn(String) -> String) -> String {
@@ -40,7 +40,7 @@ fn write_film(folder: &Path, duration: f64, edit: impl Fn(String) -> String) {
 /// Renders the film. Returns the rendered frames and the kept frames.
 fn render(folder: &Path, options: &[&str]) -> (Vec<u64>, Vec<u64>) {
     let arguments = ["render", "film.ron", "--out", "out", "--json"];
-    let report: Value = serde_json::from_str(&told(folder, arguments.iter().chain(options))).unwrap();
+    let report: Value = serde_json::from_str(&stdout_of(folder, arguments.iter().chain(options))).unwrap();
     let numbers = |list: &Value, number: &dyn Fn(&Value) -> Option<u64>| -> Vec<u64> {
         list.as_array().unwrap().iter().filter_map(number).collect()
     };
@@ -108,7 +108,7 @@ fn only_edited_frames_are_rendered_again() {
     assert_eq!(render(folder, &["--frames=0", "--set", "film.transfer=Classic"]).0, [0]);
     // A frame at a time is kept like a numbered frame.
     assert_eq!(render(folder, &["--at=0.1s"]).1, Vec::<u64>::new());
-    let again = told(folder, ["render", "film.ron", "--out", "out", "--at=0.1s", "--json"]);
+    let again = stdout_of(folder, ["render", "film.ron", "--out", "out", "--at=0.1s", "--json"]);
     let report: Value = serde_json::from_str(&again).unwrap();
     assert_eq!((&report["kept"], &report["frames"]), (&serde_json::json!([null]), &serde_json::json!([])));
 
@@ -129,11 +129,11 @@ fn shorter_timeline_reports_surplus_frames() {
 
     let output = rayreel(folder, ["render", "film.ron", "--out", "out"]);
     assert!(output.status.success());
-    let told = text(&output.stderr);
+    let stderr = text(&output.stderr);
     for file in ["film.0010.png", "film.0011.png", "film.00001.png", "film.9999.png"] {
-        assert!(told.contains(&format!("{file}` is no frame of this sequence")), "{told}");
+        assert!(stderr.contains(&format!("{file}` is no frame of this sequence")), "{stderr}");
     }
-    assert!(told.contains("--clean"), "{told}");
+    assert!(stderr.contains("--clean"), "{stderr}");
     let verdict = verify(folder, &[]);
     assert_eq!((verdict["surplus"].as_array().unwrap().len(), &verdict["to_render"]), (4, &Value::Null));
 
@@ -288,7 +288,7 @@ fn standard_output_takes_video() {
     assert!(video.starts_with(&[&header[..], b"FRAME\n"].concat()));
     assert_eq!(video.len(), header.len() + 2 * (6 + 3 * 32 * 18));
     assert!(!folder.join("-").exists());
-    for (more, told) in [
+    for (more, expected) in [
         (&["--out", "-", "--json"][..], "frames cannot go to standard output: --json"),
         (
             &["--out", "-", "--format", "png"],
@@ -297,7 +297,7 @@ fn standard_output_takes_video() {
         (&["--format", "y4m"], "add --out -"),
         (&["--movie", "a.txt"], "a movie ends in .mp4"),
     ] {
-        assert_refused(folder, more, told);
+        assert_refused(folder, more, expected);
     }
 }
 
@@ -317,8 +317,8 @@ fn closed_standard_output_ends_the_stream_without_an_error() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(&beginning, b"YUV4MPEG2");
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let told = text(&output.stderr);
-    assert!(!told.contains("error") && !told.contains("panicked"), "{told}");
+    let stderr = text(&output.stderr);
+    assert!(!stderr.contains("error") && !stderr.contains("panicked"), "{stderr}");
 }
 
 /// Checks folders that even root cannot create.
@@ -462,7 +462,7 @@ fn unsupported_channels_of_a_format_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_film(folder, 1.0, |film| film);
-    for (more, told) in [
+    for (more, expected) in [
         (&["--format", "png", "--passes", "depth"][..], "--passes are for --format exr"),
         (&["--passes", "deep"], "there is no pass `deep`"),
         (&["--format", "exr", "--movie", "a.gif"], "--movie is made of colours in 8 bits"),
@@ -475,7 +475,7 @@ fn unsupported_channels_of_a_format_are_errors() {
         (&["--alpha", "--sheet", "2x2"], "without --alpha"),
         (&["--alpha", "--out", "-"], "--alpha is for files"),
     ] {
-        assert_refused(folder, more, told);
+        assert_refused(folder, more, expected);
     }
 }
 
@@ -501,7 +501,7 @@ fn movies_contain_every_frame() {
     let output =
         rayreel(folder, ["render", "film.ron", "--out", "out", "--size", "31x17", "--movie", "a.mp4"]);
     if std::process::Command::new("ffmpeg").arg("-version").output().is_err() {
-        println!("there is no ffmpeg: what is told without it is tried instead");
+        println!("there is no ffmpeg: its error is tested instead");
         assert!(!output.status.success());
         assert!(text(&output.stderr).contains("made by ffmpeg"), "{}", text(&output.stderr));
         return;
@@ -509,8 +509,8 @@ fn movies_contain_every_frame() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let mut probe = std::process::Command::new("ffprobe");
     probe.args(["-v", "error", "-count_frames", "-show_streams", "-of", "json"]).arg(folder.join("a.mp4"));
-    let told: Value = serde_json::from_slice(&probe.output().unwrap().stdout).unwrap();
-    let stream = &told["streams"][0];
+    let info: Value = serde_json::from_slice(&probe.output().unwrap().stdout).unwrap();
+    let stream = &info["streams"][0];
     let expected = [
         ("width", Value::from(32)),
         ("height", 18.into()),
@@ -523,7 +523,7 @@ fn movies_contain_every_frame() {
         ("color_transfer", "iec61966-2-1".into()),
     ];
     for (name, value) in expected {
-        assert_eq!(stream[name], value, "{name}: {told}");
+        assert_eq!(stream[name], value, "{name}: {info}");
     }
     assert!(crate::files(folder).iter().all(|name| !name.starts_with('.')));
 }
@@ -602,13 +602,13 @@ fn slow_frames_report_their_progress() {
         child.args(["render", "film.ron", "--frames=1", "--size=1280x720", "--progress=json"]).args(more);
         let mut child = child.spawn().unwrap();
         let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-        let told: Vec<Value> =
+        let events: Vec<Value> =
             lines.by_ref().take(2).map(|line| serde_json::from_str(&line.unwrap()).unwrap()).collect();
         let (signal, code) = crate::ignored::interruption();
         crate::signal(&child, signal);
         let rest: Vec<String> = lines.map(Result::unwrap).collect();
         assert_eq!(output_of(child).status.code(), Some(code), "{rest:?}");
-        for event in &told {
+        for event in &events {
             assert_eq!((&event["event"], &event["frame"]), (&"rendering".into(), &1.into()), "{event}");
             assert!(event["samples_per_pixel"].as_f64().unwrap() > 0.0, "{event}");
             assert_eq!(
@@ -617,7 +617,10 @@ fn slow_frames_report_their_progress() {
                 "{event}"
             );
         }
-        assert!(told[0]["samples_per_pixel"].as_f64() <= told[1]["samples_per_pixel"].as_f64(), "{told:?}");
+        assert!(
+            events[0]["samples_per_pixel"].as_f64() <= events[1]["samples_per_pixel"].as_f64(),
+            "{events:?}"
+        );
     }
 }
 
@@ -643,8 +646,8 @@ fn single_frame_has_the_given_name() {
     for more in [&[][..], &["--frames=0-1"], &["--frames=0-1", "--shard=0/2"]] {
         let output = render(more);
         assert_eq!(output.status.code(), Some(1), "{more:?}");
-        let told = text(&output.stderr);
-        assert!(told.contains("--name=hero####"), "{more:?}: {told}");
+        let stderr = text(&output.stderr);
+        assert!(stderr.contains("--name=hero####"), "{more:?}: {stderr}");
     }
     assert_eq!(fs::read(folder.join("out/hero.png")).unwrap(), kept);
 }
@@ -678,6 +681,6 @@ fn frames_from_standard_input_cannot_be_verified() {
     let mut render = command(RAYREEL, folder);
     let rendered = output_of(render.args(["render", "-", "--frames=0"]).stdin(scene).spawn().unwrap());
     assert!(rendered.status.success(), "{}", text(&rendered.stderr));
-    let told = text(&rayreel(folder, ["verify", "out/stdin"]).stderr);
-    assert!(told.contains("from standard input") && told.contains("render a scene file"), "{told}");
+    let stderr = text(&rayreel(folder, ["verify", "out/stdin"]).stderr);
+    assert!(stderr.contains("from standard input") && stderr.contains("render a scene file"), "{stderr}");
 }

@@ -8,7 +8,7 @@ use image::imageops::crop_imm;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::{FIRST_LIGHT, files, rayreel, told};
+use crate::{FIRST_LIGHT, files, rayreel, stdout_of};
 
 const NEWTONS_CRADLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/newtons_cradle.ron");
 
@@ -19,8 +19,8 @@ const BETWEEN_ROWS: u32 = 5 + 9 + GAP;
 
 /// Renders successfully, and returns the JSON report.
 fn render(folder: &TempDir, scene: &str, arguments: &[&str]) -> Value {
-    let told = told(folder.path(), [&["render", scene, "--json"], arguments].concat());
-    serde_json::from_str(&told).unwrap()
+    let stdout = stdout_of(folder.path(), [&["render", scene, "--json"], arguments].concat());
+    serde_json::from_str(&stdout).unwrap()
 }
 
 fn picture(path: &Path) -> RgbImage {
@@ -186,7 +186,7 @@ fn sheets_of_drafts_are_possible() {
 #[test]
 fn invalid_options_report_the_valid_form() {
     let folder = tempfile::tempdir().unwrap();
-    for (arguments, code, told) in [
+    for (arguments, code, expected) in [
         (vec!["--sheet", "6"], 2, "write columns and rows, each from 1 to 100, as in 6x4"),
         (vec!["--sheet", "0x4"], 2, "write columns and rows, each from 1 to 100, as in 6x4"),
         (vec!["--sheet", "101x1"], 2, "write columns and rows, each from 1 to 100, as in 6x4"),
@@ -201,7 +201,7 @@ fn invalid_options_report_the_valid_form() {
         let output = rayreel(folder.path(), [vec!["render", FIRST_LIGHT], arguments.clone()].concat());
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
-        assert!(error.contains(told), "{arguments:?}: {error}");
+        assert!(error.contains(expected), "{arguments:?}: {error}");
     }
     assert!(files(folder.path()).is_empty());
 }
@@ -231,13 +231,13 @@ fn interruption_writes_no_sheet() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["render", FIRST_LIGHT, "--sheet", "10x9", "--size", "960x540", "--json"];
     let mut child = command(RAYREEL, folder.path()).args(arguments).spawn().unwrap();
-    let mut told = BufReader::new(child.stderr.take().unwrap());
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
-    told.read_line(&mut line).unwrap();
+    stderr.read_line(&mut line).unwrap();
     assert!(line.starts_with("1/90 frame 0: "), "{line}");
     signal(&child, "TERM");
     let mut rest = String::new();
-    told.read_to_string(&mut rest).unwrap();
+    stderr.read_to_string(&mut rest).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(143), "{rest}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -92,7 +92,7 @@ fn report_has_the_cost_of_every_frame() {
 #[test]
 fn invalid_options_report_the_valid_form() {
     let folder = tempfile::tempdir().unwrap();
-    for (arguments, code, told) in [
+    for (arguments, code, expected) in [
         (
             vec!["render", FIRST_LIGHT, "--frames", "90-100"],
             1,
@@ -115,7 +115,7 @@ fn invalid_options_report_the_valid_form() {
         let error =
             text(&output.stderr).replace("a similar subcommand exists", "some similar subcommands exist");
         assert_eq!(output.status.code(), Some(code), "{arguments:?}");
-        assert!(error.contains(told), "{arguments:?}: {error}");
+        assert!(error.contains(expected), "{arguments:?}: {error}");
         assert!(output.stdout.is_empty());
     }
     assert_eq!(files(&folder.path().join("out")), Vec::<String>::new());
@@ -125,7 +125,7 @@ fn invalid_options_report_the_valid_form() {
 #[test]
 fn values_with_a_hyphen_report_the_valid_form() {
     let folder = tempfile::tempdir().unwrap();
-    for (command, option, told) in [
+    for (command, option, expected) in [
         ("render", "--frames", "is not a frame or a range: write `12`, `10-20`, `40-80x5` or `90-`"),
         ("render", "--at", "is not a time: write seconds such as `1.5s`"),
         ("render", "--size", "write width and height in pixels, as in 1280x720"),
@@ -146,7 +146,10 @@ fn values_with_a_hyphen_report_the_valid_form() {
             let output = rayreel(folder.path(), [command, FIRST_LIGHT, option, value]);
             let error = text(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{command} {option} {value}");
-            assert!(error.contains(told) && !error.contains("tip"), "{command} {option} {value}: {error}");
+            assert!(
+                error.contains(expected) && !error.contains("tip"),
+                "{command} {option} {value}: {error}"
+            );
             // Messages contain no programming jargon.
             assert!(!error.contains("..=") && !error.contains("invalid digit"), "{error}");
         }
@@ -221,9 +224,9 @@ fn script_failure_still_reports_unwritable_frames() {
     fs::write(folder.path().join("s.ron"), FAILS_MIDWAY).unwrap();
     fs::create_dir_all(folder.path().join("o/s.0005.png")).unwrap();
     let output = rayreel(folder.path(), ["render", "s.ron", "--frames", "5-6", "--out", "o"]);
-    let told = text(&output.stderr);
+    let stderr = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
-    assert!(told.contains("cannot write `o/s.0005.png`"), "{told}");
+    assert!(stderr.contains("cannot write `o/s.0005.png`"), "{stderr}");
 }
 
 #[test]

@@ -430,17 +430,18 @@ fn faults_have_messages_and_remedies() {
     let cube = Shape::Box { size: DVec3::ONE };
     let at = |x: f64| Transform::from_translation(DVec3::new(x, 0.0, 0.0));
     let scaled = |scale: f64| Transform { scale: DVec3::splat(scale), ..Transform::IDENTITY };
-    let told = |shape: Shape, transform: Transform| said(|world| world.spawn((shape, transform, clay()))).0;
-    assert_eq!(told(Shape::Sphere { radius: 0.0 }, at(0.0)), "is not drawn: its radius is 0");
-    assert_eq!(told(ball, at(f64::NAN)), "is not drawn: its translation is not finite");
-    assert_eq!(told(ball, scaled(0.0)), "is not drawn: its scale has a factor of 0");
-    assert_eq!(told(ball, at(1e200)), "is not drawn: it is too large, too small or too far away");
+    let message =
+        |shape: Shape, transform: Transform| said(|world| world.spawn((shape, transform, clay()))).0;
+    assert_eq!(message(Shape::Sphere { radius: 0.0 }, at(0.0)), "is not drawn: its radius is 0");
+    assert_eq!(message(ball, at(f64::NAN)), "is not drawn: its translation is not finite");
+    assert_eq!(message(ball, scaled(0.0)), "is not drawn: its scale has a factor of 0");
+    assert_eq!(message(ball, at(1e200)), "is not drawn: it is too large, too small or too far away");
     assert_eq!(
-        told(Shape::Plane { normal: DVec3::ZERO }, at(0.0)),
+        message(Shape::Plane { normal: DVec3::ZERO }, at(0.0)),
         "is not drawn: its normal has no direction"
     );
     assert_eq!(
-        told(cube, at(1e17)),
+        message(cube, at(1e17)),
         "is not drawn: its edge of 1 is lost at 1e17, where numbers are 16 apart"
     );
     let (fault, remedy) =
@@ -518,8 +519,8 @@ fn commands_print_faults_with_names_and_lines() {
     let ball = "warning: \"ball\" is not drawn: its scale has a factor of 0
  --> faulty.ron:8, frame";
     let help = "  = help: write factors other than 0";
-    let (told, warnings) = run(&["check", "faulty.ron"]);
-    assert_eq!(told, "faulty.ron: ok, 4 frames, 2 warnings\n");
+    let (message, warnings) = run(&["check", "faulty.ron"]);
+    assert_eq!(message, "faulty.ron: ok, 4 frames, 2 warnings\n");
     for part in [far, &format!("{ball} 3"), help] {
         assert!(warnings.contains(part), "{warnings}");
     }

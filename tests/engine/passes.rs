@@ -22,11 +22,11 @@ fn passes_equal_the_reference_path() {
         let report = engine.report().clone();
         assert_eq!(engine.passes(Time::ZERO, &AtomicBool::new(true)).unwrap(), None);
         let passes = engine.passes(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap();
-        let told = engine.report().clone();
-        assert!(told.trace > report.trace);
+        let repeated = engine.report().clone();
+        assert!(repeated.trace > report.trace);
         assert_eq!(
-            (passes.len(), &told),
-            (film.pixels().len(), &FrameReport { trace: told.trace, ..report })
+            (passes.len(), &repeated),
+            (film.pixels().len(), &FrameReport { trace: repeated.trace, ..report })
         );
         let mut met = 0;
         for (index, pass) in (0..).zip(&passes) {

@@ -396,7 +396,7 @@ fn every_effect_is_needed_with_and_omitted_without_its_cause() {
             (MATTE, "], sampling: (samples: 4)", each(4, 0, 0, 0)),
         ),
     ] {
-        let told = |material: &str, more: &str| {
+        let measured = |material: &str, more: &str| {
             let engine = if effect == Effect::MotionBlur {
                 blurred(material, more)
             } else {
@@ -404,8 +404,8 @@ fn every_effect_is_needed_with_and_omitted_without_its_cause() {
             };
             (need(&engine, effect).is_needed(), rays(&engine))
         };
-        assert_eq!(told(material, more), (true, with), "with {effect}");
-        assert_eq!(told(other_material, other_more), (false, without), "without {effect}");
+        assert_eq!(measured(material, more), (true, with), "with {effect}");
+        assert_eq!(measured(other_material, other_more), (false, without), "without {effect}");
     }
     let lens = "lens: (aperture: 1, focus: 4)";
     for (lens, samples, needed) in [(lens, 4, true), ("", 4, false), (lens, 1, false)] {

@@ -21,8 +21,8 @@ impl Browser {
         let command = Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).spawn();
         let mut driver = command.ok()?;
         let mut output = BufReader::new(driver.stdout.take().unwrap());
-        let mut told = output.by_ref().lines().map_while(Result::ok);
-        let port = told
+        let mut lines = output.by_ref().lines().map_while(Result::ok);
+        let port = lines
             .find_map(|line| line.split_once("successfully on port ")?.1.trim_end_matches('.').parse().ok())
             .unwrap();
         let mut browser = Self { driver, _output: output, port, session: String::new() };

@@ -345,9 +345,9 @@ fn pixel_panel_describes_the_picture() {
         browser.evaluate(&format!("(probe([{i}, 45]), true)"));
         until(&browser, &format!("at('spot').innerText.includes('{i}, 45')"));
         let bytes = browser.evaluate(&format!("pixel({i} / 160, 0.5).split(',').slice(0, 3).join(', ')"));
-        let told = browser.evaluate("at('spot').innerText");
-        assert!(told.as_str().unwrap().contains(bytes.as_str().unwrap()), "{i}: {bytes} {told}");
-        assert!(told.as_str().unwrap().contains("mean of 16 samples"), "{told}");
+        let text = browser.evaluate("at('spot').innerText");
+        assert!(text.as_str().unwrap().contains(bytes.as_str().unwrap()), "{i}: {bytes} {text}");
+        assert!(text.as_str().unwrap().contains("mean of 16 samples"), "{text}");
     }
     browser.click("#film");
     until(&browser, "at('spot').innerText.includes('clay')");

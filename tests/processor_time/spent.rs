@@ -12,8 +12,8 @@ pub(crate) struct Spent {
 
 impl Spent {
     pub(crate) fn now() -> Self {
-        let told = fs::read_to_string("/proc/thread-self/schedstat").ok();
-        let nanoseconds = told.and_then(|told| told.split_whitespace().next()?.parse().ok());
+        let schedstat = fs::read_to_string("/proc/thread-self/schedstat").ok();
+        let nanoseconds = schedstat.and_then(|schedstat| schedstat.split_whitespace().next()?.parse().ok());
         Self { moment: Instant::now(), on_processor: nanoseconds.map(Duration::from_nanos) }
     }
 

@@ -128,9 +128,9 @@ fn broken_extension_attributes_are_reported_as_such() {
         for scene in ["", "\n", "\n// a comment", &format!("\n({CAMERA})")] {
             let text = head.clone() + scene;
             let Err(error) = Scene::from_text("scene.ron", text.clone()) else { continue };
-            let told = error.to_string();
-            let is_about_it = told.contains("attribute") || told.contains("extension");
-            assert!(is_about_it && told.contains(":1:1\n"), "{text}\n{told}");
+            let message = error.to_string();
+            let is_about_it = message.contains("attribute") || message.contains("extension");
+            assert!(is_about_it && message.contains(":1:1\n"), "{text}\n{message}");
         }
     }
 }
@@ -155,11 +155,11 @@ fn equal_mistakes_are_grouped_and_counted() {
         assert_eq!(places, expected);
         assert_eq!(error.mistakes().count() + error.unlisted(), equal + 2);
         // The other mistakes are listed, too, and none is left uncounted at the end.
-        let told = error.to_string();
-        assert!(told.contains("\"nobody\"") && told.contains("radius must"), "{told}");
+        let message = error.to_string();
+        assert!(message.contains("\"nobody\"") && message.contains("radius must"), "{message}");
         let counted = format!("(and {} more like this)", equal.saturating_sub(3));
-        assert_eq!(told.contains(&counted), equal > 3, "{told}");
-        assert!(!told.contains("more mistake"), "{told}");
+        assert_eq!(message.contains(&counted), equal > 3, "{message}");
+        assert!(!message.contains("more mistake"), "{message}");
     }
 }
 

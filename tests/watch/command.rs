@@ -81,11 +81,11 @@ fn watch_prints_events_and_writes_the_current_frame() {
         assert!(pixels(&path.join("now.ppm")) == second);
 
         let output = interrupt(child);
-        let told = String::from_utf8(output.stderr).unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
         for expected in
             ["ball.ron: read in", "ball.ron: frame 3: animate", "ball.ron:8:", "the last good scene stays"]
         {
-            assert!(told.contains(expected), "{expected}: {told}");
+            assert!(stderr.contains(expected), "{expected}: {stderr}");
         }
     }
 }
@@ -127,8 +127,8 @@ fn temporarily_unreadable_files_are_read_again() {
         assert!(pixels(&path.join("now.ppm")) == first);
         limit("1000");
         until("the second frame", || pixels(&path.join("now.ppm")) == second);
-        let told = String::from_utf8(interrupt(child).stderr).unwrap();
-        assert_eq!(told.matches("Too many open files").count(), 1, "{told}");
+        let stderr = String::from_utf8(interrupt(child).stderr).unwrap();
+        assert_eq!(stderr.matches("Too many open files").count(), 1, "{stderr}");
     }
 }
 
@@ -156,10 +156,10 @@ fn any_free_port_is_taken_for_0_and_other_names_are_allowed() {
 /// Returns the message for invalid arguments, which must end the command with an error.
 fn refused(folder: &TempDir, arguments: &[&str]) -> String {
     let mut child = watch(folder.path(), arguments).spawn().unwrap();
-    let mut told = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
+    let mut stderr = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
     assert!(!child.wait().unwrap().success());
-    told
+    stderr
 }
 
 #[test]
@@ -168,10 +168,13 @@ fn invalid_ports_and_outputs_are_errors_at_start() {
     fs::write(folder.path().join("ball.ron"), scene(1.0, "")).unwrap();
     let taken = TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
-    let told = refused(&folder, &["ball.ron", "--port", &port]);
-    assert!(told.contains(&format!("cannot serve at port {port}")) && told.contains("--port"), "{told}");
-    let told = refused(&folder, &["ball.ron", "--out", "now.jpeg"]);
-    assert!(told.contains("now.jpeg") && told.contains(".png"), "{told}");
-    let told = refused(&folder, &["ball.ron", "--allow-host", "http://desk/"]);
-    assert!(told.contains("http://desk/") && told.contains("localhost:9000"), "{told}");
+    let stderr = refused(&folder, &["ball.ron", "--port", &port]);
+    assert!(
+        stderr.contains(&format!("cannot serve at port {port}")) && stderr.contains("--port"),
+        "{stderr}"
+    );
+    let stderr = refused(&folder, &["ball.ron", "--out", "now.jpeg"]);
+    assert!(stderr.contains("now.jpeg") && stderr.contains(".png"), "{stderr}");
+    let stderr = refused(&folder, &["ball.ron", "--allow-host", "http://desk/"]);
+    assert!(stderr.contains("http://desk/") && stderr.contains("localhost:9000"), "{stderr}");
 }

@@ -196,9 +196,9 @@ fn broken_files_keep_the_last_good_scene_until_fixed() {
     let whole = scene(0.7, "");
     for (radius, broken) in [(0.7, &whole[..whole.len() / 2]), (0.8, ""), (0.9, "Scene(")] {
         stage.save(broken);
-        let told = stage.breaks();
+        let mistakes = stage.breaks();
         let state = stage.session.handle().state();
-        assert_eq!(state.mistakes.as_ref().map(|mistakes| &mistakes.text), Some(&told));
+        assert_eq!(state.mistakes.as_ref().map(|mistakes| &mistakes.text), Some(&mistakes));
         assert!(state.picture.unwrap().id >= good.info.id);
         // The last good scene can still be viewed.
         stage.seek(7);

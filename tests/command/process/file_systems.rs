@@ -37,9 +37,12 @@ fn full_disk_keeps_complete_frames_and_the_next_run_continues() {
         "$0" verify out --frames 0-23
     "#;
     let Some(output) = in_own_space(folder, true, script) else { return };
-    let told = text(&output.stderr);
-    assert!(output.status.success(), "{told}");
-    assert!(told.contains("No space left on device") && told.contains("cannot write `out/first"), "{told}");
+    let stderr = text(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    assert!(
+        stderr.contains("No space left on device") && stderr.contains("cannot write `out/first"),
+        "{stderr}"
+    );
     let listing = fs::read_to_string(folder.join("listing")).unwrap();
     let written = listing.lines().filter(|name| name.ends_with(".png")).count();
     assert!((1..24).contains(&written), "{listing}");
@@ -62,9 +65,9 @@ fn unwritable_folder_stays_unchanged() {
         [(true, read_only, "Read-only file system"), (false, forbidden, "Permission denied")]
     {
         let Some(output) = in_own_space(folder, mounts, &script) else { continue };
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{told}");
-        assert!(told.contains(reason) && told.contains("cannot write `out/"), "{told}");
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(stderr.contains(reason) && stderr.contains("cannot write `out/"), "{stderr}");
         assert_eq!(files(&folder.join("out")), ["first_light.0000.png"]);
         assert_eq!(fs::read(folder.join("out/first_light.0000.png")).unwrap(), b"mine");
     }
@@ -79,9 +82,9 @@ fn removed_folder_is_reported() {
     until("the first frame", || !pictures(&out).is_empty());
     fs::rename(&out, folder.path().join("gone")).unwrap();
     let output = output_of(rendering.unwrap());
-    let told = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("cannot write `out/first_light."), "{told}");
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("cannot write `out/first_light."), "{stderr}");
     let left = files(&folder.path().join("gone"));
     assert!(left.iter().all(|name| name.starts_with("first_light.")), "{left:?}");
 }

@@ -22,14 +22,14 @@ const RENDERED: [&str; 4] =
 fn failed_writes_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    for (arguments, told) in [
+    for (arguments, expected) in [
         (&["new", "mine.ron"][..], "cannot write `mine.ron`"),
         (&RENDER, "cannot write `out/first_light.sequence.json`"),
         (&["explain", FIRST_LIGHT, "--path", "path.svg"], "cannot write `path.svg`"),
     ] {
         let output = limited(folder, false, arguments);
         assert_eq!(output.status.code(), Some(1));
-        assert!(text(&output.stderr).contains(told), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains(expected), "{}", text(&output.stderr));
     }
     assert_eq!((files(folder), files(&folder.join("out"))), (vec!["out".to_owned()], vec![]));
 }

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::{FIRST_LIGHT, RAYREEL, command, output_of, rayreel, signal, text, told};
+use crate::{FIRST_LIGHT, RAYREEL, command, output_of, rayreel, signal, stdout_of, text};
 
 const CAMERA: &str = "camera: (position: (0, 0, -5), target: (0, 0, 0))";
 
@@ -90,7 +90,7 @@ fn standard_input_is_read_where_supported() {
 fn streams_cannot_be_watched_or_farmed() {
     let folder = tempfile::tempdir().unwrap();
     for stream in ["-", "/dev/stdin", "/dev/fd/0"] {
-        for (arguments, told) in [
+        for (arguments, expected) in [
             (&["watch", stream][..], "cannot be read again"),
             (&["farm", "slurm", stream, "--shards", "2"], "jobs read the scene later"),
         ] {
@@ -101,7 +101,7 @@ fn streams_cannot_be_watched_or_farmed() {
             let output = output_of(child);
             drop(stdin);
             assert_eq!(output.status.code(), Some(1), "{arguments:?}");
-            assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+            assert!(text(&output.stderr).contains(expected), "{arguments:?}: {}", text(&output.stderr));
         }
     }
 }
@@ -115,11 +115,11 @@ fn watcher_and_loader_have_the_same_size_limit() {
             let watched = scene.as_ref().map_or(file, |_| "scene.ron");
             scene.iter().for_each(|scene| fs::write(folder.join("scene.ron"), scene).unwrap());
             let mut child = command(RAYREEL, folder).args(["watch", watched]).spawn().unwrap();
-            let mut told = BufReader::new(child.stderr.take().unwrap());
+            let mut stderr = BufReader::new(child.stderr.take().unwrap());
             // After this message, the watcher has examined the files and watches them.
             let mut lines = String::new();
             while !lines.contains("nothing to show yet") {
-                assert!(told.read_line(&mut lines).unwrap() > 0, "{lines}");
+                assert!(stderr.read_line(&mut lines).unwrap() > 0, "{lines}");
             }
             assert!(lines.contains("is not a file"), "{lines}");
             signal(&child, "TERM");
@@ -193,7 +193,7 @@ fn invalid_frames_and_manifests_are_reported() {
         let scene = format!("(timeline: (fps: 2, duration: 1), film: (width: 16, height: 9), {CAMERA})");
         fs::write(folder.join("a.ron"), scene).unwrap();
         let render = ["render", "a.ron", "--threads=1", "--format", format];
-        told(folder, render);
+        stdout_of(folder, render);
         let (frame, later) =
             (format!("a.0001.{format}").replace("16", ""), format!("a.0007.{format}").replace("16", ""));
         for odd in [Odd::Pipe, Odd::Device, Odd::Long, Odd::Header, Odd::Directory] {
@@ -219,12 +219,12 @@ fn invalid_frames_and_manifests_are_reported() {
     fs::write(folder.join("a.ron"), format!("({CAMERA}, film: (width: 16, height: 9))")).unwrap();
     let manifest = folder.join("out/a/a.sequence.json");
     for odd in [Odd::Pipe, Odd::Device, Odd::Long, Odd::Directory] {
-        told(folder, ["render", "a.ron"]);
+        stdout_of(folder, ["render", "a.ron"]);
         odd.put(&manifest);
         let verified = bounded(folder, &["verify", "out/a"]);
-        let told = text(&verified.stderr);
-        assert_eq!(verified.status.code(), Some(1), "{odd:?}: {told}");
-        assert!(told.contains("cannot read `out/a/a.sequence.json`"), "{odd:?}: {told}");
+        let stderr = text(&verified.stderr);
+        assert_eq!(verified.status.code(), Some(1), "{odd:?}: {stderr}");
+        assert!(stderr.contains("cannot read `out/a/a.sequence.json`"), "{odd:?}: {stderr}");
         if !matches!(odd, Odd::Directory) {
             fs::remove_file(&manifest).unwrap();
         }

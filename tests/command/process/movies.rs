@@ -75,10 +75,10 @@ fn assert_interruptible(folder: &Path, movie: &str, frames: &str, is_under_way: 
             signal(&child, name);
         }
         let output = output_of(child);
-        let (took, told) = (begin.elapsed(), text(&output.stderr));
-        assert_eq!(output.status.code(), Some(code), "{what}: {told}");
+        let (took, stderr) = (begin.elapsed(), text(&output.stderr));
+        assert_eq!(output.status.code(), Some(code), "{what}: {stderr}");
         assert!(took < SOON, "{what}: {took:?}");
-        assert!(told.contains("interrupted: the movie") && !told.contains("error"), "{what}: {told}");
+        assert!(stderr.contains("interrupted: the movie") && !stderr.contains("error"), "{what}: {stderr}");
         assert!(files(&folder.join("movie")).is_empty(), "{what}");
         until(&format!("{what}: ffmpeg goes on"), || !signal_group(leader, "0"));
         let _ = fs::remove_file(folder.join("started"));

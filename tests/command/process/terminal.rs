@@ -159,7 +159,7 @@ fn check(output: &Output, is_csv: bool, what: &str) {
 fn control_characters_are_escaped() {
     let cases = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(5);
     let random = &mut Random(1);
-    let mut told = 0;
+    let mut reported = 0;
     for case in 0..cases {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
@@ -175,7 +175,7 @@ fn control_characters_are_escaped() {
             let is_csv =
                 arguments.contains(&"good.csv".to_owned()) && !arguments.contains(&"--json".to_owned());
             let output = rayreel(folder, &arguments);
-            told += usize::from(!output.stderr.is_empty());
+            reported += usize::from(!output.stderr.is_empty());
             check(&output, is_csv, &format!("case {case}, {arguments:?}"));
             if arguments.contains(&"--json".to_owned())
                 && output.status.success()
@@ -186,10 +186,10 @@ fn control_characters_are_escaped() {
         }
         for text in bad {
             fs::write(folder.join(&scene), &text).unwrap();
-            told += check_bad(folder, &scene, &text);
+            reported += check_bad(folder, &scene, &text);
         }
     }
-    assert!(told > 20 * cases, "{told} of {cases} cases told anything");
+    assert!(reported > 20 * cases, "{reported} of {cases} cases reported anything");
 }
 
 /// Checks an invalid scene, and returns the number of commands with messages.
@@ -226,10 +226,10 @@ fn own_messages_are_not_escaped() {
     for (name, scene) in TOLD {
         fs::write(folder.join(name), scene).unwrap();
         for command in ["check", "render", "explain"] {
-            let told = text(&rayreel(folder, [command, name]).stderr);
-            assert!(!told.contains("\\n") && !told.contains("\\u{"), "{command} {name}: {told}");
-            let lines = told.lines().filter(|line| line.contains(name) || line.contains("help: "));
-            assert!(lines.count() >= 2 || command == "explain", "{command} {name}: {told}");
+            let stderr = text(&rayreel(folder, [command, name]).stderr);
+            assert!(!stderr.contains("\\n") && !stderr.contains("\\u{"), "{command} {name}: {stderr}");
+            let lines = stderr.lines().filter(|line| line.contains(name) || line.contains("help: "));
+            assert!(lines.count() >= 2 || command == "explain", "{command} {name}: {stderr}");
             // A pseudo-terminal, where `script` is installed.
             let line = format!("{} {command} {name}", crate::RAYREEL);
             let mut terminal = crate::command("script", folder);
