@@ -50,32 +50,32 @@ struct Picture {
 
 /// Counts of measurements: all, within the target, within the target or reported, and with a close estimate.
 #[derive(Default)]
-struct Met {
+struct TargetTally {
     points: u32,
-    met: u32,
+    within: u32,
     honest: u32,
     close: u32,
 }
 
-impl Met {
+impl TargetTally {
     fn add(
         &mut self,
         found: f64,
         target: f32,
         EstimatedError { value, deviation, hidden }: EstimatedError,
     ) -> bool {
-        let is_met = found <= f64::from(target);
+        let is_within = found <= f64::from(target);
         self.points += 1;
-        self.met += u32::from(is_met);
-        self.honest += u32::from(is_met || found <= (value + 2.0 * deviation).hypot(hidden));
+        self.within += u32::from(is_within);
+        self.honest += u32::from(is_within || found <= (value + 2.0 * deviation).hypot(hidden));
         self.close += u32::from((0.8..=2.0).contains(&(value / found)) || found < 0.05);
-        is_met
+        is_within
     }
 
-    fn tell(&self) {
-        let Self { points, met, honest, close } = self;
+    fn print(&self) {
+        let Self { points, within, honest, close } = self;
         println!(
-            "\n{met} of {points} within the target; {honest} so or reported; {close} estimates between 0.8 and 2 times the error"
+            "\n{within} of {points} within the target; {honest} within it or reported; {close} estimates between 0.8 and 2 times the error"
         );
     }
 }
@@ -90,16 +90,16 @@ fn main() {
         Subject { name, engine, alpha: scene.alpha, reference: REFERENCE[0] }
     });
     let subjects = hard.chain(shipped()).filter(|subject| wants(&subject.name));
-    if run.is_empty() { prices(subjects) } else { runs(subjects) }
+    if run.is_empty() { measure_costs(subjects) } else { runs(subjects) }
 }
 
 /// Measures the error and the cost of one frame of each subject, on one thread, and prints a table.
-fn prices(subjects: impl Iterator<Item = Subject>) {
+fn measure_costs(subjects: impl Iterator<Item = Subject>) {
     println!(
         "| scene | target | true error | estimate | samples a pixel | cheapest uniform | rays / its | time / its |"
     );
     println!("|---|---|---|---|---|---|---|---|");
-    let (mut met, mut prices) = (Met::default(), Vec::new());
+    let (mut tally, mut costs) = (TargetTally::default(), Vec::new());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for mut subject in subjects {
         let (name, reference) = (subject.name.clone(), reference(&mut subject, FRAME));
@@ -145,23 +145,23 @@ fn prices(subjects: impl Iterator<Item = Subject>) {
             let cheapest = uniform.iter().find(|(_, error, _)| *error <= f64::from(target));
             let price = cheapest.map_or("| more than 512 | | |".to_owned(), |(count, error, cheapest)| {
                 let price = picture.seconds / cheapest.seconds;
-                prices.push(price);
+                costs.push(price);
                 format!("| {count} ({error:.2}) | {:.2} | {price:.2} |", picture.rays / cheapest.rays)
             });
-            let mark = if met.add(found, target, estimate) { "" } else { " !" };
+            let mark = if tally.add(found, target, estimate) { "" } else { " !" };
             println!(
                 "| {} | {target} | {found:.2}{mark} | {:.2} ± {:.2} + {:.2} | {samples:.1} {price}",
                 name, estimate.value, estimate.deviation, estimate.hidden
             );
         }
     }
-    met.tell();
-    prices.sort_by(f64::total_cmp);
-    if let (Some(median), Some(most)) = (prices.get(prices.len() / 2), prices.last()) {
-        let dear = prices.iter().filter(|price| **price > 1.3).count();
+    tally.print();
+    costs.sort_by(f64::total_cmp);
+    if let (Some(median), Some(most)) = (costs.get(costs.len() / 2), costs.last()) {
+        let dear = costs.iter().filter(|price| **price > 1.3).count();
         println!(
             "time / that of the cheapest uniform: median {median:.2}, most {most:.2}, above 1.3 in {dear} of {} points",
-            prices.len()
+            costs.len()
         );
     }
 }
@@ -170,7 +170,7 @@ fn prices(subjects: impl Iterator<Item = Subject>) {
 fn runs(subjects: impl Iterator<Item = Subject>) {
     println!("| scene | target | true errors, seed by seed | estimates |");
     println!("|---|---|---|---|");
-    let mut met = Met::default();
+    let mut tally = TargetTally::default();
     for mut subject in subjects {
         let (reference, transfer) = (reference(&mut subject, FRAME), subject.engine.film_settings().transfer);
         for target in TARGETS {
@@ -184,14 +184,14 @@ fn runs(subjects: impl Iterator<Item = Subject>) {
                 };
                 let picture = render(&mut subject, FRAME, settings);
                 let found = FilmError::between(&picture.film, &reference, transfer).rms;
-                let mark = if met.add(found, target, picture.estimate.unwrap()) { "" } else { "!" };
+                let mark = if tally.add(found, target, picture.estimate.unwrap()) { "" } else { "!" };
                 errors.push(format!("{found:.2}{mark}"));
                 estimates.push(format!("{:.2}", picture.estimate.unwrap().value));
             }
             println!("| {} | {target} | {} | {} |", subject.name, errors.join(" "), estimates.join(" "));
         }
     }
-    met.tell();
+    tally.print();
 }
 
 fn reference(subject: &mut Subject, frame: u32) -> Film {

@@ -160,7 +160,7 @@ fn invalid_farm_arguments_are_reported() {
     let folder = folder();
     let few = r#"{"frames": [{"frame": 0, "time": 0, "samples": 1, "max_error": 0}]}"#;
     fs::write(folder.path().join("few.json"), few).unwrap();
-    for (more, said) in [
+    for (more, expected) in [
         (&["--shards", "9"][..], "9 shards of 8 frames leave some without any"),
         (&["--shards", "0"], "0 is not in 1..=10000"),
         (&["--shards", "2", "--", "--shard", "0/2"], "--shard is not for farms: each job gets its own"),
@@ -179,7 +179,7 @@ fn invalid_farm_arguments_are_reported() {
         let output = rayreel(folder.path(), ["farm", "slurm", "it's a $HOME.ron"].iter().chain(more));
         assert!(!output.status.success() && output.stdout.is_empty(), "{more:?}");
         let stderr = text(&output.stderr);
-        assert!(stderr.contains(said), "{more:?}: {stderr}");
+        assert!(stderr.contains(expected), "{more:?}: {stderr}");
         assert!(!stderr.contains("\\n\\n") && stderr.matches("error:").count() == 1, "{more:?}: {stderr}");
     }
 }

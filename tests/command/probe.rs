@@ -97,13 +97,14 @@ fn means_of_samples(engine: &mut Engine, time: Time, film: &Film) -> Vec<rayreel
 /// Copies a scene to `folder` with one sample per pixel, so that the bytes of a sample are the bytes of its pixel.
 fn with_one_sample(path: &Path, folder: &Path) -> PathBuf {
     let scene = fs::read_to_string(path).unwrap();
-    let kept: Vec<&str> = scene.lines().filter(|line| !line.trim().starts_with("sampling:")).collect();
+    let lines: Vec<&str> = scene.lines().filter(|line| !line.trim().starts_with("sampling:")).collect();
     let copy = folder.join(path.file_name().unwrap());
     // Paths of referenced files lead to the original folder.
-    let beside = path.parent().unwrap().display();
+    let directory = path.parent().unwrap().display();
     let naming = ["(file: \"", "File(\""];
-    let text =
-        naming.iter().fold(kept.join("\n"), |text, start| text.replace(start, &format!("{start}{beside}/")));
+    let text = naming
+        .iter()
+        .fold(lines.join("\n"), |text, start| text.replace(start, &format!("{start}{directory}/")));
     fs::write(&copy, text).unwrap();
     copy
 }

@@ -57,7 +57,7 @@ fn covered_light_and_background_add_up_to_the_picture() {
         }
         assert_eq!(engine.report().fingerprint, report.fingerprint);
         let background = picture.pixel(0, 0);
-        let (mut none, mut partly, mut whole) = (0, 0, 0);
+        let (mut none, mut partly, mut opaque) = (0, 0, 0);
         for ((picture, light), alpha) in picture.pixels().iter().zip(light.pixels()).zip(alpha.pixels()) {
             match *alpha {
                 0.0 => {
@@ -66,7 +66,7 @@ fn covered_light_and_background_add_up_to_the_picture() {
                 }
                 1.0 => {
                     assert_eq!(picture, light);
-                    whole += 1;
+                    opaque += 1;
                 }
                 share => {
                     let over = light + (1.0 - share) * background;
@@ -75,8 +75,8 @@ fn covered_light_and_background_add_up_to_the_picture() {
                 }
             }
         }
-        assert!(none > 200 && whole > 500, "{none} {partly} {whole}");
-        assert_eq!(partly > 30, samples > 1, "{none} {partly} {whole}");
+        assert!(none > 200 && opaque > 500, "{none} {partly} {opaque}");
+        assert_eq!(partly > 30, samples > 1, "{none} {partly} {opaque}");
     }
 }
 
@@ -106,13 +106,13 @@ fn hits_cover_the_background() {
     let scene = Scene::from_text("glass.ron", GLASS.to_owned()).unwrap_or_else(|error| panic!("{error}"));
     let mut glass = Engine::from_scene(scene);
     let alpha = render(&mut glass, Time::ZERO).alpha.unwrap();
-    let (passes, mut met) = (glass.passes(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap(), 0);
+    let (passes, mut hits) = (glass.passes(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap(), 0);
     for (alpha, pass) in alpha.pixels().iter().zip(passes) {
-        let is_met = pass.id > 0;
-        assert_eq!(*alpha, f32::from(u8::from(is_met)));
-        met += u32::from(is_met);
+        let is_hit = pass.id > 0;
+        assert_eq!(*alpha, f32::from(u8::from(is_hit)));
+        hits += u32::from(is_hit);
     }
-    assert!(met > 100 && met < SIZE.0 * SIZE.1, "{met}");
+    assert!(hits > 100 && hits < SIZE.0 * SIZE.1, "{hits}");
 }
 
 #[test]

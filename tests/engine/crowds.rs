@@ -69,7 +69,7 @@ fn crowd(seed: u64) -> (World, Vec<Entity>) {
 
 /// Changes some entities, mostly by a small move. Rarely, an entity moves far away or onto another one, or becomes invisible because its
 /// size is 0 or its position is not finite. Rarely, an entity is added, removed, hidden or shown again.
-fn disturb(context: &mut Context<'_>, crowd: &[Entity]) {
+fn move_some(context: &mut Context<'_>, crowd: &[Entity]) {
     let mut random = Random(context.time.seconds().to_bits());
     for _ in 0..random.index(COUNT / 20) {
         let (one, other) = (crowd[random.index(COUNT)], crowd[random.index(COUNT)]);
@@ -118,7 +118,7 @@ fn disturb(context: &mut Context<'_>, crowd: &[Entity]) {
 fn engine(seed: u64) -> Engine {
     let (world, crowd) = crowd(seed);
     let mut engine = Engine::new(world);
-    engine.add_stepped_system(Step::per_second(24), move |context| disturb(context, &crowd));
+    engine.add_stepped_system(Step::per_second(24), move |context| move_some(context, &crowd));
     engine
 }
 

@@ -70,10 +70,10 @@ fn cancelled_frames_return_no_bytes() {
     let cancelled = AtomicBool::new(true);
     let mut engine = engine("width: 64, height: 48", "");
     let transfer = engine.film_settings().transfer;
-    let whole = || RenderRequest::encoded(Time::ZERO, transfer);
-    let request = RenderRequest { signals: Signals::unless(&cancelled), ..whole() };
+    let request_all = || RenderRequest::encoded(Time::ZERO, transfer);
+    let request = RenderRequest { signals: Signals::unless(&cancelled), ..request_all() };
     assert!(engine.render(request).unwrap().is_none());
     let film = engine.render_at(Time::ZERO).unwrap();
-    let encoded = engine.render(whole()).unwrap().unwrap().film;
+    let encoded = engine.render(request_all()).unwrap().unwrap().film;
     assert!(encoded.bytes() == bytes(&film, transfer));
 }

@@ -205,8 +205,8 @@ fn scene(words: &[(&str, String)]) -> String {
     let mut plain: Vec<_> = PLAIN.iter().collect();
     plain.sort_by_key(|(word, _)| std::cmp::Reverse(word.len()));
     plain.iter().fold(SCENE.to_owned(), |text, (word, default)| {
-        let said = words.iter().find(|(said, _)| said == word).map_or(*default, |(_, value)| value);
-        text.replace(&format!("@{word}"), said)
+        let value = words.iter().find(|(name, _)| name == word).map_or(*default, |(_, value)| value);
+        text.replace(&format!("@{word}"), value)
     })
 }
 

@@ -268,9 +268,9 @@ fn put(world: &mut World, entity: Entity, looks: &Looks) {
 
 fn world(things: &[Thing], settings: &Settings) -> World {
     let mut world = World::new();
-    let gone = world.spawn(());
+    let removed = world.spawn(());
     let mut entities: Vec<Entity> = things.iter().map(|_| world.spawn(())).collect();
-    entities.push(gone);
+    entities.push(removed);
     for (thing, entity) in things.iter().zip(&entities) {
         if let Some(shape) = thing.shape {
             world.insert_one(*entity, shape).unwrap();
@@ -297,7 +297,7 @@ fn world(things: &[Thing], settings: &Settings) -> World {
         settings.sampling,
         FilmSettings { width, height, ..FilmSettings::default() },
     ));
-    let active = settings.camera.map_or(gone, |camera| world.spawn((camera,)));
+    let active = settings.camera.map_or(removed, |camera| world.spawn((camera,)));
     if let Some(followed) = &settings.follows {
         world.insert_one(active, Follow(*followed.get(&entities))).unwrap();
     }
@@ -307,7 +307,7 @@ fn world(things: &[Thing], settings: &Settings) -> World {
     if settings.shots {
         world.insert_one(scene, Shots(vec![Shot { start: 0.0, camera: active }])).unwrap();
     }
-    world.despawn(gone).unwrap();
+    world.despawn(removed).unwrap();
     world
 }
 
@@ -412,7 +412,7 @@ fn clay() -> Material {
 }
 
 /// Returns the message and the remedy of an entity's only fault.
-fn said(build: impl FnOnce(&mut World) -> Entity) -> (String, String) {
+fn message_of(build: impl FnOnce(&mut World) -> Entity) -> (String, String) {
     let mut world = World::new();
     let entity = build(&mut world);
     let mut engine = Engine::new(world);
@@ -431,7 +431,7 @@ fn faults_have_messages_and_remedies() {
     let at = |x: f64| Transform::from_translation(DVec3::new(x, 0.0, 0.0));
     let scaled = |scale: f64| Transform { scale: DVec3::splat(scale), ..Transform::IDENTITY };
     let message =
-        |shape: Shape, transform: Transform| said(|world| world.spawn((shape, transform, clay()))).0;
+        |shape: Shape, transform: Transform| message_of(|world| world.spawn((shape, transform, clay()))).0;
     assert_eq!(message(Shape::Sphere { radius: 0.0 }, at(0.0)), "is not drawn: its radius is 0");
     assert_eq!(message(ball, at(f64::NAN)), "is not drawn: its translation is not finite");
     assert_eq!(message(ball, scaled(0.0)), "is not drawn: its scale has a factor of 0");
@@ -445,19 +445,19 @@ fn faults_have_messages_and_remedies() {
         "is not drawn: its edge of 1 is lost at 1e17, where numbers are 16 apart"
     );
     let (fault, remedy) =
-        said(|world| world.spawn((Shape::Box { size: DVec3::splat(1e-10) }, at(1e7), clay())));
+        message_of(|world| world.spawn((Shape::Box { size: DVec3::splat(1e-10) }, at(1e7), clay())));
     assert_eq!(
         fault,
         "is not drawn: its edge of 1e-10 is lost at 1e7, where numbers are 1.862645149230957e-9 apart"
     );
     assert_eq!(remedy, "make it longer than 1.862645149230957e-9, or bring it nearer to the origin");
 
-    let bare = said(|world| world.spawn((ball,)));
+    let bare = message_of(|world| world.spawn((ball,)));
     assert_eq!(
         bare,
         ("is not drawn: it has a shape but no material".to_owned(), "give it a material".to_owned())
     );
-    let through_parents = said(|world| {
+    let through_parents = message_of(|world| {
         let parent = world.spawn((scaled(1e200),));
         world.spawn((ball, scaled(1e200), Parent(parent), clay()))
     });
@@ -468,23 +468,26 @@ fn faults_have_messages_and_remedies() {
             "let its parents move and scale it less".to_owned()
         )
     );
-    let dark = said(|world| {
+    let dark = message_of(|world| {
         world.spawn((
             Light::new(LightKind::Spot { angle: -1.0, softness: 0.0 }, Rgb::ONE),
             Transform::IDENTITY,
         ))
     });
     assert_eq!(dark.0, "gives no light: its angle is -57.295779513");
-    let (bright, remedy) = said(|world| {
+    let (bright, remedy) = message_of(|world| {
         world.spawn((Light::new(LightKind::Point, Rgb::new(1.0, f32::NAN, 0.0)), Transform::IDENTITY))
     });
     assert_eq!(bright, "is not as it says: its intensity is NaN, and counts as 0");
     assert_eq!(remedy, "keep it 0 or more, and finite");
-    let blind = said(|world| world.spawn((Camera { position: DVec3::NAN, ..Camera::default() },)));
+    let blind = message_of(|world| world.spawn((Camera { position: DVec3::NAN, ..Camera::default() },)));
     assert_eq!(blind.0, "sees nothing: its place is not finite");
     let flat = Camera { projection: Projection::FieldOfView { vertical: 0.0 }, ..Camera::default() };
-    assert_eq!(said(|world| world.spawn((flat,))).0, "shows a distorted picture: its field of view is 0");
-    let shallow = said(|world| world.spawn((Quality { depth: 0, cutoff: 0.0 },)));
+    assert_eq!(
+        message_of(|world| world.spawn((flat,))).0,
+        "shows a distorted picture: its field of view is 0"
+    );
+    let shallow = message_of(|world| world.spawn((Quality { depth: 0, cutoff: 0.0 },)));
     assert_eq!(shallow.0, "is not as it says: its depth is 0, and counts as 1");
 }
 

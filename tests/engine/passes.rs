@@ -28,7 +28,7 @@ fn passes_equal_the_reference_path() {
             (passes.len(), &repeated),
             (film.pixels().len(), &FrameReport { trace: repeated.trace, ..report })
         );
-        let mut met = 0;
+        let mut hits = 0;
         for (index, pass) in (0..).zip(&passes) {
             let tree = engine.probe(Time::ZERO, (index % 24, index / 24), 0).unwrap().unwrap();
             let traced = &tree.rays[0];
@@ -41,12 +41,12 @@ fn passes_equal_the_reference_path() {
                     let distance = glam::DVec3::splat(surface.distance(&traced.ray));
                     assert_eq!(pass.distance, rounded(distance)[0]);
                     assert!(pass.id > 0 && pass.albedo.min_element() >= 0.0);
-                    met += 1;
+                    hits += 1;
                 }
                 _ => assert_eq!(*pass, PassPixel::NOTHING),
             }
         }
-        assert!(met > 50, "{scene}");
+        assert!(hits > 50, "{scene}");
     }
 }
 

@@ -202,11 +202,11 @@ fn scripts_run_after_their_inputs() {
     ));
     follows.seek("1".parse().unwrap()).unwrap();
     let ring = r#"(target: "camera", channel: Position, track: Script("value(`camera`, `View`)"))"#;
-    let found = complaint(&format!("Scene({HEAD} {balls} animate: [{ring}])"));
+    let found = error_text(&format!("Scene({HEAD} {balls} animate: [{ring}])"));
     assert!(found.contains("a ring of scripts"), "{found}");
     let both = r#"(target: "camera", channel: Target, track: Script("[t, 0, 0]")),
         (target: "camera", channel: View, track: Keys([(0, (0, 0, 1))]))"#;
-    let found = complaint(&format!("Scene({HEAD} {balls} animate: [{both}])"));
+    let found = error_text(&format!("Scene({HEAD} {balls} animate: [{both}])"));
     assert!(found.contains("both Target and View of one camera are animated"), "{found}");
 }
 
@@ -262,14 +262,14 @@ fn scripts_with_thousands_of_reads_are_limited() {
                 "let s = [0, 0, 0]; for i in 0..{count} {{ s += value(`b${{i}}`, `Translation`); }} s"))])"#
         )
     };
-    let found = complaint(&scene(6000));
+    let found = error_text(&scene(6000));
     assert!(found.contains("this takes too long"), "{found}");
-    let found = complaint(&scene(200));
+    let found = error_text(&scene(200));
     assert!(found.starts_with("nothing is wrong"), "{found}");
 }
 
 /// Returns balls whose scripts each run for some milliseconds.
-fn laborious(balls: usize) -> String {
+fn slow_scripts(balls: usize) -> String {
     let entities: String = (0..balls)
         .map(|ball| format!("(name: \"b{ball}\", shape: Sphere(radius: 1), material: \"clay\"),"))
         .collect();
@@ -289,7 +289,7 @@ fn render_unless(engine: &mut Engine, time: &str, cancelled: &AtomicBool) -> Opt
 
 #[test]
 fn a_frame_is_cancelled_while_its_scripts_run() {
-    let text = laborious(4000);
+    let text = slow_scripts(4000);
     let mut engine = engine(&text);
     let cancelled = AtomicBool::new(false);
     let (film, other, waited) = std::thread::scope(|scope| {
@@ -308,7 +308,7 @@ fn a_frame_is_cancelled_while_its_scripts_run() {
 
 #[test]
 fn cancelled_frames_change_nothing() {
-    let text = laborious(3);
+    let text = slow_scripts(3);
     let mut engine = engine(&text);
     engine.render_at("1".parse().unwrap()).unwrap();
     let cancelled = AtomicBool::new(true);
@@ -466,7 +466,7 @@ fn files_hold_scripts_too() {
 }
 
 /// Returns the error of loading a scene or rendering its frames, which must take less than 2 seconds of processor time.
-fn complaint(text: &str) -> String {
+fn error_text(text: &str) -> String {
     let start = Spent::now();
     let found = match Scene::from_text("scene.ron", text.to_owned()) {
         Err(error) => error.to_string(),
@@ -496,12 +496,12 @@ fn every_bad_script_has_its_message() {
     assert!(scenes.len() >= 20);
     let mut wrong = Vec::new();
     for path in scenes {
-        let found = complaint(&fs::read_to_string(&path).unwrap()) + "\n";
-        let beside = path.with_extension("message");
+        let found = error_text(&fs::read_to_string(&path).unwrap()) + "\n";
+        let message_file = path.with_extension("message");
         if std::env::var_os("RAYREEL_BLESS").is_some() {
-            fs::write(&beside, &found).unwrap();
+            fs::write(&message_file, &found).unwrap();
         }
-        let expected = fs::read_to_string(&beside).unwrap_or_default();
+        let expected = fs::read_to_string(&message_file).unwrap_or_default();
         if found != expected {
             wrong.push(format!("{}\n--- expected\n{expected}\n--- found\n{found}", path.display()));
         }

@@ -506,11 +506,11 @@ fn incomplete_requests_time_out() {
     }
     sleep(Duration::from_secs(6));
     preview.save(&SCENE.replace("radius: 1", "radius: 1.3"));
-    let mut heard = String::new();
+    let mut received = String::new();
     let mut lines = BufReader::new(page);
-    while !heard.contains("\"reloads\":2") {
-        heard.clear();
-        assert!(lines.read_line(&mut heard).unwrap() > 0);
+    while !received.contains("\"reloads\":2") {
+        received.clear();
+        assert!(lines.read_line(&mut received).unwrap() > 0);
     }
     let large = "x".repeat(1 << 20);
     assert_eq!(request(preview.port, "POST", "/view", &[("Host", &host)], &large).status, 408);

@@ -44,8 +44,8 @@ impl Taken {
 
 /// Runs `rayreel` in a folder. It must succeed or report an error, within the limits.
 pub(crate) fn rayreel(folder: &Path, arguments: &[&str]) -> Result<Taken, TestCaseError> {
-    let said = folder.join("said");
-    let output = File::create(&said).unwrap();
+    let log = folder.join("log");
+    let output = File::create(&log).unwrap();
     let limited = format!("ulimit -v {MEMORY}; ulimit -t {TIME}; exec \"$0\" \"$@\"");
     let start = Instant::now();
     let mut child = Command::new("sh")
@@ -68,18 +68,18 @@ pub(crate) fn rayreel(folder: &Path, arguments: &[&str]) -> Result<Taken, TestCa
         memory = peak(child.id()).unwrap_or(memory);
         thread::sleep(Duration::from_millis(1));
     };
-    let said = String::from_utf8_lossy(&fs::read(said).unwrap()).into_owned();
-    let end: String = said.chars().rev().take(2000).collect::<Vec<_>>().into_iter().rev().collect();
+    let message = String::from_utf8_lossy(&fs::read(log).unwrap()).into_owned();
+    let end: String = message.chars().rev().take(2000).collect::<Vec<_>>().into_iter().rev().collect();
     prop_assert!(matches!(status.code(), Some(0 | 1)), "{} after {:?}: {}", status, start.elapsed(), end);
-    prop_assert!(!said.contains("panicked at"), "{}", end);
-    prop_assert!(status.success() || said.contains("error: "), "nothing says what is wrong: {}", end);
-    prop_assert!(said.len() as u64 <= MESSAGES, "{} bytes are said", said.len());
+    prop_assert!(!message.contains("panicked at"), "{}", end);
+    prop_assert!(status.success() || message.contains("error: "), "nothing says what is wrong: {}", end);
+    prop_assert!(message.len() as u64 <= MESSAGES, "{} bytes are printed", message.len());
     Ok(Taken {
         runs: 1,
         accepted: u64::from(status.success()),
         time: start.elapsed(),
         memory,
-        messages: said.len() as u64,
+        messages: message.len() as u64,
     })
 }
 

@@ -159,12 +159,12 @@ const LONGEST: usize = 1 << 20;
 
 /// Generates a few edits, either of numbers alone, so that many texts stay valid scenes, or of any kind.
 pub(crate) fn edits(scenes: &[Files]) -> impl Strategy<Value = Vec<Edit>> + use<> {
-    let any = edit(vocabulary(scenes));
+    let any = edit(words_of(scenes));
     prop_oneof![prop::collection::vec(likely_number(), 1..4), prop::collection::vec(any, 1..6)]
 }
 
 /// Returns all words of the texts.
-fn vocabulary(scenes: &[Files]) -> Vec<String> {
+fn words_of(scenes: &[Files]) -> Vec<String> {
     let mut words = BTreeSet::new();
     for (_, bytes) in scenes.iter().flat_map(|files| &files.0) {
         let texts =

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestCaseResult, TestRunner};
 
 /// Returns a number from the environment.
-pub(crate) fn asked(name: &str) -> Option<u64> {
+pub(crate) fn variable(name: &str) -> Option<u64> {
     Some(std::env::var(name).ok()?.parse().unwrap_or_else(|_| panic!("{name} is not a number")))
 }
 
@@ -29,10 +29,10 @@ pub(crate) fn fuzz<S: Strategy>(
         let outcome = TestRunner::new(config).run(strategy, &check);
         outcome.unwrap_or_else(|error| panic!("{what}, RAYREEL_FUZZ_SEED={seed}: {error}"));
     };
-    let cases = asked("RAYREEL_CASES").map_or(few, |cases| u32::try_from(cases).unwrap());
+    let cases = variable("RAYREEL_CASES").map_or(few, |cases| u32::try_from(cases).unwrap());
     let fresh = || SystemTime::UNIX_EPOCH.elapsed().map_or(0, |elapsed| elapsed.as_secs() * 1000);
-    let seconds = asked("RAYREEL_FUZZ_SECONDS").map(Duration::from_secs);
-    match (asked("RAYREEL_FUZZ_SEED"), seconds) {
+    let seconds = variable("RAYREEL_FUZZ_SECONDS").map(Duration::from_secs);
+    match (variable("RAYREEL_FUZZ_SEED"), seconds) {
         (Some(seed), _) => run(seed, cases),
         (None, Some(duration)) => {
             let start = Instant::now();
@@ -45,7 +45,7 @@ pub(crate) fn fuzz<S: Strategy>(
             }
             println!("{what}: {} cases", (seed - first) * u64::from(cases));
         }
-        (None, None) if asked("RAYREEL_CASES").is_some() => {
+        (None, None) if variable("RAYREEL_CASES").is_some() => {
             let seed = fresh();
             println!("{what}: seed {seed}");
             run(seed, cases);

@@ -10,20 +10,20 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
+mod animations;
+mod cameras;
 #[cfg(unix)]
 mod command;
 mod edits;
+mod entities;
 mod files;
 mod fuzz;
-mod masses;
-mod moves;
+mod large_scenes;
 mod parts;
 mod scripts;
 #[path = "../processor_time/spent.rs"]
 mod spent;
-mod things;
 mod values;
-mod views;
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ use proptest::test_runner::{TestCaseError, TestCaseResult};
 use edits::{Edit, edits, with_little_effort};
 use files::{Files, SCENE, good_scenes, refused_scenes};
 use fuzz::fuzz;
-use masses::masses;
+use large_scenes::large_scenes;
 use parts::parts;
 use rayreel::components::FilmSettings;
 use rayreel::scene::LoadError;
@@ -162,7 +162,7 @@ fn random_scenes_do_not_panic() {
 
 #[test]
 fn large_scenes_do_not_panic() {
-    fuzz("masses", 60, &(masses(1000), 0..10u32), |(files, frame)| {
+    fuzz("large scenes", 60, &(large_scenes(1000), 0..10u32), |(files, frame)| {
         files.check(|folder| check_files(folder, frame))
     });
 }
@@ -180,7 +180,7 @@ fn any_scene() -> impl Strategy<Value = Files> {
         12 => edited_scenes(),
         3 => parts().prop_map(|parts| Files::of_text(parts.text())),
         3 => good_parts().prop_map(|parts| Files::of_text(parts.text())),
-        1 => masses(20_000),
+        1 => large_scenes(20_000),
     ]
 }
 
@@ -197,13 +197,13 @@ fn run_command(what: &str, few: u32, arguments: impl Strategy<Value = Vec<&'stat
 
 #[test]
 #[cfg(unix)]
-fn check_bears_any_scene() {
+fn check_accepts_any_scene() {
     run_command("check", 100, Just(vec!["check", SCENE]));
 }
 
 #[test]
 #[cfg(unix)]
-fn render_bears_any_scene() {
+fn render_accepts_any_scene() {
     let moment = prop::sample::select(vec!["0s", "0.7s", "1.37s", "12.5s"]);
     let arguments = moment.prop_map(|moment| vec!["render", SCENE, "--size", "32x18", "--at", moment]);
     run_command("render", 40, arguments);

@@ -3,11 +3,11 @@
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 
-use super::moves::{animation, spawning};
+use super::animations::{animation, spawning};
+use super::cameras::{background, camera, effort, fog, shots};
+use super::entities::{entity, material};
 use super::read;
-use super::things::{entity, material};
 use super::values::intensity;
-use super::views::{background, camera, effort, fog, shots};
 
 /// Number of cameras in addition to the one in `camera`.
 const CAMERAS: usize = 2;

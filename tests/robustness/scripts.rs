@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use proptest::prelude::*;
 
-use super::fuzz::{asked, fuzz};
+use super::fuzz::{fuzz, variable};
 use super::read;
 use super::spent::Spent;
 use rayreel::{Engine, EngineError};
@@ -353,6 +353,6 @@ fn random_scripts_do_not_panic() {
     println!("{} random scripts can be run", good.into_inner());
     if let Some(peak) = peak_memory() {
         println!("peak memory {} MiB", peak >> 10);
-        assert!(asked("RAYREEL_FUZZ_SECONDS").is_some() || peak < MEMORY, "{peak} KiB");
+        assert!(variable("RAYREEL_FUZZ_SECONDS").is_some() || peak < MEMORY, "{peak} KiB");
     }
 }

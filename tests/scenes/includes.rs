@@ -473,7 +473,7 @@ fn repeated_includes_read_a_file_once() {
 
 #[test]
 #[cfg(unix)]
-fn what_never_ends_is_not_included() {
+fn endless_files_are_not_included() {
     let scene = format!("({CAMERA}, include: [(file: \"/dev/zero\")])");
     let error = refused(&folder(&[("scene.ron", &scene)]));
     assert_eq!(messages(&error), ["`/dev/zero` is not a file"]);

@@ -287,18 +287,18 @@ fn faults(change: &Change) -> Vec<String> {
     for mistake in error.mistakes() {
         let diagnostic = mistake.diagnostic;
         let help = diagnostic.help.clone().unwrap_or_default();
-        let said = [&diagnostic.message, &diagnostic.label, &help].map(String::as_str).join("\n");
-        let forbidden = FORBIDDEN.iter().find(|word| has_word(&said, word));
+        let message = [&diagnostic.message, &diagnostic.label, &help].map(String::as_str).join("\n");
+        let forbidden = FORBIDDEN.iter().find(|word| has_word(&message, word));
         faults.extend(forbidden.map(|word| format!("says `{word}`")));
         for phrase in ["r#", "base 10", "unit v", "_[", "opening `", "closing `"] {
-            if said.contains(phrase) && !change.text.contains(phrase) {
+            if message.contains(phrase) && !change.text.contains(phrase) {
                 faults.push(format!("says {phrase}"));
             }
         }
         if help.is_empty() {
             faults.push("has no remedy".to_owned());
         }
-        if said.len() > 600 {
+        if message.len() > 600 {
             faults.push("says too much".to_owned());
         }
         let marked = diagnostic.span.clone().unwrap_or_default();
@@ -358,8 +358,8 @@ fn long_inputs_have_short_messages() {
             for mistake in error.mistakes() {
                 let diagnostic = mistake.diagnostic;
                 let help = diagnostic.help.as_deref().unwrap_or_default();
-                let said = [diagnostic.message.len(), diagnostic.label.len(), help.len()];
-                assert!(said.iter().all(|length| *length < 810), "{said:?}");
+                let lengths = [diagnostic.message.len(), diagnostic.label.len(), help.len()];
+                assert!(lengths.iter().all(|length| *length < 810), "{lengths:?}");
             }
         }
     }

@@ -58,7 +58,7 @@ fn rich(samples: u32, instants: u32) -> String {
 fn cheaper_drafts_trace_fewer_rays_and_keep_the_scene() {
     let mut engine = engine(rich(4, 2));
     let (time, never) = (engine.timeline().time_of(3), AtomicBool::new(false));
-    let whole = engine.render_at(time).unwrap();
+    let full = engine.render_at(time).unwrap();
     let plain = RenderSettings { max_light_samples: Some(1), depth: Some(2), ..sized(1) };
     let bare = RenderSettings { without: [Effect::Shadows].into(), depth: Some(1), ..plain };
     let mut last = u64::MAX;
@@ -69,8 +69,8 @@ fn cheaper_drafts_trace_fewer_rays_and_keep_the_scene() {
         assert!(rays.total() < last, "{draft:?}");
         assert!(draft.without.is_empty() || (rays.shadow, rays.refraction) == (0, 0), "{draft:?}");
         last = rays.total();
-        // A normal render afterwards shows the whole scene.
-        assert_eq!(engine.render_at(time).unwrap(), whole);
+        // A normal render afterwards shows the full scene.
+        assert_eq!(engine.render_at(time).unwrap(), full);
     }
     assert_eq!(last, 1);
 }
@@ -86,9 +86,9 @@ fn resumed_picture_equals_an_uninterrupted_one() {
         for rest in 1..6 {
             let (mut begun, mut pieces, mut shares) = (None, 0, vec![0.0]);
             let film = loop {
-                let (asked, cancelled) = (AtomicU32::new(0), AtomicBool::new(false));
+                let (polls, cancelled) = (AtomicU32::new(0), AtomicBool::new(false));
                 let pause = || {
-                    let now = asked.fetch_add(1, Ordering::Relaxed) >= rest;
+                    let now = polls.fetch_add(1, Ordering::Relaxed) >= rest;
                     // Every other interruption discards the current samples.
                     cancelled.store(now && pieces % 2 == 0, Ordering::Relaxed);
                     now
@@ -122,7 +122,7 @@ fn resumed_picture_equals_an_uninterrupted_one() {
 fn unfinished_picture_is_resolved_over_another() {
     let mut engine = engine(rich(2, 1));
     let time = engine.timeline().time_of(0);
-    let whole = engine.render_at(time).unwrap();
+    let full = engine.render_at(time).unwrap();
     let beneath = Film::from_pixels(2, 1, [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)].into_iter());
     let (never, mut seen) = (AtomicBool::new(false), Vec::new());
     // Five tile samples at a time, of twice as many as there are tiles. Whichever threads take them, the first portion leaves most tiles
@@ -137,11 +137,11 @@ fn unfinished_picture_is_resolved_over_another() {
         Continue(())
     };
     let request = RenderRequest { signals, on_pause: Some(&mut visit), ..RenderRequest::at(time) };
-    assert!(engine.render(request).unwrap().unwrap().film == whole);
+    assert!(engine.render(request).unwrap().unwrap().film == full);
     let finished = |film: &Film| {
         (0..36)
             .flat_map(|j| (0..64).map(move |i| (i, j)))
-            .filter(|(i, j)| film.pixel(*i, *j) == whole.pixel(*i, *j))
+            .filter(|(i, j)| film.pixel(*i, *j) == full.pixel(*i, *j))
             .count()
     };
     let counts: Vec<usize> = seen.iter().map(finished).collect();

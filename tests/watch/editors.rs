@@ -38,11 +38,11 @@ fn run(program: &str, arguments: &[&str], folder: &Path) {
 /// Checks that every save is read exactly once. `save` writes the given radius.
 fn every_save_is_read_once(what: &str, save: impl Fn(&str, &Path)) {
     let stage = Stage::new(Some(&scene(1.0, "")));
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
     for (radius, reload) in ["0.9", "1.3", "0.7"].into_iter().zip(2..) {
         save(radius, stage.folder());
         // On a busy machine, an editor may leave a partial file for longer than a save takes.
-        let shown = stage.shows_in_the_end_what_a_cold_start_shows();
+        let shown = stage.converges_to_a_cold_start();
         assert_eq!(shown.info.reloads, reload, "{what}");
         assert!(std::fs::read_to_string(stage.path("ball.ron")).unwrap().contains(radius), "{what}");
         let more = stage.events_within(LONG_ENOUGH);
@@ -172,7 +172,7 @@ fn git_that_checks_out_another_branch() {
     let before = stage.session().handle().state().reloads;
     for (branch, reload) in ["one", "other", "one"].into_iter().zip(before + 1..) {
         git(&["checkout", branch]);
-        let shown = stage.shows_in_the_end_what_a_cold_start_shows();
+        let shown = stage.converges_to_a_cold_start();
         assert_eq!(shown.info.reloads, reload, "{branch}");
         let more = stage.events_within(LONG_ENOUGH);
         assert!(!more.iter().any(|event| matches!(event, Event::Reloaded(_))), "{branch}: {more:?}");

@@ -12,7 +12,7 @@ mod editors;
 #[cfg(unix)]
 #[path = "../signals/ignored.rs"]
 mod ignored;
-mod ladder;
+mod levels;
 mod saves;
 mod session;
 mod watcher;

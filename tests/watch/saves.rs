@@ -16,7 +16,7 @@ const FOR: Duration = Duration::from_secs(3);
 /// Saves as often as a simulation writes its frames. Returns the number of reloads that were shown, and of errors.
 fn saved_often(save: impl Fn(&Stage, &str)) -> (usize, usize) {
     let stage = Stage::new(Some(&scene(1.0, "")));
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
     let start = Instant::now();
     let mut radius = 0.5;
     while start.elapsed() < FOR {
@@ -57,7 +57,7 @@ fn continuous_renames_are_shown_several_times_a_second() {
 #[test]
 fn partially_written_files_are_not_reported() {
     let stage = Stage::new(Some(&scene(1.0, "")));
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
     for (radius, (pieces, pause)) in
         [0.5, 0.6, 0.7, 0.8].into_iter().zip([(2, 60), (5, 60), (12, 40), (30, 8)])
     {
@@ -73,10 +73,10 @@ fn partially_written_files_are_not_reported() {
             last = Instant::now();
         }
         if longest < Duration::from_millis(90) {
-            stage.shows_what_a_cold_start_shows();
+            stage.matches_a_cold_start();
         } else {
             // The machine was busy, and the file did not change for too long.
-            stage.shows_in_the_end_what_a_cold_start_shows();
+            stage.converges_to_a_cold_start();
         }
     }
     // A lasting error is reported, and only once.

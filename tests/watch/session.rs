@@ -102,12 +102,12 @@ impl Stage {
     }
 
     /// Returns the next full picture, which must have the bits of a cold start.
-    pub(crate) fn shows_what_a_cold_start_shows(&self) -> Shown {
+    pub(crate) fn matches_a_cold_start(&self) -> Shown {
         self.shows(|error| panic!("{error}"))
     }
 
-    /// Works as [`shows_what_a_cold_start_shows`](Self::shows_what_a_cold_start_shows), with any errors in the meantime.
-    pub(crate) fn shows_in_the_end_what_a_cold_start_shows(&self) -> Shown {
+    /// Works as [`matches_a_cold_start`](Self::matches_a_cold_start), with any errors in the meantime.
+    pub(crate) fn converges_to_a_cold_start(&self) -> Shown {
         self.shows(|_| ())
     }
 
@@ -127,7 +127,7 @@ impl Stage {
         }
     }
 
-    fn breaks(&self) -> String {
+    fn next_mistakes(&self) -> String {
         loop {
             if let Event::Broken(error) = self.next() {
                 return error.to_string();
@@ -135,7 +135,7 @@ impl Stage {
         }
     }
 
-    pub(crate) fn sees(&self, pixel: (u32, u32)) -> Option<PixelInfo> {
+    pub(crate) fn probe(&self, pixel: (u32, u32)) -> Option<PixelInfo> {
         let (sender, answer) = channel();
         let send = move |spot| sender.send(spot).unwrap();
         self.session.handle().send(SessionCommand::Probe(pixel, ProbeReply(Box::new(send))));
@@ -146,12 +146,12 @@ impl Stage {
         self.session.handle().send(SessionCommand::ViewChange(ViewChange::Seek { frame, playing: false }));
     }
 
-    pub(crate) fn play_on(&self, frame: u32) {
+    pub(crate) fn play(&self, frame: u32) {
         self.session.handle().send(SessionCommand::ViewChange(ViewChange::Seek { frame, playing: true }));
     }
 
     /// Waits until the state meets a condition. Panics after `AT_MOST`.
-    pub(crate) fn comes_to(
+    pub(crate) fn wait_for(
         &self,
         what: &str,
         is: impl Fn(&rayreel::live::State) -> bool,
@@ -171,15 +171,15 @@ impl Stage {
 #[test]
 fn edits_show_a_coarse_and_then_the_cold_start_picture() {
     let stage = Stage::new(Some(&scene(1.0, "")));
-    let first = stage.shows_what_a_cold_start_shows();
+    let first = stage.matches_a_cold_start();
     stage.save(&scene(1.5, ""));
     assert!(matches!(stage.next(), Event::Reloaded(_)));
     let Event::Shown(coarse) = stage.next() else { panic!("no coarse picture") };
     assert!((8..=32).contains(&coarse.info.width) && !coarse.info.full, "{:?}", coarse.info);
-    let second = stage.shows_what_a_cold_start_shows();
+    let second = stage.matches_a_cold_start();
     assert!(first.film != second.film && second.info.reloads == 2);
 
-    let state = stage.comes_to("rest", |state| !state.rendering);
+    let state = stage.wait_for("rest", |state| !state.rendering);
     assert_eq!((state.picture, state.before), (Some(second.info), Some(first.info)));
     assert!(state.plan.iter().any(|planned| planned.effect == "diffuse light" && planned.needed));
     for shown in [first, second] {
@@ -192,36 +192,36 @@ fn edits_show_a_coarse_and_then_the_cold_start_picture() {
 #[test]
 fn broken_files_keep_the_last_good_scene_until_fixed() {
     let stage = Stage::new(Some(&scene(1.0, "")));
-    let good = stage.shows_what_a_cold_start_shows();
-    let whole = scene(0.7, "");
-    for (radius, broken) in [(0.7, &whole[..whole.len() / 2]), (0.8, ""), (0.9, "Scene(")] {
+    let good = stage.matches_a_cold_start();
+    let text = scene(0.7, "");
+    for (radius, broken) in [(0.7, &text[..text.len() / 2]), (0.8, ""), (0.9, "Scene(")] {
         stage.save(broken);
-        let mistakes = stage.breaks();
+        let mistakes = stage.next_mistakes();
         let state = stage.session.handle().state();
         assert_eq!(state.mistakes.as_ref().map(|mistakes| &mistakes.text), Some(&mistakes));
         assert!(state.picture.unwrap().id >= good.info.id);
         // The last good scene can still be viewed.
         stage.seek(7);
         assert!(matches!(stage.next(), Event::Shown(shown) if shown.info.frame == 7));
-        assert_eq!(stage.sees((32, 18)).unwrap().surface.unwrap().entity, "ball");
+        assert_eq!(stage.probe((32, 18)).unwrap().surface.unwrap().entity, "ball");
         stage.save(&scene(radius, ""));
         while !matches!(stage.next(), Event::Reloaded(_)) {}
-        assert_eq!(stage.shows_what_a_cold_start_shows().info.frame, 7);
+        assert_eq!(stage.matches_a_cold_start().info.frame, 7);
         assert_eq!(stage.session.handle().state().mistakes, None);
     }
     fs::remove_file(stage.path("ball.ron")).unwrap();
-    assert!(stage.breaks().contains("there is no file"));
+    assert!(stage.next_mistakes().contains("there is no file"));
     stage.save(&scene(0.5, ""));
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
 }
 
 #[test]
 fn missing_scene_is_loaded_when_created() {
     let stage = Stage::new(None);
-    assert!(stage.breaks().contains("there is no file"));
+    assert!(stage.next_mistakes().contains("there is no file"));
     stage.seek(3);
     stage.save(&scene(1.0, ""));
-    assert_eq!(stage.shows_what_a_cold_start_shows().info.frame, 3);
+    assert_eq!(stage.matches_a_cold_start().info.frame, 3);
 }
 
 #[test]
@@ -237,18 +237,18 @@ fn included_files_are_watched_while_they_are_included() {
         )
     };
     let stage = Stage::new(Some(&scene(1.0, "")));
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
     stage.save(&include("parts/knob.ron"));
-    assert!(stage.breaks().contains("knob.ron"));
+    assert!(stage.next_mistakes().contains("knob.ron"));
     fs::create_dir(stage.path("parts")).unwrap();
     stage.save_as("parts/knob.ron", &part(0.3));
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
     stage.save_as("parts/knob.ron", &part(0.6));
-    let shown = stage.shows_what_a_cold_start_shows();
+    let shown = stage.matches_a_cold_start();
     stage.save_as("parts/knob.ron", "Scene(");
-    assert!(stage.breaks().contains("knob.ron:1"));
+    assert!(stage.next_mistakes().contains("knob.ron:1"));
     stage.save(&scene(1.2, ""));
-    assert!(stage.shows_what_a_cold_start_shows().info.reloads > shown.info.reloads);
+    assert!(stage.matches_a_cold_start().info.reloads > shown.info.reloads);
     stage.save_as("parts/knob.ron", &part(0.1));
     assert!(stage.events.recv_timeout(LONG_ENOUGH).is_err(), "the file had left");
 }
@@ -257,12 +257,12 @@ fn included_files_are_watched_while_they_are_included() {
 fn playhead_is_kept_for_shorter_scenes() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.seek(15);
-    stage.comes_to("frame 15", |state| state.picture.is_some_and(|picture| picture.frame == 15));
+    stage.wait_for("frame 15", |state| state.picture.is_some_and(|picture| picture.frame == 15));
     stage.save(&scene(1.0, "").replace("duration: 2", "duration: 1"));
-    let state = stage.comes_to("a shorter scene", |state| state.frames == 10 && !state.rendering);
+    let state = stage.wait_for("a shorter scene", |state| state.frames == 10 && !state.rendering);
     assert_eq!((state.frame, state.picture.unwrap().frame), (9, 9));
     stage.save(&scene(1.0, ""));
-    let state = stage.comes_to("the longer scene", |state| state.frames == 20 && !state.rendering);
+    let state = stage.wait_for("the longer scene", |state| state.frames == 20 && !state.rendering);
     assert_eq!((state.frame, state.picture.unwrap().frame), (15, 15));
 }
 
@@ -274,23 +274,23 @@ fn newer_edit_interrupts_the_current_picture() {
     let stage = Stage::new(Some(&slow));
     let Event::Reloaded(_) = stage.next() else { panic!("not read") };
     assert!(matches!(stage.next(), Event::Shown(shown) if !shown.info.full));
-    assert_eq!(stage.sees((2048, 2048)).unwrap().surface.unwrap().entity, "ball");
+    assert_eq!(stage.probe((2048, 2048)).unwrap().surface.unwrap().entity, "ball");
     stage.save(&scene(1.0, ""));
-    assert_eq!(stage.shows_what_a_cold_start_shows().info.reloads, 2);
+    assert_eq!(stage.matches_a_cold_start().info.reloads, 2);
 }
 
 #[test]
 fn probe_describes_the_visible_surface() {
     let stage = Stage::new(Some(&scene(1.0, "")));
-    stage.shows_what_a_cold_start_shows();
-    let spot = stage.sees((32, 18)).unwrap();
+    stage.matches_a_cold_start();
+    let spot = stage.probe((32, 18)).unwrap();
     let surface = spot.surface.unwrap();
     assert_eq!((surface.entity.as_str(), surface.material.as_deref()), ("ball", Some("clay")));
     let place = format!("{}:8", stage.path("ball.ron").display());
     assert_eq!(surface.place.as_deref(), Some(place.as_str()));
     assert!((surface.point[2] + 1.0).abs() < 0.1 && surface.normal[2] < -0.9);
-    assert_eq!(stage.sees((0, 0)).unwrap().surface, None);
-    assert_eq!(stage.sees((64, 0)), None);
+    assert_eq!(stage.probe((0, 0)).unwrap().surface, None);
+    assert_eq!(stage.probe((64, 0)), None);
 }
 
 /// Checks pixels across edges, where samples differ.
@@ -301,9 +301,9 @@ fn probe_has_the_colour_of_the_picture() {
     {
         let text = scene(1.0, "").replacen("Scene(", &format!("Scene(sampling: (samples: {sampling}),"), 1);
         let stage = Stage::new(Some(&text));
-        let shown = stage.shows_what_a_cold_start_shows();
+        let shown = stage.matches_a_cold_start();
         for i in 0..64 {
-            let spot = stage.sees((i, 18)).unwrap();
+            let spot = stage.probe((i, 18)).unwrap();
             assert_eq!(spot.linear, shown.film.pixel(i, 18).to_array(), "{i} of {sampling}");
             assert_eq!(spot.bytes, shown.transfer.encode(shown.film.pixel(i, 18)));
             assert_eq!((spot.samples, spot.all), (samples, samples));
@@ -314,12 +314,12 @@ fn probe_has_the_colour_of_the_picture() {
 #[test]
 fn only_needed_effects_are_measured() {
     let stage = Stage::new(Some(&scene(1.0, "")));
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
     stage.session.handle().send(SessionCommand::ViewChange(ViewChange::Measure));
     let is_measured = |state: &rayreel::live::State| {
         !state.rendering && state.plan.iter().any(|planned| planned.cost.is_some())
     };
-    let state = stage.comes_to("costs", is_measured);
+    let state = stage.wait_for("costs", is_measured);
     for planned in state.plan {
         assert_eq!(planned.cost.is_some(), planned.needed, "{}", planned.effect);
     }
@@ -330,7 +330,7 @@ fn only_needed_effects_are_measured() {
     let [single, .., many] = &state.curve[..] else { unreachable!() };
     assert!(single.error > 0.5 && many.error < 0.25 * single.error, "{:?}", state.curve);
     stage.save(&scene(1.1, ""));
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
     assert!(stage.session.handle().state().curve.is_empty());
 }
 

@@ -31,7 +31,7 @@ const PARTS: [&str; 14] = [
 ];
 
 impl Random {
-    fn evil(&mut self) -> String {
+    fn hostile_text(&mut self) -> String {
         let count = 1 + self.index(4);
         (0..count).map(|_| PARTS[self.index(PARTS.len())]).collect()
     }
@@ -66,10 +66,10 @@ const CAMERA: &str = "camera: (position: (0, 0, -5), target: (0, 0, 0))";
 
 /// Returns a valid scene and invalid ones.
 fn scenes(random: &mut Random) -> (String, Vec<String>) {
-    let evil = random.evil();
+    let evil = random.hostile_text();
     let name = random.quoted(&evil);
     let mut other = || {
-        let evil = random.evil();
+        let evil = random.hostile_text();
         random.quoted(&evil)
     };
     let clay = "k_a: 1, k_d: 0.5, reflective: (k_r: 0.5)";
@@ -164,13 +164,14 @@ fn control_characters_are_escaped() {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
         let (good, bad) = scenes(random);
-        let [name, other] = [random.evil(), random.evil()].map(|name| format!("{name}x"));
+        let [name, other] = [random.hostile_text(), random.hostile_text()].map(|name| format!("{name}x"));
         let scene = format!("{name}.ron");
         fs::write(folder.join(&scene), &good).unwrap();
         let loaded = Scene::load(&folder.join(&scene));
         assert!(loaded.is_ok(), "{good:?}: {}", loaded.err().unwrap());
         fs::write(folder.join("good.csv"), "0,0,-5,0,0,1\n0,9,0,0,1,0\n").unwrap();
-        fs::write(folder.join(format!("{other}.csv")), format!("{},1,1,1,1,1\n", random.evil())).unwrap();
+        fs::write(folder.join(format!("{other}.csv")), format!("{},1,1,1,1,1\n", random.hostile_text()))
+            .unwrap();
         for arguments in commands(&scene, &other) {
             let is_csv =
                 arguments.contains(&"good.csv".to_owned()) && !arguments.contains(&"--json".to_owned());

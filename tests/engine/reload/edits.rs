@@ -80,7 +80,7 @@ fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
             tally.broken += 1;
         }
         if random.once_in(6) {
-            scribble(&mut engine, random);
+            edit_world(&mut engine, random);
         }
     }
 }
@@ -139,7 +139,7 @@ fn assert_same(world: &[String], expected: &[String], about: &impl Fn() -> Strin
 }
 
 /// Changes the world in ways that no scene file describes.
-fn scribble(engine: &mut Engine, random: &mut Random) {
+fn edit_world(engine: &mut Engine, random: &mut Random) {
     let world = engine.world_mut();
     let mut entities: Vec<_> = world.iter().map(|entity| entity.entity()).collect();
     entities.sort();

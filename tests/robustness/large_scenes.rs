@@ -64,9 +64,9 @@ const PATHS: [&str; 12] = [
 ];
 
 /// Generates scenes with up to `most` items.
-pub(crate) fn masses(most: usize) -> impl Strategy<Value = Files> {
+pub(crate) fn large_scenes(most: usize) -> impl Strategy<Value = Files> {
     let ring = [false, true];
-    let masses: Vec<Mass> = [
+    let large_scenes: Vec<Mass> = [
         Mass::Coincident,
         Mass::Namesakes,
         Mass::Missing,
@@ -88,7 +88,7 @@ pub(crate) fn masses(most: usize) -> impl Strategy<Value = Files> {
     .collect();
     // Small numbers are as frequent as large ones.
     let count = (1..=most, 0..=most.ilog2()).prop_map(|(count, halved)| (count >> halved).max(1));
-    (prop::sample::select(masses), count).prop_map(|(mass, count)| files(mass, count))
+    (prop::sample::select(large_scenes), count).prop_map(|(scene, count)| files(scene, count))
 }
 
 /// Joins items, each made from its index.

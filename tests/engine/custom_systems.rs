@@ -294,9 +294,9 @@ fn cyclic_parents_keep_local_transforms() {
         world.insert_one(first, Parent(second)).unwrap();
         world.insert_one(second, Parent(first)).unwrap();
         world.insert_one(third, Parent(second)).unwrap();
-        let gone = world.spawn(());
-        world.despawn(gone).unwrap();
-        world.insert_one(mover, Parent(gone)).unwrap();
+        let removed = world.spawn(());
+        world.despawn(removed).unwrap();
+        world.insert_one(mover, Parent(removed)).unwrap();
         Engine::new(world)
     });
 }

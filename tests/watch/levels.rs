@@ -102,7 +102,7 @@ fn seeking_interrupts_rendering_at_once() {
             sleep(Duration::from_millis(300));
             let start = Instant::now();
             stage.seek(frame);
-            stage.comes_to("a seek", |state| state.frame == frame);
+            stage.wait_for("a seek", |state| state.frame == frame);
             best = best.min(start.elapsed());
             if best <= FIRST {
                 break;
@@ -177,7 +177,7 @@ fn stopped_preview_resumes_with_its_samples() {
     let mut progress = vec![0.0];
     loop {
         assert!(start.elapsed() < AT_MOST, "{progress:?}");
-        assert!(stage.sees((640, 360)).is_some());
+        assert!(stage.probe((640, 360)).is_some());
         sleep(Duration::from_millis(10));
         let state = stage.session().handle().state();
         progress.push(state.progress);
@@ -187,20 +187,20 @@ fn stopped_preview_resumes_with_its_samples() {
     }
     assert!(progress.is_sorted(), "{progress:?}");
     // The picture equals an undisturbed one.
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
 }
 
 #[test]
 fn edits_during_playback_get_a_full_picture() {
     let stage = Stage::with(Some(&slow()), true);
-    stage.shows_what_a_cold_start_shows();
+    stage.matches_a_cold_start();
     stage.save(&slow().replace("255, 120, 60", "60, 120, 255"));
     let start = Instant::now();
     let mut frame = 0;
     let full = 'playing: loop {
         assert!(start.elapsed() < AT_MOST);
         frame = (frame + 1) % 20;
-        stage.play_on(frame);
+        stage.play(frame);
         for event in stage.events_within(Duration::from_millis(100)) {
             match event {
                 Event::Shown(shown) if shown.info.full && shown.info.reloads == 2 => break 'playing shown,
@@ -216,7 +216,7 @@ fn edits_during_playback_get_a_full_picture() {
     assert!(stage.session().handle().picture(full.info.id).is_none());
 
     // After the page has left, the current frame is rendered in full.
-    stage.play_on(7);
-    let state = stage.comes_to("rest", |state| !state.rendering && state.frame == 7);
+    stage.play(7);
+    let state = stage.wait_for("rest", |state| !state.rendering && state.frame == 7);
     assert!(state.picture.is_some_and(|picture| picture.full && picture.frame == 7), "{state:?}");
 }

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::things::falloff;
+use super::entities::falloff;
 use super::values::{
     absorption, coefficient, color, intensity, ior, number, point, rotation, scale, shininess, size,
 };
@@ -192,7 +192,7 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
 
 pub(crate) fn animation() -> impl Strategy<Value = String> {
     let targets = ["target: \"e#\"", "material: \"m#\"", "target: \"#\"", "target: \"scene\""];
-    let moves = channels().into_iter().zip(targets).map(|(channels, target)| {
+    let animations = channels().into_iter().zip(targets).map(|(channels, target)| {
         let channels: Vec<_> = channels
             .into_iter()
             .map(|(channel, track)| {
@@ -215,5 +215,5 @@ pub(crate) fn animation() -> impl Strategy<Value = String> {
             format!("({}, {channel}{played})", target.replace('#', &name))
         })
     });
-    proptest::strategy::Union::new_weighted([6, 4, 3, 1].into_iter().zip(moves).collect::<Vec<_>>())
+    proptest::strategy::Union::new_weighted([6, 4, 3, 1].into_iter().zip(animations).collect::<Vec<_>>())
 }

@@ -47,7 +47,7 @@ pub(crate) fn camera() -> impl Strategy<Value = String> {
     let lens = (number(), size())
         .prop_map(|(aperture, focus)| format!(", lens: (aperture: {:?}, focus: {focus})", aperture.abs()));
     let lens = prop_oneof![2 => Just(String::new()), 1 => lens];
-    (point(), view, up, projection, (lens, shutter()), bonds()).prop_map(
+    (point(), view, up, projection, (lens, shutter()), relations()).prop_map(
         |(position, view, up, projection, (lens, shutter), bonds)| {
             format!("position: {position}, {view}, up: {up}{projection}{lens}{shutter}{bonds}")
         },
@@ -59,7 +59,7 @@ fn shutter() -> impl Strategy<Value = String> {
     prop_oneof![2 => Just(String::new()), 1 => share.prop_map(|share| format!(", shutter: {share:?}"))]
 }
 
-fn bonds() -> impl Strategy<Value = String> {
+fn relations() -> impl Strategy<Value = String> {
     prop_oneof![
         6 => Just(String::new()),
         1 => (0..3).prop_map(|index| format!(", parent: \"e{index}\"")),
