@@ -84,13 +84,13 @@ impl Error for DataError {
             Unexpected::Bool(flag) => flag.to_string(),
             other => other.to_string(),
         };
-        let expected = in_words(expected);
+        let expected = describe(expected);
         Self::custom(format!("expected {expected}, found {found}"))
     }
 
     fn invalid_length(length: usize, expected: &dyn Expected) -> Self {
         let values = if length == 1 { "value" } else { "values" };
-        Self::custom(format!("expected {}, found {length} {values}", in_words(expected)))
+        Self::custom(format!("expected {}, found {length} {values}", describe(expected)))
     }
 
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
@@ -110,7 +110,7 @@ impl Error for DataError {
     }
 }
 
-fn in_words(expected: &dyn Expected) -> String {
+fn describe(expected: &dyn Expected) -> String {
     let expected = expected.to_string();
     let variant = expected.split_once("variant ").map(|(_, name)| {
         let name = name.rsplit("::").next().unwrap_or(name);

@@ -11,11 +11,11 @@ use crate::animation::{Ease, Easing, Interpolate, Key, Playback, Repeat};
 /// A key value as written in the file. Handles are offsets from it.
 pub(super) trait ValueDocument: Sized {
     /// Returns the sum of this value and an offset; `None` if values of this type take no such offset.
-    fn beside(&self, offset: OffsetDocument) -> Option<Self>;
+    fn offset_by(&self, offset: OffsetDocument) -> Option<Self>;
 }
 
 impl ValueDocument for f64 {
-    fn beside(&self, offset: OffsetDocument) -> Option<Self> {
+    fn offset_by(&self, offset: OffsetDocument) -> Option<Self> {
         match offset {
             OffsetDocument::Number(offset) => Some(self + offset),
             OffsetDocument::Triple(_) => None,
@@ -24,7 +24,7 @@ impl ValueDocument for f64 {
 }
 
 impl ValueDocument for Triple {
-    fn beside(&self, offset: OffsetDocument) -> Option<Self> {
+    fn offset_by(&self, offset: OffsetDocument) -> Option<Self> {
         match offset {
             OffsetDocument::Triple([x, y, z]) => Some([self[0] + x, self[1] + y, self[2] + z]),
             OffsetDocument::Number(_) => None,
@@ -33,19 +33,19 @@ impl ValueDocument for Triple {
 }
 
 impl ValueDocument for ColorDocument {
-    fn beside(&self, offset: OffsetDocument) -> Option<Self> {
-        self.0.beside(offset).map(Self)
+    fn offset_by(&self, offset: OffsetDocument) -> Option<Self> {
+        self.0.offset_by(offset).map(Self)
     }
 }
 
 impl ValueDocument for ScaleDocument {
-    fn beside(&self, _: OffsetDocument) -> Option<Self> {
+    fn offset_by(&self, _: OffsetDocument) -> Option<Self> {
         None
     }
 }
 
 impl ValueDocument for RotationDocument {
-    fn beside(&self, _: OffsetDocument) -> Option<Self> {
+    fn offset_by(&self, _: OffsetDocument) -> Option<Self> {
         None
     }
 }
@@ -56,7 +56,7 @@ pub(super) fn keys<D: ValueDocument, T: Interpolate>(
     value: impl Fn(&D) -> T,
 ) -> Vec<Key<T>> {
     let way = |key: &D, offset| {
-        key.beside(offset).map_or(DVec3::ZERO, |handle| T::difference(&value(key), &value(&handle)))
+        key.offset_by(offset).map_or(DVec3::ZERO, |handle| T::difference(&value(key), &value(&handle)))
     };
     let easing = |index: usize, key: &KeyDocument<D>| match key.easing {
         EasingDocument::Handles(out, back) => {

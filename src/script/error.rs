@@ -31,18 +31,18 @@ pub(crate) struct UnknownName {
 impl ScriptError {
     /// Creates an error that marks the whole text.
     #[must_use]
-    pub(crate) fn whole(
+    pub(crate) fn for_text(
         text: &str,
         message: impl Into<String>,
         label: impl Into<String>,
         help: Option<String>,
     ) -> Self {
-        let span = whole_span(text);
+        let span = text_span(text);
         Self { message: message.into(), label: label.into(), help, unknown: None, span }
     }
 }
 
 /// Returns the byte range of a text except surrounding whitespace.
-pub(super) fn whole_span(text: &str) -> Range<usize> {
+pub(super) fn text_span(text: &str) -> Range<usize> {
     text.len() - text.trim_start().len()..text.trim_end().len()
 }

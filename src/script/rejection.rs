@@ -39,17 +39,17 @@ impl NoContext {
         Self
     }
 
-    pub(crate) fn belong(&mut self, _index: u64, _name: &str, _base: Data) {}
+    pub(crate) fn set_owner(&mut self, _index: u64, _name: &str, _base: Data) {}
 
-    pub(crate) fn turn_to(&mut self, _seconds: f64, _frame: f64) {}
+    pub(crate) fn set_time(&mut self, _seconds: f64, _frame: f64) {}
 
-    pub(crate) fn work(&self) -> u64 {
+    pub(crate) fn operations(&self) -> u64 {
         0
     }
 
-    pub(crate) fn forget(&mut self) {}
+    pub(crate) fn clear_values(&mut self) {}
 
-    pub(crate) fn know(&mut self, _read: &Read, _value: Data) {}
+    pub(crate) fn set_value(&mut self, _read: &Read, _value: Data) {}
 }
 
 pub(crate) fn run_spawning(
@@ -63,5 +63,5 @@ pub(crate) fn run_spawning(
 
 fn rejection(text: &str) -> ScriptError {
     let help = "build rayreel with its Cargo feature `script`".to_owned();
-    ScriptError::whole(text, "this build of rayreel has no scripts", "a script", Some(help))
+    ScriptError::for_text(text, "this build of rayreel has no scripts", "a script", Some(help))
 }

@@ -120,7 +120,7 @@ impl Schedule {
         cancelled: &AtomicBool,
     ) -> Result<(), Interrupted> {
         if changes.is_all() {
-            self.scripts.look_up_again();
+            self.scripts.discard_lookup();
         }
         if self.pure.is_empty() && self.stepped.is_empty() {
             return animate_all(&mut self.scripts, world, time, changes, cancelled);
@@ -198,7 +198,7 @@ impl Schedule {
             stepped.done += 1;
             self.state = None;
             if fresh.is_all() {
-                self.scripts.look_up_again();
+                self.scripts.discard_lookup();
             }
         }
         propagate(world, &fresh);

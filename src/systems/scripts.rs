@@ -67,7 +67,7 @@ struct ScriptChannel {
 enum ChannelState {
     Waiting,
     /// The channel waits for another.
-    Underway,
+    Pending,
     Done,
 }
 
@@ -91,7 +91,7 @@ impl Scripts {
     }
 
     /// Discards the lookup of driven values, after entities were added or removed.
-    pub(crate) fn look_up_again(&mut self) {
+    pub(crate) fn discard_lookup(&mut self) {
         if let Some(running) = &mut self.running {
             running.driven = None;
         }
@@ -117,8 +117,8 @@ impl Scripts {
             let driven = Driven::of(world);
             for channel in &driven.channels {
                 // Tracks may drive the sources of the value, which must be restored too for the base to be the same again.
-                let made_of = sources(world, channel.entity, channel.property, |_| false);
-                for property in [channel.property].into_iter().chain(made_of) {
+                let inputs = sources(world, channel.entity, channel.property, |_| false);
+                for property in [channel.property].into_iter().chain(inputs) {
                     if let Some(base) = Base::of(world, channel.entity, property) {
                         running.bases.entry((channel.entity, property)).or_insert(base);
                     }
@@ -144,10 +144,10 @@ impl Scripts {
     ) -> Result<(), Interrupted> {
         let Some(running) = &mut self.running else { return Ok(()) };
         let Some(driven) = running.driven.take() else { return Ok(()) };
-        running.context.turn_to(time.seconds(), running.timeline.rate.frames_at(time));
+        running.context.set_time(time.seconds(), running.timeline.rate.frames_at(time));
         let (driven, result) = Evaluation {
             states: vec![ChannelState::Waiting; driven.channels.len()],
-            in_vain: HashMap::new(),
+            wasted_operations: HashMap::new(),
             seconds: time.seconds(),
             running,
             driven,
@@ -210,7 +210,7 @@ struct Evaluation<'a> {
     driven: Driven,
     states: Vec<ChannelState>,
     /// The number of operations per channel in script runs that stopped at an unknown value.
-    in_vain: HashMap<usize, u64>,
+    wasted_operations: HashMap<usize, u64>,
     seconds: f64,
     world: &'a mut World,
     changes: &'a mut Changes,
@@ -234,7 +234,7 @@ impl Evaluation<'_> {
                 stack.pop();
                 continue;
             }
-            self.states[index] = ChannelState::Underway;
+            self.states[index] = ChannelState::Pending;
             let channel = self.driven.channels[index].clone();
             match self.evaluate(&channel) {
                 Ok(value) => {
@@ -243,16 +243,17 @@ impl Evaluation<'_> {
                 }
                 Err(NoResult::Error(error)) => return Err(self.failure(&channel, error).into()),
                 Err(NoResult::Needs(read)) => {
-                    let in_vain = self.in_vain.entry(index).or_default();
-                    *in_vain += self.running.context.work();
-                    if *in_vain > limits::OPERATIONS_UNTIL_KNOWN {
+                    let wasted_operations = self.wasted_operations.entry(index).or_default();
+                    *wasted_operations += self.running.context.operations();
+                    if *wasted_operations > limits::OPERATIONS_UNTIL_KNOWN {
                         let message = "this takes too long".to_owned();
                         let mistake =
                             self.mistake(&read, &stack, message, "read after very many others", None);
                         return Err(self.failure(&channel, mistake).into());
                     }
-                    let answer = self.answer(&read, &stack).map_err(|error| self.failure(&channel, error))?;
-                    stack.extend(answer);
+                    let channel_first =
+                        self.resolve(&read, &stack).map_err(|error| self.failure(&channel, error))?;
+                    stack.extend(channel_first);
                 }
             }
         }
@@ -263,12 +264,12 @@ impl Evaluation<'_> {
         let Running { scripts, context, bases, prefix: last, .. } = &mut *self.running;
         let (notation, transfer) = (channel.property.notation(), scripts.transfer);
         let Some((script, prefix)) = scripts.used(channel.script.0) else {
-            let error = ScriptError::whole("", "there is no such script in the scene", "", None);
+            let error = ScriptError::for_text("", "there is no such script in the scene", "", None);
             return Err(NoResult::Error(Box::new(error)));
         };
         if last != prefix {
             // The same names refer to other entities.
-            context.forget();
+            context.clear_values();
             prefix.clone_into(last);
         }
         let known = bases.get(&(channel.entity, channel.property)).filter(|_| !channel.on_track);
@@ -277,7 +278,7 @@ impl Evaluation<'_> {
         let base = base.map_or(Data::Nothing, |base| notation.data(base, transfer));
         // Scripts of a part use names without the prefix of the part.
         let name = channel.name.strip_prefix(prefix).unwrap_or(&channel.name);
-        context.belong(channel.order.map_or(0, |order| order.0), name, base);
+        context.set_owner(channel.order.map_or(0, |order| order.0), name, base);
         let data = scripts.language.run(script, context)?;
         let value = notation.value(&data, transfer).ok_or_else(|| notation.mismatch(&data));
         let refused = |value| {
@@ -285,7 +286,12 @@ impl Evaluation<'_> {
         };
         value.and_then(refused).map_err(|(message, help)| {
             let help = help.map(str::to_owned);
-            NoResult::Error(Box::new(ScriptError::whole(script.text(), message, "this is the value", help)))
+            NoResult::Error(Box::new(ScriptError::for_text(
+                script.text(),
+                message,
+                "this is the value",
+                help,
+            )))
         })
     }
 
@@ -298,17 +304,17 @@ impl Evaluation<'_> {
     }
 
     /// Stores a value that a script reads, or returns the index of the channel that must be driven first.
-    fn answer(&mut self, read: &Read, stack: &[usize]) -> Result<Option<usize>, Box<ScriptError>> {
-        let (_, prefix) = self.used(stack);
+    fn resolve(&mut self, read: &Read, stack: &[usize]) -> Result<Option<usize>, Box<ScriptError>> {
+        let (_, prefix) = self.current_script(stack);
         let target = format!("{prefix}{}", read.target);
         let Some(entity) = self.driven.named(self.world, &target) else {
-            let (_, prefix) = self.used(stack);
+            let (_, prefix) = self.current_script(stack);
             let names = self.driven.names.iter().flat_map(HashMap::keys);
             let known = names.filter_map(|name| name.strip_prefix(prefix)).map(str::to_owned);
             let unknown = unknown(&read.target, "names", known.collect());
             if !prefix.is_empty() && ["camera", "scene"].contains(&read.target.as_str()) {
                 let message = format!("a part has no \"{}\" to read from", read.target);
-                let mistake = self.mistake(read, stack, message, "stays out where a file is included", None);
+                let mistake = self.mistake(read, stack, message, "not available in included files", None);
                 let help = "write such a script in the scene's own file".to_owned();
                 return Err(Box::new(ScriptError { help: Some(help), ..*mistake }));
             }
@@ -326,7 +332,7 @@ impl Evaluation<'_> {
             let Some(&index) = self.driven.indices.get(&(entity, property)) else { continue };
             match self.states[index] {
                 ChannelState::Waiting => return Ok(Some(index)),
-                ChannelState::Underway => {
+                ChannelState::Pending => {
                     let message = self.ring(stack, index);
                     return Err(self.mistake(read, stack, message, "this closes the ring", None));
                 }
@@ -338,12 +344,12 @@ impl Evaluation<'_> {
             return Err(self.mistake(read, stack, message, "reads it", None));
         };
         let data = property.notation().data(value, self.running.scripts.transfer);
-        self.running.context.know(read, data);
+        self.running.context.set_value(read, data);
         Ok(None)
     }
 
     /// Returns the text of the running script, and the prefix of the names that it reads.
-    fn used(&self, stack: &[usize]) -> (&str, &str) {
+    fn current_script(&self, stack: &[usize]) -> (&str, &str) {
         let script = stack.last().map(|index| self.driven.channels[*index].script);
         let used = script.and_then(|script| self.running.scripts.used(script.0));
         used.map_or(("", ""), |(script, prefix)| (script.text(), prefix))
@@ -357,13 +363,13 @@ impl Evaluation<'_> {
         label: &str,
         unknown: Option<Box<UnknownName>>,
     ) -> Box<ScriptError> {
-        let (text, _) = self.used(stack);
-        let error = ScriptError::whole(text, message, label, None);
+        let (text, _) = self.current_script(stack);
+        let error = ScriptError::for_text(text, message, label, None);
         Box::new(ScriptError { span: read.span.clone(), unknown, ..error })
     }
 
     fn ring(&self, stack: &[usize], index: usize) -> String {
-        let start = stack.iter().position(|underway| *underway == index).unwrap_or(0);
+        let start = stack.iter().position(|pending| *pending == index).unwrap_or(0);
         let members = stack[start..].iter().chain([&index]);
         let names: Vec<String> = members.map(|index| self.driven.channels[*index].title()).collect();
         format!("a ring of scripts: {}", names.join(" reads "))

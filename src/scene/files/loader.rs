@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::names;
-use super::read::{FileContent, Refusal, read, read_included};
+use super::read::{FileContent, ReadFailure, read, read_included};
 use super::{Files, SceneFile, Scope};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
@@ -33,9 +33,9 @@ impl Files {
         let mut loader = Loader { texts, overrides: Unplaced::new(overrides), ..Loader::default() };
         let loaded = loader.read(path);
         *before = loader.texts.unwrap_or_default();
-        let is_whole =
+        let is_complete =
             |file: &SceneFile| file.document.is_some() && file.includes.iter().all(Option::is_some);
-        if loaded.files.iter().all(is_whole) {
+        if loaded.files.iter().all(is_complete) {
             before.retain(|path, _| loader.known.contains_key(path));
         }
         loaded
@@ -92,7 +92,7 @@ struct Loader {
     known: HashMap<PathBuf, usize>,
     tried: HashSet<PathBuf>,
     /// The stack of files being read: the current file is last, after the files that include it.
-    underway: Vec<usize>,
+    include_stack: Vec<usize>,
     /// The remaining budget of spawning scripts.
     budget: SpawnBudget,
     overrides: Unplaced,
@@ -101,8 +101,8 @@ struct Loader {
 impl Loader {
     fn read(&mut self, path: &Path) -> Files {
         let content =
-            read(path, &mut self.loaded.inputs).unwrap_or_else(|Refusal { message, help, .. }| {
-                FileContent::Garbled(String::new(), Diagnostic::new(message, "", help, None))
+            read(path, &mut self.loaded.inputs).unwrap_or_else(|ReadFailure { message, help, .. }| {
+                FileContent::Invalid(String::new(), Diagnostic::new(message, "", help, None))
             });
         self.load(path, content)
     }
@@ -141,7 +141,7 @@ impl Loader {
                 }
                 self.overrides.place(text)
             }
-            FileContent::Garbled(..) => Vec::new(),
+            FileContent::Invalid(..) => Vec::new(),
         };
         let mut file = SceneFile::new(path, content, from, |text| self.parse(&key, text));
         file.overridden = overridden;
@@ -155,16 +155,16 @@ impl Loader {
         }
         let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
         self.loaded.files.push(file);
-        self.underway.push(index);
+        self.include_stack.push(index);
         for (place, written) in wanted.iter().enumerate() {
             let found = self.include(&folder.join(written), Path::new(written), (index, place));
             let file = &mut self.loaded.files[index];
-            if let Err(refusal) = &found {
-                refusal.tell(place, &mut file.problems);
+            if let Err(failure) = &found {
+                failure.add_to(place, &mut file.problems);
             }
             file.includes.push(found.ok());
         }
-        self.underway.pop();
+        self.include_stack.pop();
         self.loaded.parts_first.push(index);
         index
     }
@@ -177,16 +177,16 @@ impl Loader {
         }
     }
 
-    fn include(&mut self, path: &Path, written: &Path, from: (usize, usize)) -> Result<usize, Refusal> {
+    fn include(&mut self, path: &Path, written: &Path, from: (usize, usize)) -> Result<usize, ReadFailure> {
         let key = self.try_path(path);
         if let Some(index) = self.known.get(&key) {
-            return match self.underway.iter().position(|underway| underway == index) {
+            return match self.include_stack.iter().position(|include_stack| include_stack == index) {
                 Some(start) => Err(self.ring(start)),
                 None => Ok(*index),
             };
         }
-        if self.underway.len() > DEEPEST {
-            return Err(Refusal {
+        if self.include_stack.len() > DEEPEST {
+            return Err(ReadFailure {
                 message: format!("files include each other more than {DEEPEST} deep"),
                 label: "too deep",
                 help: Some("include the file from one that is less deep".to_owned()),
@@ -196,15 +196,15 @@ impl Loader {
         Ok(self.add(path, key, content, Some(from)))
     }
 
-    /// Returns the error for a cycle of includes, which starts at an index of `underway`.
-    fn ring(&self, start: usize) -> Refusal {
-        let members = &self.underway[start..];
+    /// Returns the error for a cycle of includes, which starts at an index of `include_stack`.
+    fn ring(&self, start: usize) -> ReadFailure {
+        let members = &self.include_stack[start..];
         let names: Vec<String> = members
             .iter()
             .chain(&members[..1])
             .map(|index| format!("`{}`", short(&self.loaded.files[*index].name)))
             .collect();
-        Refusal {
+        ReadFailure {
             message: linked(&names, " includes "),
             label: "this closes the ring",
             help: Some("remove one of these includes".to_owned()),
@@ -212,9 +212,9 @@ impl Loader {
     }
 }
 
-impl Refusal {
+impl ReadFailure {
     /// Adds the error to the problems of the including file.
-    fn tell(&self, place: usize, problems: &mut Problems) {
+    fn add_to(&self, place: usize, problems: &mut Problems) {
         let (scene, help) = (At::scene(), self.help.as_deref());
         let (list, help) = (scene.field("include"), help.unwrap_or("see to the file, or remove the include"));
         problems.add(&list.index(place).field("file"), self.message.as_str(), self.label, help);
@@ -229,7 +229,7 @@ impl SceneFile {
         parse: impl FnOnce(&Arc<String>) -> Result<SceneDocument, Diagnostic>,
     ) -> Self {
         let (text, document, mistake) = match content {
-            FileContent::Garbled(text, mistake) => (Arc::new(text), None, Some(mistake)),
+            FileContent::Invalid(text, mistake) => (Arc::new(text), None, Some(mistake)),
             FileContent::Text(text) => {
                 let text = Arc::new(text);
                 match parse(&text) {

@@ -12,19 +12,19 @@ use crate::scene::suggest_file::nearby;
 pub(super) enum FileContent {
     Text(String),
     /// Text that is not UTF-8, decoded lossily, with the diagnostic of its first invalid byte.
-    Garbled(String, Diagnostic),
+    Invalid(String, Diagnostic),
 }
 
 /// The reason why a file could not be read.
 #[derive(Debug)]
-pub(super) struct Refusal {
+pub(super) struct ReadFailure {
     pub(super) message: String,
     pub(super) label: &'static str,
     pub(super) help: Option<String>,
 }
 
 /// Reads a scene file, or standard input.
-pub(super) fn read(path: &Path, files: &mut InputFiles) -> Result<FileContent, Refusal> {
+pub(super) fn read(path: &Path, files: &mut InputFiles) -> Result<FileContent, ReadFailure> {
     content(path, path, InputKind::Accepted, files)
 }
 
@@ -33,7 +33,7 @@ pub(super) fn read_included(
     path: &Path,
     written: &Path,
     files: &mut InputFiles,
-) -> Result<FileContent, Refusal> {
+) -> Result<FileContent, ReadFailure> {
     content(path, written, InputKind::Refused, files)
 }
 
@@ -42,13 +42,13 @@ fn content(
     written: &Path,
     offered: InputKind,
     files: &mut InputFiles,
-) -> Result<FileContent, Refusal> {
+) -> Result<FileContent, ReadFailure> {
     let bytes =
-        files.read(path, offered, LARGEST_FILE).map_err(|error| Refusal::of(&error, path, written))?;
-    Ok(String::from_utf8(bytes).map_or_else(|error| garbled(&error), FileContent::Text))
+        files.read(path, offered, LARGEST_FILE).map_err(|error| ReadFailure::of(&error, path, written))?;
+    Ok(String::from_utf8(bytes).map_or_else(|error| invalid_text(&error), FileContent::Text))
 }
 
-impl Refusal {
+impl ReadFailure {
     fn of(error: &InputError, path: &Path, written: &Path) -> Self {
         let file = path.display();
         let name_a_scene = || Some("name a scene file, such as one that ends in .ron".to_owned());
@@ -80,7 +80,7 @@ impl Refusal {
     }
 }
 
-fn garbled(error: &std::string::FromUtf8Error) -> FileContent {
+fn invalid_text(error: &std::string::FromUtf8Error) -> FileContent {
     let valid = error.utf8_error().valid_up_to();
     let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
     let byte = error.as_bytes()[valid];
@@ -90,5 +90,5 @@ fn garbled(error: &std::string::FromUtf8Error) -> FileContent {
         Some("save the file as UTF-8; is it really a scene?".to_owned()),
         Some(valid..valid + char::REPLACEMENT_CHARACTER.len_utf8()),
     );
-    FileContent::Garbled(text, diagnostic)
+    FileContent::Invalid(text, diagnostic)
 }

@@ -25,7 +25,7 @@ impl PathError {
     }
 
     /// Returns the cause and the remedy.
-    pub(super) fn tell(&self) -> (String, String) {
+    pub(super) fn message_and_help(&self) -> (String, String) {
         match self {
             Self::Unknown { kind, list, name, known } => {
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
@@ -33,10 +33,10 @@ impl PathError {
                 let cut =
                     known.iter().find(|known| known.split_once('.').is_some_and(|(start, _)| start == name));
                 let help = match cut {
-                    Some(whole) => {
+                    Some(full) => {
                         format!(
                             "put a name with dots in quotes, and all in others for the shell: '{list}.\"{}\"...'",
-                            short(whole)
+                            short(full)
                         )
                     }
                     None => remedy(name, &known, list),
@@ -258,18 +258,24 @@ Scene( // a scene
 
     #[test]
     fn unknown_paths_are_reported() {
-        let told = |overridden: &str| {
-            let (message, help) = with(overridden).unwrap_err().tell();
+        let message = |overridden: &str| {
+            let (message, help) = with(overridden).unwrap_err().message_and_help();
             format!("{message}: {help}")
         };
-        assert_eq!(told("entities.bal.name=\"b\""), "there is no entity called `bal`: did you mean `ball`?");
-        assert_eq!(told("materials.clya.k_d=1"), "there is no material called `clya`: did you mean `clay`?");
         assert_eq!(
-            told("camera.position.3=1"),
+            message("entities.bal.name=\"b\""),
+            "there is no entity called `bal`: did you mean `ball`?"
+        );
+        assert_eq!(
+            message("materials.clya.k_d=1"),
+            "there is no material called `clya`: did you mean `clay`?"
+        );
+        assert_eq!(
+            message("camera.position.3=1"),
             "there is nothing called `3` in `camera.position`: it holds 3 values, 0 to 2"
         );
         assert_eq!(
-            told("cameras.side.fov=40"),
+            message("cameras.side.fov=40"),
             "there is no camera called `side`: there are no cameras here"
         );
         let many = put(
@@ -277,7 +283,7 @@ Scene( // a scene
             &"camera.fov=50".parse().unwrap(),
         );
         assert_eq!(
-            many.unwrap_err().tell(),
+            many.unwrap_err().message_and_help(),
             (
                 "the scene has `cameras` and no `camera`".to_owned(),
                 "name one of them, as in cameras.\"near 1.5\".fov=..; the cameras are `near 1.5`, `far`"
@@ -285,7 +291,7 @@ Scene( // a scene
             )
         );
         assert_eq!(
-            told("film.width.pixels=1"),
+            message("film.width.pixels=1"),
             "`film.width` is `1280`, which has no parts: end the path there"
         );
     }

@@ -35,7 +35,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::fast_path::read_plain;
-use super::whole::{options, read_whole};
+use super::general_parser::{options, read_general};
 use crate::scene::document::{EntityDocument, SceneDocument};
 use crate::scene::spans::{first_item, list_of, next_item, value_end};
 
@@ -80,7 +80,7 @@ impl ParsedEntities {
             None => (text.len(), from + text[from..].find(']')?),
         };
         let starts = starts_of_parts(text, from..guessed_end.min(until), part);
-        let rest = |end: usize| read_whole(&format!("{}{}", &text[..start], &text[end..])).ok();
+        let rest = |end: usize| read_general(&format!("{}{}", &text[..start], &text[end..])).ok();
         let read = || EntityList::read_parts(text, &starts, until);
         let (read, guessed_rest) = match starts.len() {
             1 => (read(), rest(guessed_end)),

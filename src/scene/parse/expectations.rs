@@ -13,7 +13,7 @@ use serde::forward_to_deserialize_any;
 
 /// A request by serde for a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Asked {
+pub(super) enum Expectation {
     Number,
     Flag,
     Text,
@@ -62,9 +62,9 @@ pub(super) enum VariantContent {
 #[derive(Debug, Default)]
 pub(super) struct Trail {
     /// The pending requests, each nested in the previous one.
-    open: RefCell<Vec<Asked>>,
+    open: RefCell<Vec<Expectation>>,
     /// The request fulfilled last.
-    answered: RefCell<Option<Asked>>,
+    fulfilled: RefCell<Option<Expectation>>,
     /// The last word read for a choice.
     word: RefCell<String>,
 }
@@ -76,21 +76,21 @@ impl Trail {
     }
 
     /// Returns the pending requests, innermost last.
-    pub(super) fn open(&self) -> Vec<Asked> {
+    pub(super) fn open(&self) -> Vec<Expectation> {
         self.open.borrow().clone()
     }
 
     /// Returns the request fulfilled last.
-    pub(super) fn answered(&self) -> Option<Asked> {
-        self.answered.borrow().clone()
+    pub(super) fn fulfilled(&self) -> Option<Expectation> {
+        self.fulfilled.borrow().clone()
     }
 
     /// Makes a request, which stays pending if it fails.
-    fn ask<T, E>(&self, asked: Asked, answer: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
-        self.open.borrow_mut().push(asked);
-        let answer = answer()?;
-        *self.answered.borrow_mut() = self.open.borrow_mut().pop();
-        Ok(answer)
+    fn expect<T, E>(&self, expectation: Expectation, fulfil: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        self.open.borrow_mut().push(expectation);
+        let value = fulfil()?;
+        *self.fulfilled.borrow_mut() = self.open.borrow_mut().pop();
+        Ok(value)
     }
 }
 
@@ -100,10 +100,10 @@ pub(super) struct Watched<'t, T> {
     trail: &'t Trail,
 }
 
-macro_rules! ask_for {
-    ($($method:ident: $asked:expr;)*) => {$(
+macro_rules! expect_for {
+    ($($method:ident: $expectation:expr;)*) => {$(
         fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-            self.trail.ask($asked, || self.inner.$method(self.trail.watch(visitor)))
+            self.trail.expect($expectation, || self.inner.$method(self.trail.watch(visitor)))
         }
     )*};
 }
@@ -111,18 +111,19 @@ macro_rules! ask_for {
 impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
     type Error = D::Error;
 
-    ask_for! {
-        deserialize_bool: Asked::Flag;
-        deserialize_f64: Asked::Number;
-        deserialize_str: Asked::Text;
-        deserialize_string: Asked::Text;
-        deserialize_seq: Asked::List;
-        deserialize_map: Asked::Map;
+    expect_for! {
+        deserialize_bool: Expectation::Flag;
+        deserialize_f64: Expectation::Number;
+        deserialize_str: Expectation::Text;
+        deserialize_string: Expectation::Text;
+        deserialize_seq: Expectation::List;
+        deserialize_map: Expectation::Map;
     }
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
         let reader = words_of(&visitor);
-        self.trail.ask(Asked::Any { reader }, || self.inner.deserialize_any(self.trail.watch(visitor)))
+        self.trail
+            .expect(Expectation::Any { reader }, || self.inner.deserialize_any(self.trail.watch(visitor)))
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
@@ -135,14 +136,14 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
 
     fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
         // The word of a choice, otherwise the name of a field.
-        let is_choice = matches!(self.trail.open.borrow().last(), Some(Asked::Choice { .. }));
+        let is_choice = matches!(self.trail.open.borrow().last(), Some(Expectation::Choice { .. }));
         let read = || self.inner.deserialize_identifier(Word { visitor, trail: self.trail });
-        if is_choice { read() } else { self.trail.ask(Asked::FieldName, read) }
+        if is_choice { read() } else { self.trail.expect(Expectation::FieldName, read) }
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, D::Error> {
-        let asked = Asked::Values { reader: words_of(&visitor), count };
-        self.trail.ask(asked, || self.inner.deserialize_tuple(count, self.trail.watch(visitor)))
+        let expectation = Expectation::Values { reader: words_of(&visitor), count };
+        self.trail.expect(expectation, || self.inner.deserialize_tuple(count, self.trail.watch(visitor)))
     }
 
     fn deserialize_tuple_struct<V: Visitor<'de>>(
@@ -151,8 +152,10 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
         count: usize,
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        let asked = Asked::Values { reader: words_of(&visitor), count };
-        self.trail.ask(asked, || self.inner.deserialize_tuple_struct(name, count, self.trail.watch(visitor)))
+        let expectation = Expectation::Values { reader: words_of(&visitor), count };
+        self.trail.expect(expectation, || {
+            self.inner.deserialize_tuple_struct(name, count, self.trail.watch(visitor))
+        })
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
@@ -161,8 +164,9 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        let asked = Asked::Fields { name, fields };
-        self.trail.ask(asked, || self.inner.deserialize_struct(name, fields, self.trail.watch(visitor)))
+        let expectation = Expectation::Fields { name, fields };
+        self.trail
+            .expect(expectation, || self.inner.deserialize_struct(name, fields, self.trail.watch(visitor)))
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -171,8 +175,9 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        let asked = Asked::Choice { name, count: variants.len() };
-        self.trail.ask(asked, || self.inner.deserialize_enum(name, variants, self.trail.watch(visitor)))
+        let expectation = Expectation::Choice { name, count: variants.len() };
+        self.trail
+            .expect(expectation, || self.inner.deserialize_enum(name, variants, self.trail.watch(visitor)))
     }
 
     forward_to_deserialize_any! {
@@ -298,12 +303,12 @@ impl<'t, 'de, A: EnumAccess<'de>> EnumAccess<'de> for Watched<'t, A> {
 
 impl<A> Watched<'_, A> {
     /// Returns the request for the content in parentheses after the last word.
-    fn content(&self, content: VariantContent) -> Asked {
+    fn content(&self, content: VariantContent) -> Expectation {
         let of = match self.trail.open.borrow().last() {
-            Some(Asked::Choice { name, .. }) => name,
+            Some(Expectation::Choice { name, .. }) => name,
             _ => "",
         };
-        Asked::VariantContent { of, word: self.trail.word.borrow().clone(), content }
+        Expectation::VariantContent { of, word: self.trail.word.borrow().clone(), content }
     }
 }
 
@@ -315,13 +320,13 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Watched<'_, A> {
     }
 
     fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, A::Error> {
-        let asked = self.content(VariantContent::One);
-        self.trail.ask(asked, || self.inner.newtype_variant_seed(self.trail.watch(seed)))
+        let expectation = self.content(VariantContent::One);
+        self.trail.expect(expectation, || self.inner.newtype_variant_seed(self.trail.watch(seed)))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, A::Error> {
-        let asked = self.content(VariantContent::Several(count));
-        self.trail.ask(asked, || self.inner.tuple_variant(count, self.trail.watch(visitor)))
+        let expectation = self.content(VariantContent::Several(count));
+        self.trail.expect(expectation, || self.inner.tuple_variant(count, self.trail.watch(visitor)))
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -329,7 +334,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Watched<'_, A> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, A::Error> {
-        let asked = self.content(VariantContent::Fields(fields));
-        self.trail.ask(asked, || self.inner.struct_variant(fields, self.trail.watch(visitor)))
+        let expectation = self.content(VariantContent::Fields(fields));
+        self.trail.expect(expectation, || self.inner.struct_variant(fields, self.trail.watch(visitor)))
     }
 }

@@ -1,54 +1,59 @@
 //! Descriptions of expected values.
 
 use super::examples::{self, Example};
-use super::expectations::{Asked, VariantContent};
-use super::token_context::Around;
+use super::expectations::{Expectation, VariantContent};
+use super::token_context::TokenContext;
 use crate::scene::quote::short;
 use crate::scene::suggest::nearest;
 
 /// The description of an expected value, and of its notation.
-pub(super) struct Wanted {
+pub(super) struct ExpectedValue {
     pub(super) message: String,
     pub(super) help: String,
 }
 
-impl Wanted {
-    /// Describes the value requested by `asked`. `open` holds the pending requests.
-    pub(super) fn of(asked: &Asked, open: &[Asked], around: &Around<'_>) -> Self {
-        let found = around.word();
-        match asked {
-            Asked::Number if is_named(around) => match outer(open) {
+impl ExpectedValue {
+    /// Describes the value requested by `expectation`. `open` holds the pending requests.
+    pub(super) fn of(expectation: &Expectation, open: &[Expectation], context: &TokenContext<'_>) -> Self {
+        let found = context.word();
+        match expectation {
+            Expectation::Number if is_named(context) => match outer(open) {
                 // Named coordinates.
-                Some(values @ Asked::Values { .. }) => Self::of(values, &[], around),
+                Some(values @ Expectation::Values { .. }) => Self::of(values, &[], context),
                 _ => Self::new("a number", "write a number, as 1 or 0.25 or 1e-3"),
             },
-            Asked::Number => Self::new("a number", "write a number, as 1 or 0.25 or 1e-3"),
-            Asked::Flag => {
+            Expectation::Number => Self::new("a number", "write a number, as 1 or 0.25 or 1e-3"),
+            Expectation::Flag => {
                 Self::new("true or false", "write true or false, in small letters and without quotes")
             }
-            Asked::Text if is_word(found) && !found.contains('"') || found.starts_with('\'') => {
+            Expectation::Text if is_word(found) && !found.contains('"') || found.starts_with('\'') => {
                 let text = found.trim_matches('\'');
                 Self::new("a text", format!("texts stand in double quotes: \"{}\"", short(text)))
             }
-            Asked::Text => Self::new("a text", "texts stand in double quotes, as in \"clay\""),
-            Asked::List => Self::new("a list", "lists stand in square brackets, with commas: [ .. , .. ]"),
-            Asked::Map => {
+            Expectation::Text => Self::new("a text", "texts stand in double quotes, as in \"clay\""),
+            Expectation::List => {
+                Self::new("a list", "lists stand in square brackets, with commas: [ .. , .. ]")
+            }
+            Expectation::Map => {
                 Self::new("a map", "write it in braces, each value after its name: { \"name\": ( .. ), }")
             }
-            Asked::Fields { name, fields } => {
+            Expectation::Fields { name, fields } => {
                 let help = format!("write them in round brackets, as {}", bracketed(fields));
                 Self::new(format!("the fields of `{name}`"), help)
             }
-            Asked::FieldName => field_name(outer(open), found),
-            Asked::Values { reader, .. } if reader == "an array of length 3" => {
+            Expectation::FieldName => field_name(outer(open), found),
+            Expectation::Values { reader, .. } if reader == "an array of length 3" => {
                 Self::new("three numbers", "write them in round brackets, as (0, 1, 0)")
             }
-            Asked::Values { reader, .. } | Asked::Any { reader } => match reader.split_once(": ") {
+            Expectation::Values { reader, .. } | Expectation::Any { reader } => match reader.split_once(": ")
+            {
                 Some((what, how)) => Self::new(what, format!("write {how}")),
                 None => Self::new(reader.as_str(), "the scene reference says how it is written"),
             },
-            Asked::Choice { name, count } => choice(examples::of(name), *count, found),
-            Asked::VariantContent { of, word, content } => self::content(examples::of(of), word, content),
+            Expectation::Choice { name, count } => choice(examples::of(name), *count, found),
+            Expectation::VariantContent { of, word, content } => {
+                self::content(examples::of(of), word, content)
+            }
         }
     }
 
@@ -63,18 +68,18 @@ pub(super) fn counted(count: usize, what: &str) -> String {
 }
 
 /// Returns the request that contains the innermost one.
-fn outer(open: &[Asked]) -> Option<&Asked> {
+fn outer(open: &[Expectation]) -> Option<&Expectation> {
     open.len().checked_sub(2).map(|outer| &open[outer])
 }
 
-fn choice(example: Example, count: usize, found: &str) -> Wanted {
+fn choice(example: Example, count: usize, found: &str) -> ExpectedValue {
     let forms = example.listed();
     let all = if example.forms.len() == count { String::new() } else { format!("one of {count} words, as ") };
-    let quotes = if found.starts_with('"') { ", without quotes around it" } else { "" };
-    Wanted::new(example.noun, format!("write {all}{forms}{quotes}"))
+    let quotes = if found.starts_with('"') { ", without quotes context it" } else { "" };
+    ExpectedValue::new(example.noun, format!("write {all}{forms}{quotes}"))
 }
 
-fn content(example: Example, word: &str, content: &VariantContent) -> Wanted {
+fn content(example: Example, word: &str, content: &VariantContent) -> ExpectedValue {
     let what = match content {
         VariantContent::One => "1 value".to_owned(),
         VariantContent::Several(count) => counted(*count, "value"),
@@ -84,16 +89,16 @@ fn content(example: Example, word: &str, content: &VariantContent) -> Wanted {
         Some(form) => format!("write it as {form}"),
         None => "write its values in round brackets".to_owned(),
     };
-    Wanted { message: format!("`{}` takes {what}, in round brackets", short(word)), help }
+    ExpectedValue { message: format!("`{}` takes {what}, in round brackets", short(word)), help }
 }
 
 /// Describes the name of a field if the name or its colon is missing.
-fn field_name(of: Option<&Asked>, found: &str) -> Wanted {
+fn field_name(of: Option<&Expectation>, found: &str) -> ExpectedValue {
     let (fields, help) = match of {
-        Some(Asked::Fields { fields, .. }) => {
+        Some(Expectation::Fields { fields, .. }) => {
             (*fields, format!("write each value after its name, as {}", bracketed(fields)))
         }
-        Some(Asked::VariantContent { of, word, content: VariantContent::Fields(fields) }) => {
+        Some(Expectation::VariantContent { of, word, content: VariantContent::Fields(fields) }) => {
             let form = examples::of(of).form(word);
             (*fields, form.map_or_else(|| bracketed(fields), |form| format!("write it as {form}")))
         }
@@ -104,7 +109,7 @@ fn field_name(of: Option<&Asked>, found: &str) -> Wanted {
         None if "([{".contains(found) => format!("{help}; is the bracket before this still open?"),
         None => help,
     };
-    Wanted::new("a field's name", help)
+    ExpectedValue::new("a field's name", help)
 }
 
 /// Formats fields for example as `(width: .., height: .., transfer: ..)`.
@@ -122,6 +127,6 @@ pub(super) fn is_word(found: &str) -> bool {
 }
 
 /// Returns whether the token is a word followed by a colon.
-fn is_named(around: &Around<'_>) -> bool {
-    is_word(around.word()) && around.next() == ":"
+fn is_named(context: &TokenContext<'_>) -> bool {
+    is_word(context.word()) && context.next() == ":"
 }

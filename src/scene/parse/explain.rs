@@ -7,10 +7,10 @@ use ron::error::SpannedError;
 
 use super::characters::{is_known, strange};
 use super::examples;
-use super::expectations::{Asked, Trail, VariantContent};
-use super::expected::{Wanted, counted, is_word};
-use super::token_context::Around;
-use super::whole::read_whole;
+use super::expectations::{Expectation, Trail, VariantContent};
+use super::expected::{ExpectedValue, counted, is_word};
+use super::general_parser::read_general;
+use super::token_context::TokenContext;
 use crate::scene::quote::short;
 use crate::scene::spans::{bracket, open_comment, root, tokens};
 use crate::scene::suggest::remedy;
@@ -18,8 +18,9 @@ use crate::scene::{Diagnostic, SourcePosition};
 
 /// Converts a parser error to a diagnostic.
 pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagnostic {
-    let case = Case { text, code: &error.code, around: Around::error(text, error), open: trail.open() };
-    let answered = trail.answered();
+    let case =
+        Case { text, code: &error.code, context: TokenContext::error(text, error), open: trail.open() };
+    let fulfilled = trail.fulfilled();
     case.of_comments_and_texts()
         .or_else(|| case.of_extensions())
         .or_else(|| case.of_brackets())
@@ -27,7 +28,7 @@ pub(super) fn explain(text: &str, error: &SpannedError, trail: &Trail) -> Diagno
         .or_else(|| case.of_ranges())
         .or_else(|| case.of_names())
         .or_else(|| case.of_numbers_of_values())
-        .or_else(|| case.of_separators(answered.as_ref()))
+        .or_else(|| case.of_separators(fulfilled.as_ref()))
         .unwrap_or_else(|| case.of_values())
 }
 
@@ -38,12 +39,12 @@ const EXPLICIT_NAMES: &str = "explicit_struct_names";
 struct Case<'a> {
     text: &'a str,
     code: &'a Error,
-    around: Around<'a>,
+    context: TokenContext<'a>,
     /// The pending requests, innermost last.
-    open: Vec<Asked>,
+    open: Vec<Expectation>,
 }
 
-fn told(
+fn diagnostic(
     message: impl Into<String>,
     label: impl Into<String>,
     help: impl Into<String>,
@@ -55,25 +56,25 @@ fn told(
 impl Case<'_> {
     fn of_comments_and_texts(&self) -> Option<Diagnostic> {
         const OPENED: &str = "opened here";
-        let (around, word) = (&self.around, self.around.word());
+        let (context, word) = (&self.context, self.context.word());
         let is_text = word.contains(['"', '\'']);
         match self.code {
             Error::UnclosedBlockComment => {
                 let start = open_comment(self.text)?;
-                Some(told("this comment is never closed", OPENED, "close it with */", start..start + 2))
+                Some(diagnostic("this comment is never closed", OPENED, "close it with */", start..start + 2))
             }
             Error::ExpectedStringEnd | Error::Eof if is_text => {
-                let start = around.found.start;
+                let start = context.found.start;
                 let help = "write a \" where the text is to end";
-                Some(told("this text is never closed", OPENED, help, start..start + 1))
+                Some(diagnostic("this text is never closed", OPENED, help, start..start + 1))
             }
             Error::InvalidEscape(_) | Error::Utf8Error(_) => {
-                let end = around.stopped.clamp(around.found.start, around.found.end);
-                let start = self.text[around.found.start..end].rfind('\\')? + around.found.start;
+                let end = context.stopped.clamp(context.found.start, context.found.end);
+                let start = self.text[context.found.start..end].rfind('\\')? + context.found.start;
                 let message = format!("`{}` stands for no character", short(&self.text[start..end]));
                 let help =
                     "write \\\\ for a backslash; \\\" is a quote, \\n a new line, \\u{e9} an é by its number";
-                Some(told(message, "here", help, start..end))
+                Some(diagnostic(message, "here", help, start..end))
             }
             Error::ExpectedAttribute | Error::ExpectedAttributeEnd | Error::NoSuchExtension(_) => {
                 let start = tokens(self.text)
@@ -83,7 +84,7 @@ impl Case<'_> {
                     return None;
                 }
                 let help = "comments start with //";
-                Some(told("a # starts no comment", "not read as a comment", help, start..start + 1))
+                Some(diagnostic("a # starts no comment", "not read as a comment", help, start..start + 1))
             }
             _ => self.of_quotes(),
         }
@@ -93,25 +94,26 @@ impl Case<'_> {
     fn of_extensions(&self) -> Option<Diagnostic> {
         let (start, scene) = (tokens(self.text).next()?.start, root(self.text));
         let is_cut = tokens(&self.text[scene..]).next().is_none();
-        let is_of_them = matches!(
+        let is_extension_error = matches!(
             self.code,
             Error::ExpectedAttribute | Error::ExpectedAttributeEnd | Error::NoSuchExtension(_)
         );
-        if !self.text[start..].starts_with("#!") || !(is_cut || is_of_them || self.around.found.start < scene)
+        if !self.text[start..].starts_with("#!")
+            || !(is_cut || is_extension_error || self.context.found.start < scene)
         {
             return None;
         }
         let span = start..start + 2;
-        if is_cut && self.text[..scene].trim_end().ends_with(']') && !is_of_them {
+        if is_cut && self.text[..scene].trim_end().ends_with(']') && !is_extension_error {
             let help = "write the scene after it, as ( .. ), with its fields in the brackets";
-            return Some(told("there is no scene after the extensions", "extensions only", help, span));
+            return Some(diagnostic("there is no scene after the extensions", "extensions only", help, span));
         }
         Some(if let Error::NoSuchExtension(name) = self.code {
             let help = "the extensions are implicit_some, unwrap_newtypes, unwrap_variant_newtypes and explicit_struct_names";
-            told(format!("there is no extension called `{}`", short(name)), "enabled here", help, span)
+            diagnostic(format!("there is no extension called `{}`", short(name)), "enabled here", help, span)
         } else {
             let help = "write it with all its brackets, as #![enable(implicit_some)]";
-            told("this is no whole attribute", "begins here", help, span)
+            diagnostic("this attribute is incomplete", "begins here", help, span)
         })
     }
 
@@ -120,14 +122,14 @@ impl Case<'_> {
     fn with_names(&self) -> Option<String> {
         /// Maximum length of a suggested bracket, in bytes.
         const LONGEST: usize = 120;
-        let (span, _) = self.around.in_bracket()?;
+        let (span, _) = self.context.in_bracket()?;
         let members = bracket(self.text, span.start)?.members;
         if members.iter().any(|member| member.name.is_some()) {
             return None;
         }
-        let (word, fields) = self.open.iter().rev().find_map(|asked| match asked {
-            Asked::Fields { fields, .. } => Some(("", fields.to_vec())),
-            Asked::VariantContent { of, word, content: VariantContent::Fields(fields) } => {
+        let (word, fields) = self.open.iter().rev().find_map(|expectation| match expectation {
+            Expectation::Fields { fields, .. } => Some(("", fields.to_vec())),
+            Expectation::VariantContent { of, word, content: VariantContent::Fields(fields) } => {
                 Some((word.as_str(), examples::of(of).ordered(word, fields)))
             }
             _ => None,
@@ -140,9 +142,9 @@ impl Case<'_> {
         let as_each = (values.len() <= fields.len()).then(|| format!("({})", each.join(", ")));
         let can_be_read = |named: &String| {
             let text = [&self.text[..span.start], named, &self.text[span.end..]].concat();
-            read_whole(&text)
-                .err()
-                .is_none_or(|error| Around::error(&text, &error).found.start >= span.start + named.len())
+            read_general(&text).err().is_none_or(|error| {
+                TokenContext::error(&text, &error).found.start >= span.start + named.len()
+            })
         };
         let named = as_each.into_iter().chain(as_one).find(can_be_read)?;
         (named.len() <= LONGEST && !named.contains('\n')).then(|| format!("{word}{named}"))
@@ -150,31 +152,31 @@ impl Case<'_> {
 
     /// Explains a string directly followed by another token: a quote is missing or superfluous.
     fn of_quotes(&self) -> Option<Diagnostic> {
-        let (around, text) = (&self.around, self.around.word_before());
-        let goes_on = !around.is_end() && !")]},:".contains(around.word());
-        if !(text.starts_with('"') && around.is_adjacent() && goes_on) {
+        let (context, text) = (&self.context, self.context.word_before());
+        let continues = !context.is_end() && !")]},:".contains(context.word());
+        if !(text.starts_with('"') && context.is_adjacent() && continues) {
             return None;
         }
-        let span = around.previous.clone()?;
+        let span = context.previous.clone()?;
         let end = SourcePosition::of(self.text, span.end - 1);
         let help = "write a \" where the text is to end, and \\\" for a quote within a text";
         Some(if text.contains([',', ':', '\n']) {
             let label = format!("it ends only in line {}, column {}", end.line, end.column);
-            told("this text has no closing quote", label, help, span)
+            diagnostic("this text has no closing quote", label, help, span)
         } else {
-            let label = format!("ends before {}", around.in_words());
-            told("there is a quote within this text", label, help, span)
+            let label = format!("ends before {}", context.describe());
+            diagnostic("there is a quote within this text", label, help, span)
         })
     }
 
     /// Explains an unclosed or mismatched bracket.
     fn of_brackets(&self) -> Option<Diagnostic> {
-        let (at, bracket) = (&self.around, self.around.bracket()?);
+        let (at, bracket) = (&self.context, self.context.bracket()?);
         let open = &self.text[bracket..=bracket];
         if at.is_end() {
             let close = closing(open);
             let help = format!("write a `{close}` where it is to end");
-            return Some(told(
+            return Some(diagnostic(
                 format!("this `{open}` is never closed"),
                 "opened here",
                 help,
@@ -186,24 +188,29 @@ impl Case<'_> {
             let label =
                 format!("the `{open}` of line {} is still open", SourcePosition::of(self.text, bracket).line);
             let help = format!("close it with a `{close}` first");
-            told(format!("expected `{close}`, found `{found}`"), label, help, at.found.clone())
+            diagnostic(format!("expected `{close}`, found `{found}`"), label, help, at.found.clone())
         })
     }
 
     fn of_characters(&self) -> Option<Diagnostic> {
-        let first = self.around.word().chars().next().filter(|first| !is_known(*first))?;
+        let first = self.context.word().chars().next().filter(|first| !is_known(*first))?;
         let (message, label, help) = strange(first);
-        let start = self.around.found.start;
-        Some(told(message, label, help, start..start + first.len_utf8()))
+        let start = self.context.found.start;
+        Some(diagnostic(message, label, help, start..start + first.len_utf8()))
     }
 
     /// Explains a range, which scenes do not support.
     fn of_ranges(&self) -> Option<Diagnostic> {
-        let (found, before) = (self.around.word(), &self.text[..self.around.found.start]);
+        let (found, before) = (self.context.word(), &self.text[..self.context.found.start]);
         let is_range = !found.contains(['"', '\''])
             && (found.contains("..") || before.ends_with("..") || before.ends_with("..="));
         is_range.then(|| {
-            told("there are no ranges in scenes", "here", "write a single value", self.around.found.clone())
+            diagnostic(
+                "there are no ranges in scenes",
+                "here",
+                "write a single value",
+                self.context.found.clone(),
+            )
         })
     }
 
@@ -251,7 +258,7 @@ impl Case<'_> {
             ),
             Error::ExpectedStructName(name) => (
                 format!("expected the name `{name}` before its bracket"),
-                format!("found {}", self.around.in_words()),
+                format!("found {}", self.context.describe()),
                 format!("write `{name}( .. )`: {EXPLICIT_NAMES}, above the scene, requires names"),
             ),
             Error::Message(message) => {
@@ -270,48 +277,53 @@ impl Case<'_> {
             ),
             _ => return None,
         };
-        Some(told(message, label, help, self.around.found.clone()))
+        Some(diagnostic(message, label, help, self.context.found.clone()))
     }
 
     /// Explains a bracket with too few or too many values.
     fn of_numbers_of_values(&self) -> Option<Diagnostic> {
         let is_number = match self.code {
             Error::ExpectedDifferentLength { .. } => true,
-            Error::ExpectedStructLikeEnd => !self.around.is_within,
+            Error::ExpectedStructLikeEnd => !self.context.is_within,
             _ => false,
         };
-        let (span, count) = self.around.in_bracket().filter(|_| is_number)?;
-        let Wanted { message, help } = Wanted::of(self.open.last()?, &self.open, &self.around);
-        Some(told(message, format!("found {}", counted(count, "value")), help, span))
+        let (span, count) = self.context.in_bracket().filter(|_| is_number)?;
+        let ExpectedValue { message, help } = ExpectedValue::of(self.open.last()?, &self.open, &self.context);
+        Some(diagnostic(message, format!("found {}", counted(count, "value")), help, span))
     }
 
     /// Explains a missing comma or colon, or a token that was read only in part.
-    fn of_separators(&self, answered: Option<&Asked>) -> Option<Diagnostic> {
-        let around = &self.around;
+    fn of_separators(&self, fulfilled: Option<&Expectation>) -> Option<Diagnostic> {
+        let context = &self.context;
         let (message, separator, help) = match self.code {
             Error::ExpectedComma | Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd
-                if around.is_within =>
+                if context.is_within =>
             {
-                let Wanted { message, help } = Wanted::of(answered?, &self.open, around);
-                return Some(told(
+                let ExpectedValue { message, help } = ExpectedValue::of(fulfilled?, &self.open, context);
+                return Some(diagnostic(
                     message,
-                    format!("found {}", around.in_words()),
+                    format!("found {}", context.describe()),
                     help,
-                    around.found.clone(),
+                    context.found.clone(),
                 ));
             }
-            Error::ExpectedComma if around.word() == ":" => {
+            Error::ExpectedComma if context.word() == ":" => {
                 let help = "a colon stands between a field's name and its value, and nowhere else";
-                return Some(told("there is no field for this colon", "here", help, around.found.clone()));
+                return Some(diagnostic(
+                    "there is no field for this colon",
+                    "here",
+                    help,
+                    context.found.clone(),
+                ));
             }
-            Error::ExpectedComma if around.word() == "(" && is_word(around.word_before()) => {
-                let word = around.word_before();
+            Error::ExpectedComma if context.word() == "(" && is_word(context.word_before()) => {
+                let word = context.word_before();
                 let message = format!("`{}` takes nothing in brackets", short(word));
-                return Some(told(
+                return Some(diagnostic(
                     message,
                     "one bracket too many",
                     format!("write {} alone", short(word)),
-                    around.value(),
+                    context.value(),
                 ));
             }
             Error::ExpectedComma => ("expected a comma", "a comma is", "values are separated by commas"),
@@ -326,27 +338,32 @@ impl Case<'_> {
             _ => return None,
         };
         let label = format!("{separator} missing after this");
-        Some(told(message, label, help, around.previous.clone()?))
+        Some(diagnostic(message, label, help, context.previous.clone()?))
     }
 
     /// Explains a value of another type than requested.
     fn of_values(&self) -> Diagnostic {
-        let around = &self.around;
-        let Some(asked) = self.open.last() else {
+        let context = &self.context;
+        let Some(expectation) = self.open.last() else {
             let help = "a scene is written as ( .. ), with its fields in the brackets";
-            return told("this is no scene", format!("found {}", around.in_words()), help, around.value());
+            return diagnostic(
+                "this is no scene",
+                format!("found {}", context.describe()),
+                help,
+                context.value(),
+            );
         };
-        let Wanted { message, mut help } = Wanted::of(asked, &self.open, around);
-        if *asked == Asked::FieldName
+        let ExpectedValue { message, mut help } = ExpectedValue::of(expectation, &self.open, context);
+        if *expectation == Expectation::FieldName
             && let Some(named) = self.with_names()
         {
             help = format!("write it as {named}");
         }
-        let lacks_bracket =
-            matches!(asked, Asked::VariantContent { .. }) && matches!(self.code, Error::ExpectedStructLike);
-        match &around.previous {
-            Some(word) if lacks_bracket => told(message, "without brackets", help, word.clone()),
-            _ => told(message, format!("found {}", around.in_words()), help, around.value()),
+        let lacks_bracket = matches!(expectation, Expectation::VariantContent { .. })
+            && matches!(self.code, Error::ExpectedStructLike);
+        match &context.previous {
+            Some(word) if lacks_bracket => diagnostic(message, "without brackets", help, word.clone()),
+            _ => diagnostic(message, format!("found {}", context.describe()), help, context.value()),
         }
     }
 }

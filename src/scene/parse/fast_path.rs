@@ -348,7 +348,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::sample::{Index, select};
 
-    use super::super::whole::options;
+    use super::super::general_parser::options;
     use super::*;
     use crate::scene::document::EntityDocument;
 

@@ -15,11 +15,11 @@ mod expectations;
 mod expected;
 mod explain;
 mod fast_path;
+mod general_parser;
 mod read;
 mod token_context;
-mod whole;
 
 pub(super) use entities::ParsedEntities;
-pub(super) use read::parse;
 #[cfg(test)]
-pub(super) use whole::options;
+pub(super) use general_parser::options;
+pub(super) use read::parse;

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::entities::{PART, ParsedEntities};
 use super::expectations::Trail;
 use super::explain::explain;
-use super::whole::{options, read_whole};
+use super::general_parser::{options, read_general};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::spans::tokens;
@@ -19,11 +19,11 @@ pub(in crate::scene) fn parse(
     text: &Arc<String>,
     entities: &mut ParsedEntities,
 ) -> Result<SceneDocument, Diagnostic> {
-    entities.parse_next(text, PART).map_or_else(|| parse_whole(text), Ok)
+    entities.parse_next(text, PART).map_or_else(|| parse_general(text), Ok)
 }
 
-pub(super) fn parse_whole(text: &str) -> Result<SceneDocument, Diagnostic> {
-    read_whole(text).map_err(|error| {
+pub(super) fn parse_general(text: &str) -> Result<SceneDocument, Diagnostic> {
+    read_general(text).map_err(|error| {
         let holds_nothing = tokens(text).next().is_none() && error.code != ron::Error::UnclosedBlockComment;
         if holds_nothing { nothing(text) } else { explain(text, &error, &trail(text)) }
     })
@@ -64,7 +64,7 @@ mod tests {
         let texts: Vec<String> = cut.chain(without).chain([text.to_owned()]).collect();
         assert!(texts.len() > 1000);
         for text in texts {
-            assert_eq!(read_along(&Trail::default(), &text), read_whole(&text), "{text}");
+            assert_eq!(read_along(&Trail::default(), &text), read_general(&text), "{text}");
         }
     }
 }

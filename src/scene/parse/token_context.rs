@@ -9,7 +9,7 @@ use crate::scene::spans::{is_space, list_items, tokens};
 
 /// The token at a position in a text, with its context.
 #[derive(Debug)]
-pub(super) struct Around<'t> {
+pub(super) struct TokenContext<'t> {
     text: &'t str,
     /// The token; empty at the end of the text.
     pub(super) found: Range<usize>,
@@ -23,7 +23,7 @@ pub(super) struct Around<'t> {
     pub(super) stopped: usize,
 }
 
-impl<'t> Around<'t> {
+impl<'t> TokenContext<'t> {
     /// Finds the token at which the parser failed.
     pub(super) fn error(text: &'t str, error: &SpannedError) -> Self {
         let (start, end) = (byte_of(text, error.span.start), byte_of(text, error.span.end));
@@ -31,12 +31,12 @@ impl<'t> Around<'t> {
         let last = &text[start.min(end)..start.max(end)];
         let space = last.len() - last.trim_start_matches(is_space).len();
         let took_nothing = space == last.len();
-        let around = Self::of(text, if took_nothing { end } else { start.min(end) + space });
+        let context = Self::of(text, if took_nothing { end } else { start.min(end) + space });
         // The parser reads a word before it checks its value.
         let is_value = matches!(error.code, ron::Error::InvalidValueForType { .. });
-        match around.previous {
+        match context.previous {
             Some(word) if is_value && took_nothing => Self::of(text, word.start),
-            _ => Self { stopped: start.max(end), ..around },
+            _ => Self { stopped: start.max(end), ..context },
         }
     }
 
@@ -96,16 +96,16 @@ impl<'t> Around<'t> {
     pub(super) fn value(&self) -> Range<usize> {
         /// Maximum length of such a bracket, in bytes.
         const LONGEST: usize = 60;
-        let whole = match self.word() {
+        let span = match self.word() {
             "(" | "[" | "{" => enclosed(self.text, self.found.start).0,
             _ => return self.found.clone(),
         };
-        let is_short = whole.len() <= LONGEST && !self.text[whole.clone()].contains('\n');
-        if is_short { whole } else { self.found.clone() }
+        let is_short = span.len() <= LONGEST && !self.text[span.clone()].contains('\n');
+        if is_short { span } else { self.found.clone() }
     }
 
     /// Describes the token for messages.
-    pub(super) fn in_words(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let (word, rest) = (self.word(), &self.text[self.found.end..]);
         let first = word.chars().next();
         match first {

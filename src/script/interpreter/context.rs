@@ -18,7 +18,7 @@ pub(crate) struct ScriptContext {
     index: u64,
     name: Dynamic,
     base: Dynamic,
-    work: u64,
+    operations: u64,
     values: HashMap<(ImmutableString, ImmutableString), Dynamic>,
 }
 
@@ -41,35 +41,35 @@ impl ScriptContext {
     }
 
     /// Sets the owner of the script: its `index`, its `name`, and `base`, the value of its channel without the script.
-    pub(crate) fn belong(&mut self, index: u64, name: &str, base: Data) {
+    pub(crate) fn set_owner(&mut self, index: u64, name: &str, base: Data) {
         self.index = index;
         self.name = ImmutableString::from(name).into();
         self.base = base.into_dynamic();
     }
 
     /// Sets the time, in seconds and in fractional frames, and discards all values of other channels.
-    pub(crate) fn turn_to(&mut self, seconds: f64, frame: f64) {
+    pub(crate) fn set_time(&mut self, seconds: f64, frame: f64) {
         (self.seconds, self.frame) = (seconds, frame);
-        self.forget();
+        self.clear_values();
     }
 
     /// Returns the number of operations of the last run.
     #[must_use]
-    pub(crate) fn work(&self) -> u64 {
-        self.work
+    pub(crate) fn operations(&self) -> u64 {
+        self.operations
     }
 
-    pub(super) fn record_work(&mut self, work: u64) {
-        self.work = work;
+    pub(super) fn record_operations(&mut self, operations: u64) {
+        self.operations = operations;
     }
 
     /// Discards all values of other channels.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn clear_values(&mut self) {
         self.values.clear();
     }
 
     /// Stores the value of another channel for subsequent reads.
-    pub(crate) fn know(&mut self, read: &Read, value: Data) {
+    pub(crate) fn set_value(&mut self, read: &Read, value: Data) {
         self.values.insert((read.target.as_str().into(), read.channel.as_str().into()), value.into_dynamic());
     }
 
@@ -103,11 +103,11 @@ pub(super) fn within<R>(context: &mut ScriptContext, run: impl FnOnce() -> R) ->
 }
 
 /// Returns the read that stopped a script, if the error is a read of an unknown value.
-pub(super) fn unanswered(text: &str, error: &EvalAltResult) -> Option<Read> {
+pub(super) fn unknown_read(text: &str, error: &EvalAltResult) -> Option<Read> {
     match error {
-        EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unanswered(text, inner),
-        EvalAltResult::ErrorTerminated(wish, _) => {
-            let ReadRequest { target, channel, position } = wish.clone().try_cast::<ReadRequest>()?;
+        EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unknown_read(text, inner),
+        EvalAltResult::ErrorTerminated(request, _) => {
+            let ReadRequest { target, channel, position } = request.clone().try_cast::<ReadRequest>()?;
             Some(Read { target, channel, span: span_of(text, position) })
         }
         _ => None,
@@ -125,9 +125,9 @@ fn value(
     let known = CURRENT.with_borrow(|current| current.values.get(&key).cloned());
     known.ok_or_else(|| {
         let position = context.call_position();
-        let wish = ReadRequest { target: key.0.to_string(), channel: key.1.to_string(), position };
+        let request = ReadRequest { target: key.0.to_string(), channel: key.1.to_string(), position };
         // Scripts cannot catch this error.
-        EvalAltResult::ErrorTerminated(Dynamic::from(wish), Position::NONE).into()
+        EvalAltResult::ErrorTerminated(Dynamic::from(request), Position::NONE).into()
     })
 }
 

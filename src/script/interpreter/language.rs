@@ -7,7 +7,7 @@ use rhai::packages::{BasicIteratorPackage, Package};
 use rhai::{AST, ASTNode, Dynamic, Engine, Expr, LexError, OptimizationLevel, Position, Scope, Stmt, Token};
 
 use super::builtins::{KnownFunctions, Purpose};
-use super::context::{ScriptContext, unanswered, within};
+use super::context::{ScriptContext, unknown_read, within};
 use super::messages::LONG_HEAD;
 use super::{Data, NoResult, ScriptError, arithmetic, budget, context, limits, lists, maths, noise};
 
@@ -58,10 +58,10 @@ impl Language {
         budget::start();
         let result =
             within(context, || self.engine.eval_ast_with_scope::<Dynamic>(&mut Scope::new(), &script.ast));
-        context.record_work(budget::done());
+        context.record_operations(budget::done());
         match result {
             Ok(value) => Ok(Data::of(&value)),
-            Err(error) => Err(match unanswered(&script.text, &error) {
+            Err(error) => Err(match unknown_read(&script.text, &error) {
                 Some(read) => NoResult::Needs(read),
                 None => NoResult::Error(Box::new(script.explain(&error))),
             }),
@@ -108,7 +108,7 @@ pub(super) fn compile(
     if text.len() > limits::SCRIPT {
         let message = format!("a script has at most {} KiB", limits::SCRIPT >> 10);
         let help = "what it holds as data can be made by loops, or be entities of the scene file".to_owned();
-        return Err(ScriptError::whole(text, message, "too long", Some(help)));
+        return Err(ScriptError::for_text(text, message, "too long", Some(help)));
     }
     COMMAS.set(None);
     let ast = parser

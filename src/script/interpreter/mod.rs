@@ -21,5 +21,5 @@ pub(crate) use context::ScriptContext;
 pub(crate) use language::{Language, Script};
 pub(crate) use spawning::run_spawning;
 
-use super::error::whole_span;
+use super::error::text_span;
 use super::{Data, NoResult, Read, ScriptError, SpawnBudget, Spawned, UnknownName, limits};

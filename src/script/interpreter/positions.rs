@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use rhai::Position;
 
-use super::whole_span;
+use super::text_span;
 
 /// Returns the byte range of the token at a position. Without a position, returns the whole text except surrounding whitespace.
 pub(super) fn span_of(text: &str, position: Position) -> Range<usize> {
     match byte_of(text, position) {
         Some(start) => start..token_end(text, start),
-        None => whole_span(text),
+        None => text_span(text),
     }
 }
 

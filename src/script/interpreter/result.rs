@@ -31,5 +31,5 @@ pub(super) fn finite(value: FLOAT) -> Outcome {
     reason = "whole numbers beyond 2^53 round, as any number in a file does"
 )]
 pub(super) fn number(value: &Dynamic) -> Option<FLOAT> {
-    value.as_float().ok().or_else(|| value.as_int().ok().map(|whole| whole as FLOAT))
+    value.as_float().ok().or_else(|| value.as_int().ok().map(|integer| integer as FLOAT))
 }

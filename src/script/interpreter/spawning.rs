@@ -272,8 +272,8 @@ mod tests {
 
     #[test]
     fn rejected_spawns_do_not_extend_the_budget() {
-        let asked = std::sync::Arc::new(std::sync::atomic::AtomicUsize::new(0));
-        let count = std::sync::Arc::clone(&asked);
+        let attempts = std::sync::Arc::new(std::sync::atomic::AtomicUsize::new(0));
+        let count = std::sync::Arc::clone(&attempts);
         let refuse = move |_: Spawned| {
             count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             Err("no".to_owned())
@@ -281,8 +281,8 @@ mod tests {
         let text = "loop { try { spawn(#{}); } catch { } }";
         let error = run_spawning(text, 0, &mut SpawnBudget::default(), refuse).unwrap_err();
         assert_eq!(error.message, "this takes too long");
-        let asked = asked.load(std::sync::atomic::Ordering::Relaxed);
-        assert!((1..=2000).contains(&asked), "{asked} entities are refused before it ends");
+        let attempts = attempts.load(std::sync::atomic::Ordering::Relaxed);
+        assert!((1..=2000).contains(&attempts), "{attempts} entities are refused before it ends");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{Config, TestRunner};
 
-use super::super::read::parse_whole;
+use super::super::read::parse_general;
 use super::{PART, ParsedEntities, same_ends};
 use crate::scene::document::{EntityDocument, SceneDocument};
 use crate::scene::parse::parse;
@@ -120,11 +120,11 @@ fn entities_parse_alone_as_in_the_full_text() {
                     next = edited(&next, at, *length, piece);
                 }
                 let next = Arc::new(next);
-                let expected = parse_whole(&next);
-                let anew = ParsedEntities::default().parse_next(&next, part);
+                let expected = parse_general(&next);
+                let reparsed = ParsedEntities::default().parse_next(&next, part);
                 let found = entities.parse_next(&next, part);
-                prop_assert_eq!(found.is_some(), anew.is_some(), "{}", next);
-                for document in [found, anew].into_iter().flatten() {
+                prop_assert_eq!(found.is_some(), reparsed.is_some(), "{}", next);
+                for document in [found, reparsed].into_iter().flatten() {
                     prop_assert_eq!(shown(Some(&document)), shown(expected.as_ref().ok()), "{}", next);
                     prop_assert_eq!(&entities.text, &next);
                     entity_wise.set(entity_wise.get() + 1);
@@ -151,7 +151,7 @@ fn wrong_part_boundaries_are_detected() {
     for part in [1, 7, 50, PART] {
         let document = ParsedEntities::default().parse_next(&text, part).unwrap();
         assert_eq!(document.entities.len(), 40);
-        assert_eq!(Ok(document), parse_whole(&text));
+        assert_eq!(Ok(document), parse_general(&text));
     }
     for without_list in ["()", "(ambient: (1, 1, 1))", "(entities: []", "entities: []", ""] {
         assert_eq!(ParsedEntities::default().parse_next(&Arc::new(without_list.to_owned()), 1), None);
@@ -165,7 +165,7 @@ fn only_edited_entities_are_parsed_again() {
         let before = entities.list.documents.clone();
         let edited = Arc::new(SCENE.replacen(from, to, 1));
         let document = entities.parse_next(&edited, PART).unwrap();
-        assert_eq!(Ok(&document), parse_whole(&edited).as_ref());
+        assert_eq!(Ok(&document), parse_general(&edited).as_ref());
         let is_kept = |entity: &Arc<EntityDocument>| before.iter().any(|before| Arc::ptr_eq(before, entity));
         (document.entities.iter().filter(|entity| is_kept(entity)).count(), document.entities.len())
     };
@@ -244,7 +244,7 @@ fn misleading_edits_are_parsed_correctly() {
         let (old, new) = (Arc::new((*old).to_owned()), Arc::new((*new).to_owned()));
         let mut entities = ParsedEntities::default();
         for text in [&old, &new, &old] {
-            let expected = parse_whole(text);
+            let expected = parse_general(text);
             if let Some(found) = entities.parse_next(text, 1) {
                 assert_eq!(shown(Some(&found)), shown(expected.as_ref().ok()), "{text}");
             }

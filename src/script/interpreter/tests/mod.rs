@@ -11,8 +11,8 @@ fn run(text: &str) -> Result<Data, NoResult> {
     let language = Language::new(0);
     let script = language.compile(text).map_err(|error| NoResult::Error(Box::new(error)))?;
     let mut context = ScriptContext::new(24.0, 5.0);
-    context.turn_to(2.5, 60.0);
-    context.belong(3, "ball", Data::from([1.0, 2.0, 3.0]));
+    context.set_time(2.5, 60.0);
+    context.set_owner(3, "ball", Data::from([1.0, 2.0, 3.0]));
     language.run(&script, &mut context)
 }
 

@@ -145,9 +145,9 @@ fn other_values_are_read_once_known() {
     let mut context = ScriptContext::default();
     let read = Read { target: "ball".to_owned(), channel: "Radius".to_owned(), span: 21..26 };
     assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read.clone())));
-    context.know(&read, Data::Number(1.5));
+    context.set_value(&read, Data::Number(1.5));
     assert_eq!(language.run(&script, &mut context), Ok(Data::Number(3.0)));
-    context.turn_to(1.0, 24.0);
+    context.set_time(1.0, 24.0);
     assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read)));
 }
 

@@ -6,7 +6,7 @@ use ron::extensions::Extensions;
 use crate::scene::document::SceneDocument;
 
 /// Parses a whole scene's text.
-pub(super) fn read_whole(text: &str) -> Result<SceneDocument, SpannedError> {
+pub(super) fn read_general(text: &str) -> Result<SceneDocument, SpannedError> {
     options().from_str(text)
 }
 
