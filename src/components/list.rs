@@ -8,12 +8,12 @@
 /// | `kept` | none: names stay the same, and derived values are never written by hand |
 /// | `transform` | writes the value and derives world transforms again |
 /// | `shape`, `material` | writes the value and prepares the entity's shape or material again |
-/// | `anew` | writes the value only: it is read at every moment |
+/// | `rewritten` | writes the value only: it is read at every moment |
 macro_rules! with_components {
     ($rows:ident) => {
         $rows! {
             Name: kept,
-            Order: anew,
+            Order: rewritten,
             Transform: transform,
             Parent: transform,
             WorldTransform: kept,
@@ -23,18 +23,18 @@ macro_rules! with_components {
             Reflective: material,
             Refractive: material,
             Checker: material,
-            Light: anew,
-            Camera: anew,
-            Follow: anew,
-            LookAt: anew,
-            Shots: anew,
-            FilmSettings: anew,
-            Ambient: anew,
-            Background: anew,
-            Fog: anew,
-            Quality: anew,
-            Sampling: anew,
-            Animated: anew,
+            Light: rewritten,
+            Camera: rewritten,
+            Follow: rewritten,
+            LookAt: rewritten,
+            Shots: rewritten,
+            FilmSettings: rewritten,
+            Ambient: rewritten,
+            Background: rewritten,
+            Fog: rewritten,
+            Quality: rewritten,
+            Sampling: rewritten,
+            Animated: rewritten,
         }
     };
 }

@@ -142,12 +142,12 @@ impl Simulation {
     ) -> Result<(), Interrupted> {
         let most_elaborate = frame.lighting();
         let mut plan: Option<Plan> = None;
-        let (mut moves, mut of_frame) = (false, None);
+        let (mut is_moving, mut of_frame) = (false, None);
         let (mut next, mut is_first) = (VecDeque::from(first), true);
         while let Some(index) = next.pop_front() {
             let Some(instant) = frame.instants.get(index as usize) else { continue };
             let changes = self.advance_to(*instant, frame, report, cancelled)?;
-            moves |= !std::mem::take(&mut is_first) && !changes.is_empty();
+            is_moving |= !std::mem::take(&mut is_first) && !changes.is_empty();
             let Some(own) = self.apply_settings(&frame.settings, &mut of_frame) else { continue };
             let Some(preparation) = &self.preparation else { continue };
             let shown = preparation.without(frame.settings.without);
@@ -175,7 +175,7 @@ impl Simulation {
             }
         }
         if let Some(plan) = &mut plan {
-            plan.set_motion_blur(frame.motion_blur(moves));
+            plan.set_motion_blur(frame.motion_blur(is_moving));
             plan.disable(frame.settings.without);
         }
         report.plan = plan;
@@ -293,11 +293,11 @@ impl FrameInstants {
         SamplePlan { target, starts_wide, alpha, ..SamplePlan::uniform(data.samples(), self.count()) }
     }
 
-    fn motion_blur(&self, moves: bool) -> Need {
+    fn motion_blur(&self, is_moving: bool) -> Need {
         match self.shutter {
             Shutter::None => Need::Omitted("the camera has no shutter"),
             Shutter::OneInstant => Need::Omitted("all samples are taken at one instant"),
-            Shutter::Open(..) if moves => Need::Needed("something moves while the shutter is open"),
+            Shutter::Open(..) if is_moving => Need::Needed("something moves while the shutter is open"),
             Shutter::Open(..) => Need::Omitted("nothing moves while the shutter is open"),
         }
     }

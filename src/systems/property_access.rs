@@ -82,7 +82,7 @@ impl Parts<'_> {
     /// Writes a value, clamped to its range, and returns whether it differs from the previous value. Writes nothing if the entity does not
     /// have the value, or if it is of another kind.
     pub(super) fn set(&mut self, property: Property, value: Value) -> bool {
-        self.value_mut(property).is_some_and(|stored| stored.write(held(value, property.quantity())))
+        self.value_mut(property).is_some_and(|stored| stored.write(clamped(value, property.quantity())))
     }
 
     fn get(&mut self, property: Property) -> Option<Value> {
@@ -277,7 +277,7 @@ fn vector(view: &mut View) -> &mut DVec3 {
 }
 
 /// Clamps a value to the range of its quantity: interpolation between values in range can overshoot it.
-fn held(value: Value, quantity: Quantity) -> Value {
+fn clamped(value: Value, quantity: Quantity) -> Value {
     let range = quantity.range().limits();
     let within = |number: f64| number.clamp(*range.start(), *range.end());
     match value {

@@ -9,7 +9,7 @@ use super::Changes;
 use super::interrupted::{Interrupted, ScriptFailure};
 use super::property::{Stored, declare, sources};
 use super::property_access::{Parts, PartsQuery, value};
-use super::value_error::refusal;
+use super::value_error::value_error;
 use crate::animation::Value;
 use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
 use crate::script::{CompiledScripts, Data, NoResult, Read, ScriptContext, ScriptError, UnknownName, limits};
@@ -281,10 +281,11 @@ impl Evaluation<'_> {
         context.set_owner(channel.order.map_or(0, |order| order.0), name, base);
         let data = scripts.language.run(script, context)?;
         let value = notation.value(&data, transfer).ok_or_else(|| notation.mismatch(&data));
-        let refused = |value| {
-            refusal(channel.property, value).map_or(Ok(value), |(message, help)| Err((message, Some(help))))
+        let checked = |value| {
+            value_error(channel.property, value)
+                .map_or(Ok(value), |(message, help)| Err((message, Some(help))))
         };
-        value.and_then(refused).map_err(|(message, help)| {
+        value.and_then(checked).map_err(|(message, help)| {
             let help = help.map(str::to_owned);
             NoResult::Error(Box::new(ScriptError::for_text(
                 script.text(),

@@ -66,7 +66,7 @@ pub(crate) fn trace<E: Encoding>(
             NextInstants::Continue
         })?;
     }
-    let (mut traced, mut hashing, mut is_whole) = (Duration::ZERO, Duration::ZERO, true);
+    let (mut traced, mut hashing, mut is_complete) = (Duration::ZERO, Duration::ZERO, true);
     let visited = simulation.visit(frame, first, report, signals.cancelled, |instant| {
         let start = Instant::now();
         if let Some(hashed) = &mut hashed {
@@ -80,7 +80,7 @@ pub(crate) fn trace<E: Encoding>(
         while !job.add(data.scene(), data.camera(), sampling, index, effects, signals) {
             traced += start.elapsed();
             if signals.cancelled.load(Ordering::Relaxed) || on_pause(job).is_break() {
-                is_whole = false;
+                is_complete = false;
                 return NextInstants::Stop;
             }
             start = Instant::now();
@@ -96,7 +96,7 @@ pub(crate) fn trace<E: Encoding>(
     report.prepare += hashing;
     report.trace = traced;
     visited?;
-    let job = job.take_if(|_| is_whole).ok_or(Interrupted::Cancelled)?;
+    let job = job.take_if(|_| is_complete).ok_or(Interrupted::Cancelled)?;
     report.rounds = job.rounds().to_vec();
     report.error = job.estimated_error();
     let start = Instant::now();

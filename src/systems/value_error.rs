@@ -13,15 +13,15 @@ const POSITIVE_HELP: &str = "max(x, 0.001) keeps it above 0";
 const NOT_NEGATIVE_HELP: &str = "max(x, 0) keeps it from falling below";
 
 /// Returns an error message and a remedy if the value is invalid.
-pub(super) fn refusal(property: Property, value: Value) -> Option<(String, &'static str)> {
+pub(super) fn value_error(property: Property, value: Value) -> Option<(String, &'static str)> {
     match value {
-        Value::Number(number) => refused_number(property.quantity(), number),
-        Value::Vector(vector) => refused_vector(property.quantity(), vector),
+        Value::Number(number) => number_error(property.quantity(), number),
+        Value::Vector(vector) => vector_error(property.quantity(), vector),
         Value::Rotation(_) | Value::Color(_) => None,
     }
 }
 
-fn refused_number(quantity: Quantity, number: f64) -> Option<(String, &'static str)> {
+fn number_error(quantity: Quantity, number: f64) -> Option<(String, &'static str)> {
     let (what, help) = match quantity {
         Quantity::Length => ("a length", POSITIVE_HELP),
         Quantity::Aperture => ("the lens's aperture", NOT_NEGATIVE_HELP),
@@ -34,7 +34,7 @@ fn refused_number(quantity: Quantity, number: f64) -> Option<(String, &'static s
     quantity.check(number).err().map(|error| (format!("{what} {error}"), help))
 }
 
-fn refused_vector(quantity: Quantity, vector: DVec3) -> Option<(String, &'static str)> {
+fn vector_error(quantity: Quantity, vector: DVec3) -> Option<(String, &'static str)> {
     let parts = vector.to_array();
     let is_nothing = |part: &f64| part.abs() < SMALLEST;
     match quantity {

@@ -103,7 +103,9 @@ fn a_page_and_a_table_are_written() {
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
     // The page loads nothing from other sites.
     assert!(!page.contains("http://") && !page.contains("https://") && !page.contains("<script"));
-    for part in ["Error against time", "Effects", "Knobs", "How it was measured", "data:image/png;base64,"] {
+    for part in
+        ["Error against time", "Effects", "Parameters", "How it was measured", "data:image/png;base64,"]
+    {
         assert!(page.contains(part), "{part}");
     }
     let csv = fs::read_to_string(folder.join("r.csv")).unwrap();

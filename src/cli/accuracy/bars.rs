@@ -9,10 +9,10 @@ pub(super) struct Bar {
     pub(super) share: f64,
     /// Deviation of `share` between measurements.
     pub(super) deviation: f64,
-    pub(super) share_in_words: String,
+    pub(super) share_text: String,
     /// RMS error without the effect, in 8-bit levels.
     pub(super) error: f64,
-    pub(super) error_in_words: String,
+    pub(super) error_text: String,
 }
 
 const WIDTH: f64 = 720.0;
@@ -39,7 +39,7 @@ pub(super) fn svg(bars: &mut [Bar]) -> String {
     for (index, bar) in bars.iter().enumerate() {
         let middle = TOP + ROW * (index as f64 + 0.5);
         svg.text("", [NAMES, middle + 4.0], Anchor::End, &bar.name);
-        let halves = [(bar.share, bar.deviation, &bar.share_in_words), (bar.error, 0.0, &bar.error_in_words)];
+        let halves = [(bar.share, bar.deviation, &bar.share_text), (bar.error, 0.0, &bar.error_text)];
         for (half, (value, deviation, words)) in halves.into_iter().enumerate() {
             let (start, scale) = (STARTS[half], LONGEST / longest[half]);
             let end = start + scale * value.max(0.0);

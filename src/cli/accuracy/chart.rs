@@ -122,7 +122,7 @@ impl Chart<'_> {
         let mut labels = Labels::within(plot.area);
         for (class, line) in lines {
             let line: Vec<PagePoint> = line.into_iter().map(|values| plot.at(values)).collect();
-            labels.keep_off(&line);
+            labels.avoid(&line);
             svg.lines(class, &[line]);
         }
         self.draw_series(&mut svg, &plot, &mut labels);
@@ -151,10 +151,10 @@ impl Chart<'_> {
             for (index, series) in self.series.iter().enumerate() {
                 svg.group(&color(index));
                 if series.joined && !stars {
-                    let way: Vec<PagePoint> =
+                    let polyline: Vec<PagePoint> =
                         series.marks.iter().map(|mark| plot.at([mark.x, mark.y])).collect();
-                    labels.keep_off(&way);
-                    svg.lines("way", &[way]);
+                    labels.avoid(&polyline);
+                    svg.lines("way", &[polyline]);
                 }
                 let marks = series.marks.iter().filter(|mark| (mark.form == Form::Star) == stars);
                 marks.for_each(|mark| draw_mark(svg, plot, mark));
@@ -162,9 +162,9 @@ impl Chart<'_> {
             }
         }
         for mark in self.marks() {
-            labels.keep_off_mark(plot.at([mark.x, mark.y]), 5.0);
+            labels.avoid_mark(plot.at([mark.x, mark.y]), 5.0);
             if let Some((low, high)) = mark.reach {
-                labels.keep_off(&[plot.at([low, mark.y]), plot.at([high, mark.y])]);
+                labels.avoid(&[plot.at([low, mark.y]), plot.at([high, mark.y])]);
             }
         }
     }

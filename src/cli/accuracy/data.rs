@@ -10,7 +10,7 @@ use super::Measured;
 pub(super) fn json(measured: &Measured) -> Value {
     let report = &measured.report;
     let reference = &report.reference;
-    let mut told = json!({
+    let mut object = json!({
         "scene": measured.scene,
         "machine": measured.machine.json(),
         "frames": report.frames,
@@ -33,8 +33,8 @@ pub(super) fn json(measured: &Measured) -> Value {
             "uncertainty": law.uncertainty,
         })).collect::<Vec<_>>(),
     });
-    measured.changed.add_to(&mut told);
-    told
+    measured.changed.add_to(&mut object);
+    object
 }
 
 fn row(row: &Row, report: &Report) -> Value {
@@ -85,13 +85,14 @@ fn spread(spread: &MedianRange) -> Value {
 /// Returns an error as JSON. Equal films have no PSNR.
 fn error(error: &FilmError, compared: Option<(f64, (f64, f64))>) -> Value {
     let psnr = Some(error.psnr()).filter(|psnr| psnr.is_finite());
-    let mut told = json!({ "max": error.max, "rms": error.rms, "psnr": psnr, "share_off": error.share_off });
+    let mut object =
+        json!({ "max": error.max, "rms": error.rms, "psnr": psnr, "share_off": error.share_off });
     if let Some((similarity, (low, high))) = compared {
-        told["ssim"] = similarity.into();
-        told["rms_low"] = low.into();
-        told["rms_high"] = high.into();
+        object["ssim"] = similarity.into();
+        object["rms_low"] = low.into();
+        object["rms_high"] = high.into();
     }
-    told
+    object
 }
 
 /// Names of the CSV columns, and the JSON pointers to their values in a row or, failing that, in the report.

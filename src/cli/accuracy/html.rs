@@ -17,7 +17,7 @@ use super::Measured;
 use super::bars::{self, Bar};
 use super::chart::{Chart, ChartMark, Form, Layout, Series};
 use super::table::{
-    self, cell, error, frames_in_words, notes, percent, precision_in_words, reference_in_words, seconds,
+    self, cell, describe_frames, describe_precision, describe_reference, error, notes, percent, seconds,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -43,7 +43,7 @@ pub(super) fn page(measured: &Measured, transfer: Transfer) -> anyhow::Result<St
              reference is no better than the picture. Settings that trace the same rays are drawn once.</p>\n";
     page += &table(measured);
     page += &effects(report, transfer)?;
-    page += &knobs(report);
+    page += &parameter_charts(report);
     method(&mut page, measured);
     page += "</body>\n</html>\n";
     Ok(page)
@@ -53,7 +53,7 @@ fn head(page: &mut String, measured: &Measured) {
     let mut line = |text: &str| {
         let _ = writeln!(page, "<p class=\"dim\">{}</p>", escaped(text));
     };
-    line(&frames_in_words(measured));
+    line(&describe_frames(measured));
     if let Some(changed) = measured.changed.describe() {
         line(&changed);
     }
@@ -136,12 +136,12 @@ fn overview(report: &Report) -> Chart<'_> {
         marks: marks(&mut std::iter::once(report.own())),
         joined: false,
     };
-    let knobs = Parameter::ALL.into_iter().map(|parameter| Series {
+    let parameters = Parameter::ALL.into_iter().map(|parameter| Series {
         name: parameter.name().to_owned(),
         marks: marks(&mut report.of_parameter(parameter)),
         joined: parameter != Parameter::Precision,
     });
-    let series = std::iter::once(own).chain(knobs).filter(|series| !series.marks.is_empty()).collect();
+    let series = std::iter::once(own).chain(parameters).filter(|series| !series.marks.is_empty()).collect();
     let mut front: Vec<[f64; 2]> = report
         .rows
         .iter()
@@ -179,12 +179,13 @@ fn table(measured: &Measured) -> String {
         table += &line("td", class, &mut heads.iter().map(|head| cell(row, head).replace('*', "★")));
     }
     let precisions: Vec<String> =
-        report.of_parameter(Parameter::Precision).map(|row| precision_in_words(row, report)).collect();
+        report.of_parameter(Parameter::Precision).map(|row| describe_precision(row, report)).collect();
     let _ = writeln!(table, "</table></div>\n<p>{}</p>", escaped(&precisions.join(" ")));
     for line in notes(report, measured.is_quick) {
         let _ = writeln!(table, "<p class=\"dim\">{}</p>", escaped(&line.replacen('*', "★", 1)));
     }
-    table + "<p class=\"dim\">Errors are in steps of 8 bits. Alone: what is due to this knob only.</p>\n"
+    table
+        + "<p class=\"dim\">Errors are in steps of 8 bits. Alone: the error due to this parameter only.</p>\n"
 }
 
 /// Returns the section on the cost and the worth of each effect.
@@ -208,9 +209,9 @@ fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
             name: effect.name().to_owned(),
             share: share.median,
             deviation: share.deviation,
-            share_in_words: price.clone(),
+            share_text: price.clone(),
             error: row.alone.rms,
-            error_in_words: error(row.alone.rms),
+            error_text: error(row.alone.rms),
         });
         let saved = own.rays.total() as f64 - row.rays.total() as f64;
         let cells = [
@@ -233,7 +234,7 @@ fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
             );
         }
     }
-    let mark = if bars.iter().any(|bar| bar.share_in_words.ends_with('†')) { CLAMPED } else { "" };
+    let mark = if bars.iter().any(|bar| bar.share_text.ends_with('†')) { CLAMPED } else { "" };
     let _ = writeln!(text, "</table></div>\n{mark}<div class=\"pictures\">\n{figures}</div>");
     Ok(format!("<h2>Effects</h2>\n{}{text}", bars::svg(&mut bars)))
 }
@@ -243,8 +244,8 @@ const CLAMPED: &str =
     "<p class=\"dim\">† less than times scatter: without it frames took no less time.</p>\n";
 
 /// Returns the section with a chart of the error for each parameter.
-fn knobs(report: &Report) -> String {
-    let mut text = "<h2>Knobs</h2>\n<div class=\"charts\">\n".to_owned();
+fn parameter_charts(report: &Report) -> String {
+    let mut text = "<h2>Parameters</h2>\n<div class=\"charts\">\n".to_owned();
     for parameter in Parameter::ALL.into_iter().filter(|parameter| *parameter != Parameter::Precision) {
         let marks: Vec<ChartMark> = report
             .of_parameter(parameter)
@@ -307,6 +308,6 @@ fn method(page: &mut String, measured: &Measured) {
          the mean of those pictures, whose samples are independent. Smooth pictures converge as n<sup>-1.5</sup>, edges as n<sup>-0.75</sup>, and what \
          is sampled in more dimensions, as soft shadows, between that and n<sup>-0.5</sup>.</p>",
         report.rounds,
-        escaped(&reference_in_words(report))
+        escaped(&describe_reference(report))
     );
 }

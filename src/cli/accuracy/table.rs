@@ -29,12 +29,12 @@ const ESTIMATED: &str = "estimated";
 
 pub(super) fn draw(measured: &Measured) -> String {
     let report = &measured.report;
-    let mut text = format!("{}: {}\n", Printable(&measured.scene), frames_in_words(measured));
+    let mut text = format!("{}: {}\n", Printable(&measured.scene), describe_frames(measured));
     if let Some(changed) = measured.changed.describe() {
         let _ = writeln!(text, "{changed}");
     }
     let _ = writeln!(text, "{}", measured.machine.describe());
-    let _ = writeln!(text, "{}\n", reference_in_words(report));
+    let _ = writeln!(text, "{}\n", describe_reference(report));
     text += &rows(report);
     let _ =
         writeln!(text, "\n{}\nErrors are in steps of 8 bits.", notes(report, measured.is_quick).join("\n"));
@@ -48,7 +48,7 @@ pub(super) fn draw(measured: &Measured) -> String {
         );
     }
     for row in report.of_parameter(Parameter::Precision) {
-        let _ = writeln!(text, "{}", precision_in_words(row, report));
+        let _ = writeln!(text, "{}", describe_precision(row, report));
     }
     text
 }
@@ -82,7 +82,7 @@ pub(super) fn notes(report: &Report, is_quick: bool) -> Vec<String> {
 }
 
 /// Describes the number of pixels that a precision gets wrong.
-pub(super) fn precision_in_words(row: &Row, report: &Report) -> String {
+pub(super) fn describe_precision(row: &Row, report: &Report) -> String {
     let pixels = f64::from(report.size.0) * f64::from(report.size.1);
     format!(
         "With {} formulas {:.0} of {pixels} pixels are wrong by more than a step.",
@@ -91,7 +91,7 @@ pub(super) fn precision_in_words(row: &Row, report: &Report) -> String {
     )
 }
 
-pub(super) fn frames_in_words(measured: &Measured) -> String {
+pub(super) fn describe_frames(measured: &Measured) -> String {
     let Report { frames, size: (width, height), .. } = &measured.report;
     let names: Vec<String> = frames.iter().map(u32::to_string).collect();
     let of = match (&names[..], measured.spread_over) {
@@ -102,7 +102,7 @@ pub(super) fn frames_in_words(measured: &Measured) -> String {
     format!("{of}, {width}x{height}")
 }
 
-pub(super) fn reference_in_words(report: &Report) -> String {
+pub(super) fn describe_reference(report: &Report) -> String {
     let reference = &report.reference;
     format!(
         "compared with {} samples per pixel, in {} pictures that took {:.1} s; uncertain by {:.3} rms, by {:.1} in any channel",

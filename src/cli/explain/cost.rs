@@ -52,8 +52,9 @@ impl Costs {
     ) -> Result<Self, EngineError> {
         let frames = timeline.samples();
         let count = frames.len().max(1) as f64;
-        let needed = timeline.effects().filter(|told| told.is_ever_needed());
-        let mut effects: Vec<(Effect, Cost)> = needed.map(|told| (told.effect, Cost::default())).collect();
+        let needed = timeline.effects().filter(|effect| effect.is_ever_needed());
+        let mut effects: Vec<(Effect, Cost)> =
+            needed.map(|needed| (needed.effect, Cost::default())).collect();
         // The first render warms up the caches and is not measured.
         render(engine, &frames, None, counter)?;
         let mut seconds = Vec::new();
@@ -117,14 +118,15 @@ impl Costs {
     pub(super) fn effect_json(&self, effect: Effect, measure: bool) -> Value {
         let Some(cost) = self.effect(effect) else { return Value::Null };
         let share = cost.share();
-        let mut told = json!({ "rays": cost.rays, "instructions": cost.instructions, "share": share.median });
+        let mut object =
+            json!({ "rays": cost.rays, "instructions": cost.instructions, "share": share.median });
         if measure {
-            told["share_low"] = share.low.into();
-            told["share_high"] = share.high.into();
-            told["max_error"] = cost.error.max.into();
-            told["rms_error"] = cost.error.rms.into();
+            object["share_low"] = share.low.into();
+            object["share_high"] = share.high.into();
+            object["max_error"] = cost.error.max.into();
+            object["rms_error"] = cost.error.rms.into();
         }
-        told
+        object
     }
 }
 

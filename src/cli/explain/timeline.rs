@@ -9,11 +9,11 @@ pub(super) struct PlannedTimeline {
     frames: Vec<u32>,
     /// Number of chosen frames, if not all of them are examined.
     spread_over: Option<usize>,
-    told: Vec<Told>,
+    effects: Vec<EffectTimeline>,
 }
 
 /// An effect and its need over the examined frames.
-pub(super) struct Told {
+pub(super) struct EffectTimeline {
     pub(super) effect: Effect,
     /// One span for each distinct need, in the order of first appearance.
     pub(super) spans: Vec<Span>,
@@ -37,22 +37,22 @@ impl PlannedTimeline {
     pub(super) fn of(engine: &mut Engine, list: &FrameList) -> Result<Self, EngineError> {
         let spread = list.spread_frames(Self::MOST);
         let spread_over = spread.is_some().then(|| list.count());
-        let mut told: Vec<Told> =
-            Effect::ALL.into_iter().map(|effect| Told { effect, spans: Vec::new() }).collect();
+        let mut effects: Vec<EffectTimeline> =
+            Effect::ALL.into_iter().map(|effect| EffectTimeline { effect, spans: Vec::new() }).collect();
         let mut frames: Vec<u32> = Vec::new();
         for frame in spread.unwrap_or_else(|| list.frames().collect()) {
             let before = frames.last().copied();
             let time = engine.timeline().time_of(frame);
             let Some(plan) = engine.plan_at(time)? else { continue };
-            for told in &mut told {
-                told.add(plan.need(told.effect), frame, before);
+            for effect in &mut effects {
+                effect.add(plan.need(effect.effect), frame, before);
             }
             frames.push(frame);
         }
-        for span in told.iter_mut().flat_map(|told| &mut told.spans) {
+        for span in effects.iter_mut().flat_map(|effect| &mut effect.spans) {
             span.all = span.count == frames.len();
         }
-        Ok(Self { frames, spread_over, told })
+        Ok(Self { frames, spread_over, effects })
     }
 
     /// Returns the number of examined frames.
@@ -65,8 +65,8 @@ impl PlannedTimeline {
         self.spread_over
     }
 
-    pub(super) fn effects(&self) -> impl Iterator<Item = &Told> {
-        self.told.iter()
+    pub(super) fn effects(&self) -> impl Iterator<Item = &EffectTimeline> {
+        self.effects.iter()
     }
 
     /// Returns the first, middle and last frame, plus further frames, so that every needed effect is needed in at least one of them.
@@ -74,8 +74,8 @@ impl PlannedTimeline {
         let last = self.frames.len().saturating_sub(1);
         let mut samples: Vec<u32> =
             [0, last / 2, last].into_iter().filter_map(|index| self.frames.get(index).copied()).collect();
-        for told in &self.told {
-            let needed: Vec<&Span> = told.spans.iter().filter(|span| span.need.is_needed()).collect();
+        for effect in &self.effects {
+            let needed: Vec<&Span> = effect.spans.iter().filter(|span| span.need.is_needed()).collect();
             let measured = needed.iter().any(|span| samples.iter().any(|frame| span.holds(*frame)));
             if let (false, Some(span)) = (measured, needed.first()) {
                 samples.push(span.runs[0].0);
@@ -88,14 +88,18 @@ impl PlannedTimeline {
 
     /// Summarises the needs in a few sentences.
     pub(super) fn describe(&self) -> String {
-        let names = |chosen: &dyn Fn(&Told) -> bool| {
-            let names: Vec<_> =
-                self.told.iter().filter(|told| chosen(told)).map(|told| told.effect.name()).collect();
+        let names = |chosen: &dyn Fn(&EffectTimeline) -> bool| {
+            let names: Vec<_> = self
+                .effects
+                .iter()
+                .filter(|effect| chosen(effect))
+                .map(|effect| effect.effect.name())
+                .collect();
             names.join(", ")
         };
-        let always = names(&|told| told.is_always_needed());
-        let never = self.told.iter().filter(|told| !told.is_ever_needed()).count();
-        let at_times = names(&|told| told.is_ever_needed() && !told.is_always_needed());
+        let always = names(&|effect| effect.is_always_needed());
+        let never = self.effects.iter().filter(|effect| !effect.is_ever_needed()).count();
+        let at_times = names(&|effect| effect.is_ever_needed() && !effect.is_always_needed());
         let sentence = |start: &str, names: String| {
             if names.is_empty() { String::new() } else { format!("{start} {names}.\n") }
         };
@@ -112,7 +116,7 @@ impl PlannedTimeline {
     }
 }
 
-impl Told {
+impl EffectTimeline {
     fn add(&mut self, need: Need, frame: u32, before: Option<u32>) {
         let index = self.spans.iter().position(|span| span.need == need).unwrap_or_else(|| {
             self.spans.push(Span { need, runs: Vec::new(), count: 0, all: false });

@@ -215,7 +215,7 @@ impl PixelExplanation<'_> {
     fn contributions(&self, lit: &LitSurface) -> Vec<TreeNode> {
         let lights =
             self.prepared.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
-                let told = match reach {
+                let text = match reach {
                     LightReach::Reaches { color, occluded: 0 } => adds(*color),
                     LightReach::Reaches { color, occluded } => {
                         let samples = self.prepared.light_samples(index);
@@ -228,12 +228,12 @@ impl PixelExplanation<'_> {
                         format!("hidden by {}", self.lines.text(self.prepared.entity(*slot)))
                     }
                 };
-                (self.lines.text(*entity), told)
+                (self.lines.text(*entity), text)
             });
         let mut all = vec![("ambient".to_owned(), adds(lit.ambient))];
         all.extend(lights);
         let width = all.iter().map(|(source, _)| source.chars().count()).max().unwrap_or(0);
-        all.into_iter().map(|(source, told)| TreeNode::leaf(format!("{source:<width$}  {told}"))).collect()
+        all.into_iter().map(|(source, text)| TreeNode::leaf(format!("{source:<width$}  {text}"))).collect()
     }
 
     fn json(&self) -> Value {

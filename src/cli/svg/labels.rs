@@ -23,19 +23,19 @@ impl Labels {
     }
 
     /// Keeps texts off a mark with this radius.
-    pub(crate) fn keep_off_mark(&mut self, at: PagePoint, radius: f64) {
+    pub(crate) fn avoid_mark(&mut self, at: PagePoint, radius: f64) {
         self.taken.push(Area::around(at, [radius; 2]));
     }
 
     /// Keeps texts off a line.
-    pub(crate) fn keep_off(&mut self, line: &[PagePoint]) {
+    pub(crate) fn avoid(&mut self, line: &[PagePoint]) {
         const STEP: f64 = 4.0;
         for pair in line.windows(2) {
             let [x, y] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
             let count = (libm::hypot(x, y) / STEP).clamp(1.0, 1000.0).ceil();
             let shares = (0..).map(f64::from).take_while(|index| *index <= count).map(|index| index / count);
             for share in shares {
-                self.keep_off_mark([pair[0][0] + share * x, pair[0][1] + share * y], 1.0);
+                self.avoid_mark([pair[0][0] + share * x, pair[0][1] + share * y], 1.0);
             }
         }
     }

@@ -113,7 +113,7 @@ impl Worlds<'_> {
         ComponentChanges { entities: self.put(T::put), declare: Changes::mark_material }
     }
 
-    fn anew<T: Component>(self) -> ComponentChanges {
+    fn rewritten<T: Component>(self) -> ComponentChanges {
         self.put(|old: &mut T, new| {
             std::mem::swap(old, new);
             false

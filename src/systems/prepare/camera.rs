@@ -55,8 +55,8 @@ pub fn active_camera(world: &World, moment: Time) -> Option<ActiveCamera> {
 /// Returns the entity whose camera is active in the frame at `moment`: the camera of the shot, or else the first camera in document order.
 pub(super) fn active_camera_entity(world: &World, moment: Time) -> Option<Entity> {
     let shots = first::<Shots>(world).0;
-    let begun = shots.partition_point(|shot| shot.start <= moment.seconds());
-    let shot = shots.get(begun.saturating_sub(1)).map(|shot| shot.camera);
+    let started = shots.partition_point(|shot| shot.start <= moment.seconds());
+    let shot = shots.get(started.saturating_sub(1)).map(|shot| shot.camera);
     shot.filter(|camera| world.satisfies::<&Camera>(*camera)).or_else(|| first_entity::<Camera>(world))
 }
 
@@ -133,8 +133,8 @@ impl Shutters {
     /// Returns the exposure of the frame at `moment`, with the sampling as overridden by `settings`.
     #[must_use]
     pub(crate) fn at(&self, moment: Time, settings: &RenderSettings) -> Shutter {
-        let begun = self.shots.partition_point(|(start, _)| *start <= moment.seconds());
-        let open = self.shots.get(begun.saturating_sub(1)).map_or(self.single, |(_, open)| *open);
+        let started = self.shots.partition_point(|(start, _)| *start <= moment.seconds());
+        let open = self.shots.get(started.saturating_sub(1)).map_or(self.single, |(_, open)| *open);
         let Sampling { samples, instants, .. } = settings.sampling(self.sampling);
         match instants.min(samples) {
             _ if open == 0.0 => Shutter::None,

@@ -110,8 +110,8 @@ impl Checked {
     /// Checks a number, which is clamped to `limits`.
     fn clamped(&mut self, what: &'static str, value: f64, range: ValidRange, limits: RangeInclusive<f64>) {
         if !limits.contains(&value) {
-            let held = if value > *limits.end() { *limits.end() } else { *limits.start() };
-            self.fault(what, value, range, Fallback::Number(range.written(held)));
+            let clamped = if value > *limits.end() { *limits.end() } else { *limits.start() };
+            self.fault(what, value, range, Fallback::Number(range.written(clamped)));
         }
     }
 
@@ -205,8 +205,9 @@ fn light_faults(world: &World, faults: &mut Vec<Fault>) {
 fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>) {
     if let Some(entity) = first_entity::<Shots>(world) {
         let shots = world.get::<&Shots>(entity);
-        let gone = |shots: &Shots| shots.0.iter().any(|shot| !world.satisfies::<&Camera>(shot.camera));
-        if shots.is_ok_and(|shots| gone(&shots)) {
+        let lacks_camera =
+            |shots: &Shots| shots.0.iter().any(|shot| !world.satisfies::<&Camera>(shot.camera));
+        if shots.is_ok_and(|shots| lacks_camera(&shots)) {
             faults.push(instead(entity, FaultCause::Missing("cuts to"), Fallback::Nothing));
         }
     }

@@ -5,7 +5,7 @@
 
 mod chart;
 mod sample;
-mod things;
+mod shapes;
 mod view;
 
 use std::path::Path;
@@ -102,7 +102,7 @@ mod tests {
         };
         let first = (0..10).map(|index| at(index, DVec3::ZERO, "wide"));
         let second = (10..20).map(|index| at(index, DVec3::new(-3.0, 2.0, 4.0), "close & low"));
-        CameraPath { samples: first.chain(second).collect(), spread_over: None, things: Vec::new() }
+        CameraPath { samples: first.chain(second).collect(), spread_over: None, shapes: Vec::new() }
     }
 
     /// Returns the number of points of each line of a class, path element by path element.
@@ -136,7 +136,7 @@ mod tests {
             // The distant target fixes the scale of the views.
             let mut samples: Vec<_> = (0..count).map(at).collect();
             samples[0].target = Some(DVec3::new(0.0, 0.0, 100.0));
-            drawing(&CameraPath { samples, spread_over: None, things: Vec::new() }, "many.ron")
+            drawing(&CameraPath { samples, spread_over: None, shapes: Vec::new() }, "many.ron")
         };
         for (count, length, stride) in [(50, 100.0, 1), (150, 100.0, 2), (2000, 100.0, 50), (50, 10.0, 10)] {
             let drawing = many(count, length);
@@ -152,7 +152,7 @@ mod tests {
     fn any_camera_path_draws_finite_numbers() {
         let still = |count: u32| {
             let samples = (0..count).map(|index| sample(f64::from(index), DVec3::ZERO, "camera")).collect();
-            CameraPath { samples, spread_over: None, things: Vec::new() }
+            CameraPath { samples, spread_over: None, shapes: Vec::new() }
         };
         for path in [with_a_cut(1e60), with_a_cut(1e-60), with_a_cut(0.0), still(0), still(1), still(30)] {
             let drawing = drawing(&path, "<odd> \"name\"");

@@ -7,7 +7,7 @@ use rayreel::systems::{ActiveCamera, active_camera};
 use rayreel::time::FrameList;
 use rayreel::{Engine, EngineError, Time};
 
-use super::things::Thing;
+use super::shapes::OutlinedShape;
 use crate::cli::svg::Steps;
 
 /// The camera's path over the chosen frames.
@@ -17,7 +17,7 @@ pub(super) struct CameraPath {
     /// Number of chosen frames, if there are too many to sample each.
     pub(super) spread_over: Option<usize>,
     /// Outlines of the scene's shapes at the first sample.
-    pub(super) things: Vec<Thing>,
+    pub(super) shapes: Vec<OutlinedShape>,
 }
 
 /// The camera in one frame.
@@ -42,18 +42,18 @@ impl CameraPath {
         let chosen = frames.count();
         let frames = frames.spread(Self::MOST);
         let spread_over = (frames.count() < chosen).then_some(chosen);
-        let (mut samples, mut things) = (Vec::with_capacity(frames.count()), Vec::new());
+        let (mut samples, mut shapes) = (Vec::with_capacity(frames.count()), Vec::new());
         for frame in frames.frames() {
             let time = engine.timeline().time_of(frame);
             engine.seek(time)?;
             if samples.is_empty() {
-                things = super::things::all(engine);
+                shapes = super::shapes::all(engine);
             }
             if let Some(sample) = CameraSample::of(engine, time) {
                 samples.push(sample);
             }
         }
-        Ok(Self { samples, spread_over, things })
+        Ok(Self { samples, spread_over, shapes })
     }
 
     /// Returns the shots: runs of samples of the same camera.
@@ -62,7 +62,7 @@ impl CameraPath {
     }
 
     /// Returns the indices of the samples of a shot that are labelled with their time: the first, and the first at or after each round time.
-    pub(super) fn told(&self, shot: &[CameraSample]) -> impl Iterator<Item = usize> {
+    pub(super) fn labelled(&self, shot: &[CameraSample]) -> impl Iterator<Item = usize> {
         let (from, to) = self.span();
         let size = Steps::over(to - from, 12.0).size();
         let round = move |sample: &CameraSample| (sample.seconds / size + 1e-9).floor();
@@ -117,15 +117,15 @@ impl CameraPath {
             0 | 1 => String::new(),
             count => format!(" in {count} shots"),
         };
-        let way = if self.is_still() { "the eye stands still".to_owned() } else { self.way_in_words() };
+        let path = if self.is_still() { "the eye stands still".to_owned() } else { self.describe_path() };
         let turning = match self.turn_rates().range().1 {
             0.0 => String::new(),
             most => format!(", turning by up to {} degrees a second", short(most)),
         };
-        format!("{count}{shots}, {way}{turning}")
+        format!("{count}{shots}, {path}{turning}")
     }
 
-    fn way_in_words(&self) -> String {
+    fn describe_path(&self) -> String {
         let steps = self.shots().flat_map(|shot| shot.windows(2));
         let length: f64 = steps.map(|pair| pair[0].eye.distance(pair[1].eye)).sum();
         let (least, most) = self.speeds().range();

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::chart::thinned;
 use super::sample::{CameraPath, CameraSample};
-use super::things::Thing;
+use super::shapes::OutlinedShape;
 use crate::cli::svg::{Anchor, Area, Axis, Labels, PagePoint, Plot, Svg, directions};
 
 /// An orthographic view along a coordinate axis.
@@ -20,10 +20,10 @@ struct OrthographicView {
 }
 
 /// Draws the path from above and from the side, at the same scale.
-pub(super) fn draw(svg: &mut Svg, journey: &CameraPath, [left, right]: [Area; 2]) {
+pub(super) fn draw(svg: &mut Svg, path: &CameraPath, [left, right]: [Area; 2]) {
     /// Width of the margin at each side, as a fraction of the frame.
     const MARGIN: f64 = 0.08;
-    let (least, most) = bounds(journey);
+    let (least, most) = bounds(path);
     let size = (most - least).max_element();
     let scale = (1.0 - 2.0 * MARGIN) * left.width / if size > 0.0 { size } else { 10.0 };
     let center = 0.5 * least + 0.5 * most;
@@ -32,16 +32,16 @@ pub(super) fn draw(svg: &mut Svg, journey: &CameraPath, [left, right]: [Area; 2]
         view("from above: x to the right, z upwards", [0, 2, 1], left),
         view("from the side: z to the right, y upwards", [2, 1, 0], right),
     ];
-    let stride = views.iter().map(|view| view.tick_stride(journey)).min().unwrap_or(1);
+    let stride = views.iter().map(|view| view.tick_stride(path)).min().unwrap_or(1);
     for view in &views {
-        view.draw(svg, journey, stride);
+        view.draw(svg, path, stride);
     }
-    legend(svg, [left.left, left.bottom() + 46.0], stride, journey);
+    legend(svg, [left.left, left.bottom() + 46.0], stride, path);
 }
 
 /// Returns the bounds of the path, its targets and the outlines near them.
-fn bounds(journey: &CameraPath) -> (DVec3, DVec3) {
-    let seen = journey.samples.iter().flat_map(|sample| [Some(sample.eye), sample.target]).flatten();
+fn bounds(path: &CameraPath) -> (DVec3, DVec3) {
+    let seen = path.samples.iter().flat_map(|sample| [Some(sample.eye), sample.target]).flatten();
     let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for point in seen {
         (least, most) = (least.min(point), most.max(point));
@@ -51,7 +51,7 @@ fn bounds(journey: &CameraPath) -> (DVec3, DVec3) {
     }
     let reach = (most - least).max_element();
     let (near_least, near_most) = (least - 0.5 * reach, most + 0.5 * reach);
-    for (middle, radius) in journey.things.iter().filter_map(Thing::extent) {
+    for (middle, radius) in path.shapes.iter().filter_map(OutlinedShape::extent) {
         let (low, high) = (middle - radius, middle + radius);
         if reach == 0.0 || low.cmpge(near_least).all() && high.cmple(near_most).all() {
             (least, most) = (least.min(low), most.max(high));
@@ -74,29 +74,29 @@ impl OrthographicView {
     }
 
     /// Returns the number of frames between ticks. There are at most 240 ticks, at least 4 pixels apart on average.
-    fn tick_stride(&self, journey: &CameraPath) -> usize {
+    fn tick_stride(&self, path: &CameraPath) -> usize {
         const NEAREST: f64 = 4.0;
         const MOST: f64 = 240.0;
-        let count = journey.samples.len() as f64;
-        let steps = journey.shots().flat_map(|shot| shot.windows(2));
+        let count = path.samples.len() as f64;
+        let steps = path.shots().flat_map(|shot| shot.windows(2));
         let length: f64 = steps.map(|pair| apart(self.project(pair[0].eye), self.project(pair[1].eye))).sum();
         let least = (count / MOST).max(NEAREST * count / length.max(1.0));
         let strides = (0..9).flat_map(|exponent| [1, 2, 5].map(|digit| digit * 10_usize.pow(exponent)));
         strides.into_iter().find(|stride| *stride as f64 >= least).unwrap_or(usize::MAX)
     }
 
-    fn draw(&self, svg: &mut Svg, journey: &CameraPath, stride: usize) {
+    fn draw(&self, svg: &mut Svg, path: &CameraPath, stride: usize) {
         self.grid(svg);
         svg.clip(self.frame);
-        for thing in &journey.things {
-            self.thing(svg, thing);
+        for shape in &path.shapes {
+            self.outline(svg, shape);
         }
-        for shot in journey.shots() {
+        for shot in path.shots() {
             self.shot(svg, shot, stride);
         }
         svg.end_group();
         svg.outline("axis", self.frame);
-        self.labels(svg, journey);
+        self.labels(svg, path);
     }
 
     fn grid(&self, svg: &mut Svg) {
@@ -107,16 +107,16 @@ impl OrthographicView {
     }
 
     /// Draws an outline, unless it is outside the frame or so large that it would appear as a line.
-    fn thing(&self, svg: &mut Svg, thing: &Thing) {
-        if let Some((middle, radius)) = thing.extent() {
+    fn outline(&self, svg: &mut Svg, shape: &OutlinedShape) {
+        if let Some((middle, radius)) = shape.extent() {
             let reach = radius * self.scale;
             let around = Area::around(self.project(middle), [reach; 2]);
             if !self.frame.overlaps(&around) || reach > 20.0 * self.frame.width {
                 return;
             }
         }
-        match thing {
-            Thing::Ball { center, image } => {
+        match shape {
+            OutlinedShape::Ball { center, image } => {
                 let [a, b] = [self.axes[0], self.axes[1]].map(|axis| image.row(axis) * self.scale);
                 // The projection of the unit ball is an ellipse. Its radii are the square roots of the eigenvalues of (a b)^T (a b).
                 let (mean, half) = (0.5 * (a.dot(a) + b.dot(b)), 0.5 * (a.dot(a) - b.dot(b)));
@@ -125,7 +125,7 @@ impl OrthographicView {
                 let degrees = (0.5 * libm::atan2(a.dot(b), half)).to_degrees();
                 svg.ellipse("thing", self.project(*center), radii, -degrees);
             }
-            Thing::Box(corners) => {
+            OutlinedShape::Box(corners) => {
                 let edges = (0..8_usize).flat_map(|corner| [1, 2, 4].map(|bit| (corner, corner | bit)));
                 let edges = edges.filter(|(one, other)| one != other);
                 let edge = |(one, other): (usize, usize)| {
@@ -133,7 +133,7 @@ impl OrthographicView {
                 };
                 svg.lines("thing", &edges.map(edge).collect::<Vec<_>>());
             }
-            Thing::Plane { point, normal } => self.plane(svg, *point, *normal),
+            OutlinedShape::Plane { point, normal } => self.plane(svg, *point, *normal),
         }
     }
 
@@ -160,8 +160,8 @@ impl OrthographicView {
             })
             .collect();
         svg.lines("target", &targets);
-        svg.lines("view", &self.glances(shot));
-        svg.lines("eye", &[self.way(shot)]);
+        svg.lines("view", &self.view_lines(shot));
+        svg.lines("eye", &[self.polyline(shot)]);
         let ticks: Vec<Vec<PagePoint>> =
             (0..shot.len()).step_by(stride).filter_map(|index| self.tick(shot, index)).collect();
         svg.lines("ticks", &ticks);
@@ -186,12 +186,12 @@ impl OrthographicView {
         })
     }
 
-    fn way(&self, shot: &[CameraSample]) -> Vec<PagePoint> {
+    fn polyline(&self, shot: &[CameraSample]) -> Vec<PagePoint> {
         thinned(shot.iter().map(|sample| self.project(sample.eye)))
     }
 
     /// Returns short strokes from the eye in the viewing direction.
-    fn glances(&self, shot: &[CameraSample]) -> Vec<Vec<PagePoint>> {
+    fn view_lines(&self, shot: &[CameraSample]) -> Vec<Vec<PagePoint>> {
         const LENGTH: f64 = 24.0;
         const MOST: usize = 32;
         let stroke = |sample: &CameraSample| {
@@ -202,19 +202,19 @@ impl OrthographicView {
     }
 
     /// Labels the path with times and, if there are several shots, with the names of the cameras.
-    fn labels(&self, svg: &mut Svg, journey: &CameraPath) {
+    fn labels(&self, svg: &mut Svg, path: &CameraPath) {
         /// Distances of texts from the path that are tried.
         const DISTANCES: [f64; 2] = [7.0, 18.0];
         /// Distance in pixels within which two points count as the same.
         const SAME: f64 = 6.0;
         let (mut labels, mut labelled) = (Labels::within(self.frame), Vec::<PagePoint>::new());
-        for shot in journey.shots() {
-            labels.keep_off(&self.way(shot));
-            self.glances(shot).iter().for_each(|glance| labels.keep_off(glance));
+        for shot in path.shots() {
+            labels.avoid(&self.polyline(shot));
+            self.view_lines(shot).iter().for_each(|line| labels.avoid(line));
         }
-        let several = journey.shots().nth(1).is_some();
-        for shot in journey.shots() {
-            for index in journey.told(shot) {
+        let several = path.shots().nth(1).is_some();
+        for shot in path.shots() {
+            for index in path.labelled(shot) {
                 let eye = self.project(shot[index].eye);
                 if labelled.iter().any(|[x, y]| (eye[0] - x).abs().max((eye[1] - y).abs()) < SAME) {
                     continue;
@@ -240,19 +240,19 @@ fn apart(one: PagePoint, other: PagePoint) -> f64 {
 }
 
 /// Draws the legend of the lines.
-fn legend(svg: &mut Svg, [mut x, y]: PagePoint, stride: usize, journey: &CameraPath) {
-    let drawn = if journey.spread_over.is_some() { " drawn" } else { "" };
+fn legend(svg: &mut Svg, [mut x, y]: PagePoint, stride: usize, path: &CameraPath) {
+    let drawn = if path.spread_over.is_some() { " drawn" } else { "" };
     let eye = match stride {
-        _ if journey.is_still() => "the eye".to_owned(),
+        _ if path.is_still() => "the eye".to_owned(),
         1 => format!("the eye, with a tick at every frame{drawn}"),
         stride => format!("the eye, with a tick at every {stride} frames{drawn}"),
     };
     let mut entries = vec![("eye", eye.as_str()), ("view", "where it looks")];
-    if journey.samples.iter().any(|sample| sample.target.is_some()) {
+    if path.samples.iter().any(|sample| sample.target.is_some()) {
         entries.push(("target", "its target"));
     }
-    if !journey.things.is_empty() {
-        entries.push(("thing", "what stands there at first"));
+    if !path.shapes.is_empty() {
+        entries.push(("thing", "shapes in the first frame"));
     }
     for (class, text) in entries {
         svg.line(class, [x, y - 4.0], [x + 22.0, y - 4.0]);

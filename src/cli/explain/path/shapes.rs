@@ -9,7 +9,7 @@ use rayreel::components::{Order, Shape, WorldTransform};
 const MOST: usize = 400;
 
 /// The outline of a shape in world space.
-pub(super) enum Thing {
+pub(super) enum OutlinedShape {
     /// The image of the unit ball under a linear map, around a centre.
     Ball { center: DVec3, image: DMat3 },
     /// Eight corners. Two corners share an edge if their indices differ in one bit.
@@ -19,18 +19,22 @@ pub(super) enum Thing {
 }
 
 /// Returns the outlines of the first shapes in document order.
-pub(super) fn all(engine: &Engine) -> Vec<Thing> {
+pub(super) fn all(engine: &Engine) -> Vec<OutlinedShape> {
     let mut query = engine.world().query::<(&Order, &Shape, &WorldTransform)>();
     let mut found: Vec<_> = query.iter().collect();
     found.sort_by_key(|(order, ..)| **order);
-    found.into_iter().take(MOST).filter_map(|(_, shape, transform)| Thing::of(*shape, transform)).collect()
+    found
+        .into_iter()
+        .take(MOST)
+        .filter_map(|(_, shape, transform)| OutlinedShape::of(*shape, transform))
+        .collect()
 }
 
-impl Thing {
+impl OutlinedShape {
     fn of(shape: Shape, transform: &WorldTransform) -> Option<Self> {
         let affine = transform.affine;
         let center = affine.translation;
-        let thing = match shape {
+        let outline = match shape {
             Shape::Sphere { radius } => Self::Ball { center, image: affine.matrix3 * radius },
             Shape::Box { size } => Self::Box(std::array::from_fn(|index| {
                 let side = |bit: usize| if index >> bit & 1 == 0 { -0.5 } else { 0.5 };
@@ -41,7 +45,7 @@ impl Thing {
                 Self::Plane { point: center, normal: normal.try_normalize()? }
             }
         };
-        affine.is_finite().then_some(thing)
+        affine.is_finite().then_some(outline)
     }
 
     /// Returns the centre and the radius of the outline, or `None` for planes, which are unbounded.
