@@ -18,7 +18,7 @@ pub(super) const FIRST_MS: f64 = 6.0;
 /// Least divisor of the first coarse picture of a frame. A picture of all pixels would not be coarse.
 pub(super) const FIRST_DIVISOR: u32 = 2;
 /// Maximum number of pixels of the first coarse picture while the speed is unknown. It takes [`FIRST_MS`] in a scene of 1.5 µs a pixel; simple
-/// ones take 0.2 µs, and slow ones meet the deadline.
+/// ones take 0.2 µs, and the deadline stops slow ones.
 const MAX_PIXELS_UNTIMED: f64 = 4096.0;
 /// Deadlines of the attempts at a coarse picture, in milliseconds. Together they stay below 100, which a user perceives as immediate. The
 /// attempt after them has one pixel and no deadline.

@@ -9,7 +9,7 @@ use super::ScriptError;
 pub(crate) enum NoResult {
     /// The script failed.
     Error(Box<ScriptError>),
-    /// The script reads a value that is not [known](ScriptContext::know). It has to be run again once the value is known.
+    /// The script reads a value that is not [known](ScriptContext::set_value). It has to be run again once the value is known.
     Needs(Read),
 }
 

@@ -7,7 +7,7 @@
 //! - Numbers are decimal: digits, with an optional fraction and exponent.
 //! - Types are not named. Optional values are present or absent, without `Some` and `None`.
 //!
-//! The general [parser](super::whole) defines the meaning of plain texts, too: it reads every text accepted here as the same value. A text
+//! The general [parser](super::general_parser) defines the meaning of plain texts, too: it reads every text accepted here as the same value. A text
 //! that is rejected here must be passed to the general parser, which may accept it.
 
 use std::fmt;
