@@ -19,17 +19,17 @@ pub struct Deadline {
     within: f64,
     after: f64,
     /// The indices of the frames that have not begun, and the demands of surveyed frames.
-    remaining: BTreeSet<usize>,
+    pending: BTreeSet<usize>,
     demands: Vec<Option<Demand>>,
     /// The sum of the demands of all remaining frames.
     total: Demand,
     /// The ratio of seconds to samples of rounds.
     rate: Recent,
     /// The ratio of samples taken to samples predicted.
-    sample_ratio: Recent,
+    excess: Recent,
     /// Mean seconds of a frame before its first request for a further round, and after its last request.
-    before_rounds: Mean,
-    after_rounds: Mean,
+    setup: Mean,
+    finish: Mean,
     /// Mean seconds for writing a frame, and the number of frames not yet written.
     writing: Mean,
     unwritten: usize,
@@ -40,9 +40,9 @@ pub struct Deadline {
 #[derive(Clone, Copy, Debug, Default)]
 struct FrameInProgress {
     index: usize,
-    start_time: f64,
+    start: f64,
     /// The last request for a round: its time, and the sample count and the error of the picture at that time.
-    last_request: Option<(f64, f64, f64)>,
+    request: Option<(f64, f64, f64)>,
     /// The samples and seconds of its further rounds.
     samples: f64,
     seconds: f64,
@@ -105,13 +105,13 @@ impl Deadline {
             start,
             within: within.as_secs_f64(),
             after: 0.0,
-            remaining: (0..frames).collect(),
+            pending: (0..frames).collect(),
             demands: vec![None; frames],
             total: Demand::default(),
             rate: Recent::default(),
-            sample_ratio: Recent::default(),
-            before_rounds: Mean::default(),
-            after_rounds: Mean::default(),
+            excess: Recent::default(),
+            setup: Mean::default(),
+            finish: Mean::default(),
             writing: Mean::default(),
             unwritten: 0,
             frame: FrameInProgress::default(),
@@ -133,14 +133,14 @@ impl Deadline {
     /// `writing` the time for writing it; both are in seconds.
     pub fn note_demand(&mut self, index: usize, demand: Demand, [first, writing]: [f64; 2]) {
         self.demands[index] = Some(demand);
-        self.before_rounds.add(first);
+        self.setup.add(first);
         self.writing.add(writing);
     }
 
     /// Records the cost of further rounds of a surveyed frame.
     pub fn calibrate(&mut self, Calibration { samples, predicted, seconds }: Calibration) {
         self.rate.add(seconds, samples, 1.0);
-        self.sample_ratio.add(samples, predicted, 1.0);
+        self.excess.add(samples, predicted, 1.0);
     }
 
     /// Gives each frame without a survey the demand of the nearest surveyed frame.
@@ -154,15 +154,12 @@ impl Deadline {
         });
         self.demands = spread.collect();
         self.total = Demand::default();
-        self.remaining
-            .iter()
-            .filter_map(|index| self.demands[*index])
-            .for_each(|demand| self.total += demand);
+        self.pending.iter().filter_map(|index| self.demands[*index]).for_each(|demand| self.total += demand);
     }
 
     /// Removes a frame that already exists from the remaining frames.
     pub fn keep(&mut self, index: usize) {
-        if self.remaining.remove(&index)
+        if self.pending.remove(&index)
             && let Some(demand) = self.demands[index]
         {
             self.total -= demand;
@@ -196,24 +193,23 @@ impl Deadline {
 
     fn begin_at(&mut self, index: usize, now: f64) {
         self.keep(index);
-        self.frame = FrameInProgress { index, start_time: now, ..FrameInProgress::default() };
+        self.frame = FrameInProgress { index, start: now, ..FrameInProgress::default() };
     }
 
     fn end_at(&mut self, now: f64) {
         self.unwritten += 1;
-        let FrameInProgress { index, samples, last_request: Some((requested, _, error)), .. } = self.frame
-        else {
+        let FrameInProgress { index, samples, request: Some((requested, _, error)), .. } = self.frame else {
             return;
         };
-        self.after_rounds.add(now - requested);
+        self.finish.add(now - requested);
         if let Some(demand) = self.demands[index] {
-            self.sample_ratio.add(samples, demand.samples(Demand::level(error)), 0.7);
+            self.excess.add(samples, demand.samples(Demand::level(error)), 0.7);
         }
     }
 
     /// Records the cost of the last round.
     fn note_round(&mut self, now: f64, samples: f64) {
-        let Some((requested, before, _)) = self.frame.last_request else { return };
+        let Some((requested, before, _)) = self.frame.request else { return };
         let seconds = now - requested;
         self.frame.samples += samples - before;
         self.frame.seconds += seconds;
@@ -223,29 +219,28 @@ impl Deadline {
 
     /// Returns the target level of error and the largest sample count of the next round; `None` to end the frame.
     fn next(&mut self, own: &Demand, samples: f64, error: f64, now: f64) -> Option<(f64, f64)> {
-        if self.frame.last_request.is_none() {
-            self.before_rounds.add(now - self.frame.start_time);
+        if self.frame.request.is_none() {
+            self.setup.add(now - self.frame.start);
         }
         self.note_round(now, samples);
-        self.frame.last_request = Some((now, samples, error));
-        let others = self.remaining.len() as f64;
-        let time = self.time_left_at(now)
-            - others * (self.before_rounds.get() + self.after_rounds.get())
-            - self.after_rounds.get();
+        self.frame.request = Some((now, samples, error));
+        let others = self.pending.len() as f64;
+        let time =
+            self.time_left_at(now) - others * (self.setup.get() + self.finish.get()) - self.finish.get();
         // Before any round has been measured, the rate of the first samples is used.
-        let rate = self.rate.ratio().unwrap_or_else(|| self.before_rounds.get() / samples);
-        let sample_ratio = self.sample_ratio.ratio().unwrap_or(1.0).clamp(0.05, 4.0);
+        let rate = self.rate.ratio().unwrap_or_else(|| self.setup.get() / samples);
+        let excess = self.excess.ratio().unwrap_or(1.0).clamp(0.05, 4.0);
         let level = Demand::highest_level(|level| {
-            rate * (own.samples(level) + sample_ratio * self.total.samples(level)) <= time
+            rate * (own.samples(level) + excess * self.total.samples(level)) <= time
         });
         let wanted = rate * own.samples(level);
-        if self.remaining.is_empty() {
+        if self.pending.is_empty() {
             let share = *self.frame.share.get_or_insert(time);
             return (time > REST * share).then_some((level, ROUND * time / rate));
         }
         // The first samples are poor predictors: the share is at least the prediction, and at least the average over the remaining frames.
         let predicted =
-            self.demands[self.frame.index].map_or(0.0, |demand| rate * sample_ratio * demand.samples(level));
+            self.demands[self.frame.index].map_or(0.0, |demand| rate * excess * demand.samples(level));
         let share = *self.frame.share.get_or_insert(predicted.max(time / (others + 1.0)));
         let most = (MOST_SHARES * share - self.frame.seconds).min(ROUND * time);
         (wanted.min(most) > SMALL * self.frame.seconds).then_some((level, most / rate))
@@ -329,9 +324,9 @@ impl RoundPolicy for FrameSurvey {
         let (now, samples) = (Instant::now(), outlook.samples());
         self.first.get_or_insert(now);
         self.rounds += 1;
-        if let Some((start_time, before)) = self.found {
+        if let Some((start, before)) = self.found {
             let predicted = self.demand.samples(Demand::level(outlook.error().value));
-            let seconds = (now - start_time).as_secs_f64();
+            let seconds = (now - start).as_secs_f64();
             self.calibration = Some(Calibration { samples: samples - before, predicted, seconds });
         } else {
             self.demand = Demand::of(outlook);

@@ -139,8 +139,8 @@ impl Measurer<'_> {
             depth: own.quality.depth + 4,
         };
         let rows = sweep(&plan, own, range, &request.sizes);
-        self.estimate_work(&rows, own, rounds, range.most.saturating_mul(pictures));
-        let reference = self.render_references(own, range.most, pictures)?;
+        self.estimate(&rows, own, rounds, range.most.saturating_mul(pictures));
+        let reference = self.reference(own, range.most, pictures)?;
         let mut rows = self.rows(rows, &reference, own, range)?;
         self.time(&mut rows, rounds)?;
         let mut report = Report {
@@ -158,7 +158,7 @@ impl Measurer<'_> {
     }
 
     /// Renders the references.
-    fn render_references(
+    fn reference(
         &mut self,
         own: OwnSettings,
         samples: u32,
@@ -244,7 +244,7 @@ impl Measurer<'_> {
     }
 
     /// Estimates the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
-    fn estimate_work(
+    fn estimate(
         &mut self,
         rows: &[(Subject, RenderSettings)],
         own: OwnSettings,

@@ -262,12 +262,9 @@ fn encode(
         }
     };
     if !status.success() {
-        let message = listener.join().ok().flatten().and_then(Result::ok).unwrap_or_default();
-        let reason = if message.trim().is_empty() {
-            format!("it ended with {status}")
-        } else {
-            message.trim().to_owned()
-        };
+        let text = listener.join().ok().flatten().and_then(Result::ok).unwrap_or_default();
+        let reason =
+            if text.trim().is_empty() { format!("it ended with {status}") } else { text.trim().to_owned() };
         bail!("ffmpeg could not make the movie: {reason}");
     }
     feeder.join().unwrap_or_else(|panic| resume_unwind(panic))?;

@@ -31,7 +31,7 @@ pub(crate) struct UnknownName {
 impl ScriptError {
     /// Creates an error that marks the whole text.
     #[must_use]
-    pub(crate) fn for_text(
+    pub(crate) fn new(
         text: &str,
         message: impl Into<String>,
         label: impl Into<String>,

@@ -63,5 +63,5 @@ pub(crate) fn run_spawning(
 
 fn rejection(text: &str) -> ScriptError {
     let help = "build rayreel with its Cargo feature `script`".to_owned();
-    ScriptError::for_text(text, "this build of rayreel has no scripts", "a script", Some(help))
+    ScriptError::new(text, "this build of rayreel has no scripts", "a script", Some(help))
 }

@@ -147,7 +147,7 @@ impl Scripts {
         running.context.set_time(time.seconds(), running.timeline.rate.frames_at(time));
         let (driven, result) = Evaluation {
             states: vec![ChannelState::Waiting; driven.channels.len()],
-            wasted_operations: HashMap::new(),
+            wasted: HashMap::new(),
             seconds: time.seconds(),
             running,
             driven,
@@ -210,7 +210,7 @@ struct Evaluation<'a> {
     driven: Driven,
     states: Vec<ChannelState>,
     /// The number of operations per channel in script runs that stopped at an unknown value.
-    wasted_operations: HashMap<usize, u64>,
+    wasted: HashMap<usize, u64>,
     seconds: f64,
     world: &'a mut World,
     changes: &'a mut Changes,
@@ -243,17 +243,16 @@ impl Evaluation<'_> {
                 }
                 Err(NoResult::Error(error)) => return Err(self.failure(&channel, error).into()),
                 Err(NoResult::Needs(read)) => {
-                    let wasted_operations = self.wasted_operations.entry(index).or_default();
-                    *wasted_operations += self.running.context.operations();
-                    if *wasted_operations > limits::OPERATIONS_UNTIL_KNOWN {
+                    let wasted = self.wasted.entry(index).or_default();
+                    *wasted += self.running.context.operations();
+                    if *wasted > limits::OPERATIONS_UNTIL_KNOWN {
                         let message = "this takes too long".to_owned();
                         let mistake =
                             self.mistake(&read, &stack, message, "read after very many others", None);
                         return Err(self.failure(&channel, mistake).into());
                     }
-                    let channel_first =
-                        self.resolve(&read, &stack).map_err(|error| self.failure(&channel, error))?;
-                    stack.extend(channel_first);
+                    let next = self.resolve(&read, &stack).map_err(|error| self.failure(&channel, error))?;
+                    stack.extend(next);
                 }
             }
         }
@@ -264,7 +263,7 @@ impl Evaluation<'_> {
         let Running { scripts, context, bases, prefix: last, .. } = &mut *self.running;
         let (notation, transfer) = (channel.property.notation(), scripts.transfer);
         let Some((script, prefix)) = scripts.used(channel.script.0) else {
-            let error = ScriptError::for_text("", "there is no such script in the scene", "", None);
+            let error = ScriptError::new("", "there is no such script in the scene", "", None);
             return Err(NoResult::Error(Box::new(error)));
         };
         if last != prefix {
@@ -287,12 +286,7 @@ impl Evaluation<'_> {
         };
         value.and_then(checked).map_err(|(message, help)| {
             let help = help.map(str::to_owned);
-            NoResult::Error(Box::new(ScriptError::for_text(
-                script.text(),
-                message,
-                "this is the value",
-                help,
-            )))
+            NoResult::Error(Box::new(ScriptError::new(script.text(), message, "this is the value", help)))
         })
     }
 
@@ -365,7 +359,7 @@ impl Evaluation<'_> {
         unknown: Option<Box<UnknownName>>,
     ) -> Box<ScriptError> {
         let (text, _) = self.current_script(stack);
-        let error = ScriptError::for_text(text, message, label, None);
+        let error = ScriptError::new(text, message, label, None);
         Box::new(ScriptError { span: read.span.clone(), unknown, ..error })
     }
 

@@ -9,11 +9,11 @@ pub(super) struct PlannedTimeline {
     frames: Vec<u32>,
     /// Number of chosen frames, if not all of them are examined.
     spread_over: Option<usize>,
-    effects: Vec<EffectTimeline>,
+    effects: Vec<EffectSpans>,
 }
 
 /// An effect and its need over the examined frames.
-pub(super) struct EffectTimeline {
+pub(super) struct EffectSpans {
     pub(super) effect: Effect,
     /// One span for each distinct need, in the order of first appearance.
     pub(super) spans: Vec<Span>,
@@ -37,8 +37,8 @@ impl PlannedTimeline {
     pub(super) fn of(engine: &mut Engine, list: &FrameList) -> Result<Self, EngineError> {
         let spread = list.spread_frames(Self::MOST);
         let spread_over = spread.is_some().then(|| list.count());
-        let mut effects: Vec<EffectTimeline> =
-            Effect::ALL.into_iter().map(|effect| EffectTimeline { effect, spans: Vec::new() }).collect();
+        let mut effects: Vec<EffectSpans> =
+            Effect::ALL.into_iter().map(|effect| EffectSpans { effect, spans: Vec::new() }).collect();
         let mut frames: Vec<u32> = Vec::new();
         for frame in spread.unwrap_or_else(|| list.frames().collect()) {
             let before = frames.last().copied();
@@ -65,7 +65,7 @@ impl PlannedTimeline {
         self.spread_over
     }
 
-    pub(super) fn effects(&self) -> impl Iterator<Item = &EffectTimeline> {
+    pub(super) fn effects(&self) -> impl Iterator<Item = &EffectSpans> {
         self.effects.iter()
     }
 
@@ -88,13 +88,9 @@ impl PlannedTimeline {
 
     /// Summarises the needs in a few sentences.
     pub(super) fn describe(&self) -> String {
-        let names = |chosen: &dyn Fn(&EffectTimeline) -> bool| {
-            let names: Vec<_> = self
-                .effects
-                .iter()
-                .filter(|effect| chosen(effect))
-                .map(|effect| effect.effect.name())
-                .collect();
+        let names = |chosen: &dyn Fn(&EffectSpans) -> bool| {
+            let names: Vec<_> =
+                self.effects.iter().filter(|one| chosen(one)).map(|one| one.effect.name()).collect();
             names.join(", ")
         };
         let always = names(&|effect| effect.is_always_needed());
@@ -116,7 +112,7 @@ impl PlannedTimeline {
     }
 }
 
-impl EffectTimeline {
+impl EffectSpans {
     fn add(&mut self, need: Need, frame: u32, before: Option<u32>) {
         let index = self.spans.iter().position(|span| span.need == need).unwrap_or_else(|| {
             self.spans.push(Span { need, runs: Vec::new(), count: 0, all: false });

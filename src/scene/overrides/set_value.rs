@@ -25,7 +25,7 @@ impl PathError {
     }
 
     /// Returns the cause and the remedy.
-    pub(super) fn message_and_help(&self) -> (String, String) {
+    pub(super) fn explain(&self) -> (String, String) {
         match self {
             Self::Unknown { kind, list, name, known } => {
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
@@ -258,24 +258,18 @@ Scene( // a scene
 
     #[test]
     fn unknown_paths_are_reported() {
-        let message = |overridden: &str| {
-            let (message, help) = with(overridden).unwrap_err().message_and_help();
+        let text = |overridden: &str| {
+            let (message, help) = with(overridden).unwrap_err().explain();
             format!("{message}: {help}")
         };
+        assert_eq!(text("entities.bal.name=\"b\""), "there is no entity called `bal`: did you mean `ball`?");
+        assert_eq!(text("materials.clya.k_d=1"), "there is no material called `clya`: did you mean `clay`?");
         assert_eq!(
-            message("entities.bal.name=\"b\""),
-            "there is no entity called `bal`: did you mean `ball`?"
-        );
-        assert_eq!(
-            message("materials.clya.k_d=1"),
-            "there is no material called `clya`: did you mean `clay`?"
-        );
-        assert_eq!(
-            message("camera.position.3=1"),
+            text("camera.position.3=1"),
             "there is nothing called `3` in `camera.position`: it holds 3 values, 0 to 2"
         );
         assert_eq!(
-            message("cameras.side.fov=40"),
+            text("cameras.side.fov=40"),
             "there is no camera called `side`: there are no cameras here"
         );
         let many = put(
@@ -283,7 +277,7 @@ Scene( // a scene
             &"camera.fov=50".parse().unwrap(),
         );
         assert_eq!(
-            many.unwrap_err().message_and_help(),
+            many.unwrap_err().explain(),
             (
                 "the scene has `cameras` and no `camera`".to_owned(),
                 "name one of them, as in cameras.\"near 1.5\".fov=..; the cameras are `near 1.5`, `far`"
@@ -291,7 +285,7 @@ Scene( // a scene
             )
         );
         assert_eq!(
-            message("film.width.pixels=1"),
+            text("film.width.pixels=1"),
             "`film.width` is `1280`, which has no parts: end the path there"
         );
     }

@@ -46,7 +46,7 @@ impl Unplaced {
     /// Returns the error of the first override that could not be applied to any file.
     pub(in crate::scene) fn mistake(&self) -> Option<Diagnostic> {
         let (value, reason) = self.values.first()?;
-        let (message, help) = reason.as_ref()?.message_and_help();
+        let (message, help) = reason.as_ref()?.explain();
         let value = short(&value.to_string());
         Some(Diagnostic::new(format!("`{value}`: {message}"), "", Some(help), None))
     }

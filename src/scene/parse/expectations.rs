@@ -86,8 +86,8 @@ impl Trail {
     }
 
     /// Makes a request, which stays pending if it fails.
-    fn expect<T, E>(&self, expectation: Expectation, fulfil: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
-        self.open.borrow_mut().push(expectation);
+    fn expect<T, E>(&self, kind: Expectation, fulfil: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        self.open.borrow_mut().push(kind);
         let value = fulfil()?;
         *self.fulfilled.borrow_mut() = self.open.borrow_mut().pop();
         Ok(value)
@@ -101,9 +101,9 @@ pub(super) struct Watched<'t, T> {
 }
 
 macro_rules! expect_for {
-    ($($method:ident: $expectation:expr;)*) => {$(
+    ($($method:ident: $kind:expr;)*) => {$(
         fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-            self.trail.expect($expectation, || self.inner.$method(self.trail.watch(visitor)))
+            self.trail.expect($kind, || self.inner.$method(self.trail.watch(visitor)))
         }
     )*};
 }
@@ -142,8 +142,8 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, D::Error> {
-        let expectation = Expectation::Values { reader: words_of(&visitor), count };
-        self.trail.expect(expectation, || self.inner.deserialize_tuple(count, self.trail.watch(visitor)))
+        let kind = Expectation::Values { reader: words_of(&visitor), count };
+        self.trail.expect(kind, || self.inner.deserialize_tuple(count, self.trail.watch(visitor)))
     }
 
     fn deserialize_tuple_struct<V: Visitor<'de>>(
@@ -152,10 +152,9 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
         count: usize,
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        let expectation = Expectation::Values { reader: words_of(&visitor), count };
-        self.trail.expect(expectation, || {
-            self.inner.deserialize_tuple_struct(name, count, self.trail.watch(visitor))
-        })
+        let kind = Expectation::Values { reader: words_of(&visitor), count };
+        self.trail
+            .expect(kind, || self.inner.deserialize_tuple_struct(name, count, self.trail.watch(visitor)))
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
@@ -164,9 +163,8 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        let expectation = Expectation::Fields { name, fields };
-        self.trail
-            .expect(expectation, || self.inner.deserialize_struct(name, fields, self.trail.watch(visitor)))
+        let kind = Expectation::Fields { name, fields };
+        self.trail.expect(kind, || self.inner.deserialize_struct(name, fields, self.trail.watch(visitor)))
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -175,9 +173,8 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        let expectation = Expectation::Choice { name, count: variants.len() };
-        self.trail
-            .expect(expectation, || self.inner.deserialize_enum(name, variants, self.trail.watch(visitor)))
+        let kind = Expectation::Choice { name, count: variants.len() };
+        self.trail.expect(kind, || self.inner.deserialize_enum(name, variants, self.trail.watch(visitor)))
     }
 
     forward_to_deserialize_any! {
@@ -320,13 +317,13 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Watched<'_, A> {
     }
 
     fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, A::Error> {
-        let expectation = self.content(VariantContent::One);
-        self.trail.expect(expectation, || self.inner.newtype_variant_seed(self.trail.watch(seed)))
+        let kind = self.content(VariantContent::One);
+        self.trail.expect(kind, || self.inner.newtype_variant_seed(self.trail.watch(seed)))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, A::Error> {
-        let expectation = self.content(VariantContent::Several(count));
-        self.trail.expect(expectation, || self.inner.tuple_variant(count, self.trail.watch(visitor)))
+        let kind = self.content(VariantContent::Several(count));
+        self.trail.expect(kind, || self.inner.tuple_variant(count, self.trail.watch(visitor)))
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -334,7 +331,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Watched<'_, A> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, A::Error> {
-        let expectation = self.content(VariantContent::Fields(fields));
-        self.trail.expect(expectation, || self.inner.struct_variant(fields, self.trail.watch(visitor)))
+        let kind = self.content(VariantContent::Fields(fields));
+        self.trail.expect(kind, || self.inner.struct_variant(fields, self.trail.watch(visitor)))
     }
 }

@@ -7,12 +7,12 @@ use crate::scene::quote::short;
 use crate::scene::suggest::nearest;
 
 /// The description of an expected value, and of its notation.
-pub(super) struct ExpectedValue {
+pub(super) struct Expected {
     pub(super) message: String,
     pub(super) help: String,
 }
 
-impl ExpectedValue {
+impl Expected {
     /// Describes the value requested by `expectation`. `open` holds the pending requests.
     pub(super) fn of(expectation: &Expectation, open: &[Expectation], context: &TokenContext<'_>) -> Self {
         let found = context.word();
@@ -72,14 +72,14 @@ fn outer(open: &[Expectation]) -> Option<&Expectation> {
     open.len().checked_sub(2).map(|outer| &open[outer])
 }
 
-fn choice(example: Example, count: usize, found: &str) -> ExpectedValue {
+fn choice(example: Example, count: usize, found: &str) -> Expected {
     let forms = example.listed();
     let all = if example.forms.len() == count { String::new() } else { format!("one of {count} words, as ") };
     let quotes = if found.starts_with('"') { ", without quotes context it" } else { "" };
-    ExpectedValue::new(example.noun, format!("write {all}{forms}{quotes}"))
+    Expected::new(example.noun, format!("write {all}{forms}{quotes}"))
 }
 
-fn content(example: Example, word: &str, content: &VariantContent) -> ExpectedValue {
+fn content(example: Example, word: &str, content: &VariantContent) -> Expected {
     let what = match content {
         VariantContent::One => "1 value".to_owned(),
         VariantContent::Several(count) => counted(*count, "value"),
@@ -89,11 +89,11 @@ fn content(example: Example, word: &str, content: &VariantContent) -> ExpectedVa
         Some(form) => format!("write it as {form}"),
         None => "write its values in round brackets".to_owned(),
     };
-    ExpectedValue { message: format!("`{}` takes {what}, in round brackets", short(word)), help }
+    Expected { message: format!("`{}` takes {what}, in round brackets", short(word)), help }
 }
 
 /// Describes the name of a field if the name or its colon is missing.
-fn field_name(of: Option<&Expectation>, found: &str) -> ExpectedValue {
+fn field_name(of: Option<&Expectation>, found: &str) -> Expected {
     let (fields, help) = match of {
         Some(Expectation::Fields { fields, .. }) => {
             (*fields, format!("write each value after its name, as {}", bracketed(fields)))
@@ -109,7 +109,7 @@ fn field_name(of: Option<&Expectation>, found: &str) -> ExpectedValue {
         None if "([{".contains(found) => format!("{help}; is the bracket before this still open?"),
         None => help,
     };
-    ExpectedValue::new("a field's name", help)
+    Expected::new("a field's name", help)
 }
 
 /// Formats fields for example as `(width: .., height: .., transfer: ..)`.

@@ -8,7 +8,7 @@ use ron::error::SpannedError;
 use super::characters::{is_known, strange};
 use super::examples;
 use super::expectations::{Expectation, Trail, VariantContent};
-use super::expected::{ExpectedValue, counted, is_word};
+use super::expected::{Expected, counted, is_word};
 use super::general_parser::read_general;
 use super::token_context::TokenContext;
 use crate::scene::quote::short;
@@ -44,7 +44,7 @@ struct Case<'a> {
     open: Vec<Expectation>,
 }
 
-fn diagnostic(
+fn error(
     message: impl Into<String>,
     label: impl Into<String>,
     help: impl Into<String>,
@@ -61,12 +61,12 @@ impl Case<'_> {
         match self.code {
             Error::UnclosedBlockComment => {
                 let start = open_comment(self.text)?;
-                Some(diagnostic("this comment is never closed", OPENED, "close it with */", start..start + 2))
+                Some(error("this comment is never closed", OPENED, "close it with */", start..start + 2))
             }
             Error::ExpectedStringEnd | Error::Eof if is_text => {
                 let start = context.found.start;
                 let help = "write a \" where the text is to end";
-                Some(diagnostic("this text is never closed", OPENED, help, start..start + 1))
+                Some(error("this text is never closed", OPENED, help, start..start + 1))
             }
             Error::InvalidEscape(_) | Error::Utf8Error(_) => {
                 let end = context.stopped.clamp(context.found.start, context.found.end);
@@ -74,7 +74,7 @@ impl Case<'_> {
                 let message = format!("`{}` stands for no character", short(&self.text[start..end]));
                 let help =
                     "write \\\\ for a backslash; \\\" is a quote, \\n a new line, \\u{e9} an é by its number";
-                Some(diagnostic(message, "here", help, start..end))
+                Some(error(message, "here", help, start..end))
             }
             Error::ExpectedAttribute | Error::ExpectedAttributeEnd | Error::NoSuchExtension(_) => {
                 let start = tokens(self.text)
@@ -84,7 +84,7 @@ impl Case<'_> {
                     return None;
                 }
                 let help = "comments start with //";
-                Some(diagnostic("a # starts no comment", "not read as a comment", help, start..start + 1))
+                Some(error("a # starts no comment", "not read as a comment", help, start..start + 1))
             }
             _ => self.of_quotes(),
         }
@@ -106,14 +106,14 @@ impl Case<'_> {
         let span = start..start + 2;
         if is_cut && self.text[..scene].trim_end().ends_with(']') && !is_extension_error {
             let help = "write the scene after it, as ( .. ), with its fields in the brackets";
-            return Some(diagnostic("there is no scene after the extensions", "extensions only", help, span));
+            return Some(error("there is no scene after the extensions", "extensions only", help, span));
         }
         Some(if let Error::NoSuchExtension(name) = self.code {
             let help = "the extensions are implicit_some, unwrap_newtypes, unwrap_variant_newtypes and explicit_struct_names";
-            diagnostic(format!("there is no extension called `{}`", short(name)), "enabled here", help, span)
+            error(format!("there is no extension called `{}`", short(name)), "enabled here", help, span)
         } else {
             let help = "write it with all its brackets, as #![enable(implicit_some)]";
-            diagnostic("this attribute is incomplete", "begins here", help, span)
+            error("this attribute is incomplete", "begins here", help, span)
         })
     }
 
@@ -162,10 +162,10 @@ impl Case<'_> {
         let help = "write a \" where the text is to end, and \\\" for a quote within a text";
         Some(if text.contains([',', ':', '\n']) {
             let label = format!("it ends only in line {}, column {}", end.line, end.column);
-            diagnostic("this text has no closing quote", label, help, span)
+            error("this text has no closing quote", label, help, span)
         } else {
             let label = format!("ends before {}", context.describe());
-            diagnostic("there is a quote within this text", label, help, span)
+            error("there is a quote within this text", label, help, span)
         })
     }
 
@@ -176,7 +176,7 @@ impl Case<'_> {
         if at.is_end() {
             let close = closing(open);
             let help = format!("write a `{close}` where it is to end");
-            return Some(diagnostic(
+            return Some(error(
                 format!("this `{open}` is never closed"),
                 "opened here",
                 help,
@@ -188,7 +188,7 @@ impl Case<'_> {
             let label =
                 format!("the `{open}` of line {} is still open", SourcePosition::of(self.text, bracket).line);
             let help = format!("close it with a `{close}` first");
-            diagnostic(format!("expected `{close}`, found `{found}`"), label, help, at.found.clone())
+            error(format!("expected `{close}`, found `{found}`"), label, help, at.found.clone())
         })
     }
 
@@ -196,7 +196,7 @@ impl Case<'_> {
         let first = self.context.word().chars().next().filter(|first| !is_known(*first))?;
         let (message, label, help) = strange(first);
         let start = self.context.found.start;
-        Some(diagnostic(message, label, help, start..start + first.len_utf8()))
+        Some(error(message, label, help, start..start + first.len_utf8()))
     }
 
     /// Explains a range, which scenes do not support.
@@ -205,12 +205,7 @@ impl Case<'_> {
         let is_range = !found.contains(['"', '\''])
             && (found.contains("..") || before.ends_with("..") || before.ends_with("..="));
         is_range.then(|| {
-            diagnostic(
-                "there are no ranges in scenes",
-                "here",
-                "write a single value",
-                self.context.found.clone(),
-            )
+            error("there are no ranges in scenes", "here", "write a single value", self.context.found.clone())
         })
     }
 
@@ -277,7 +272,7 @@ impl Case<'_> {
             ),
             _ => return None,
         };
-        Some(diagnostic(message, label, help, self.context.found.clone()))
+        Some(error(message, label, help, self.context.found.clone()))
     }
 
     /// Explains a bracket with too few or too many values.
@@ -288,8 +283,8 @@ impl Case<'_> {
             _ => false,
         };
         let (span, count) = self.context.in_bracket().filter(|_| is_number)?;
-        let ExpectedValue { message, help } = ExpectedValue::of(self.open.last()?, &self.open, &self.context);
-        Some(diagnostic(message, format!("found {}", counted(count, "value")), help, span))
+        let Expected { message, help } = Expected::of(self.open.last()?, &self.open, &self.context);
+        Some(error(message, format!("found {}", counted(count, "value")), help, span))
     }
 
     /// Explains a missing comma or colon, or a token that was read only in part.
@@ -299,8 +294,8 @@ impl Case<'_> {
             Error::ExpectedComma | Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd
                 if context.is_within =>
             {
-                let ExpectedValue { message, help } = ExpectedValue::of(fulfilled?, &self.open, context);
-                return Some(diagnostic(
+                let Expected { message, help } = Expected::of(fulfilled?, &self.open, context);
+                return Some(error(
                     message,
                     format!("found {}", context.describe()),
                     help,
@@ -309,17 +304,12 @@ impl Case<'_> {
             }
             Error::ExpectedComma if context.word() == ":" => {
                 let help = "a colon stands between a field's name and its value, and nowhere else";
-                return Some(diagnostic(
-                    "there is no field for this colon",
-                    "here",
-                    help,
-                    context.found.clone(),
-                ));
+                return Some(error("there is no field for this colon", "here", help, context.found.clone()));
             }
             Error::ExpectedComma if context.word() == "(" && is_word(context.word_before()) => {
                 let word = context.word_before();
                 let message = format!("`{}` takes nothing in brackets", short(word));
-                return Some(diagnostic(
+                return Some(error(
                     message,
                     "one bracket too many",
                     format!("write {} alone", short(word)),
@@ -338,7 +328,7 @@ impl Case<'_> {
             _ => return None,
         };
         let label = format!("{separator} missing after this");
-        Some(diagnostic(message, label, help, context.previous.clone()?))
+        Some(error(message, label, help, context.previous.clone()?))
     }
 
     /// Explains a value of another type than requested.
@@ -346,14 +336,9 @@ impl Case<'_> {
         let context = &self.context;
         let Some(expectation) = self.open.last() else {
             let help = "a scene is written as ( .. ), with its fields in the brackets";
-            return diagnostic(
-                "this is no scene",
-                format!("found {}", context.describe()),
-                help,
-                context.value(),
-            );
+            return error("this is no scene", format!("found {}", context.describe()), help, context.value());
         };
-        let ExpectedValue { message, mut help } = ExpectedValue::of(expectation, &self.open, context);
+        let Expected { message, mut help } = Expected::of(expectation, &self.open, context);
         if *expectation == Expectation::FieldName
             && let Some(named) = self.with_names()
         {
@@ -362,8 +347,8 @@ impl Case<'_> {
         let lacks_bracket = matches!(expectation, Expectation::VariantContent { .. })
             && matches!(self.code, Error::ExpectedStructLike);
         match &context.previous {
-            Some(word) if lacks_bracket => diagnostic(message, "without brackets", help, word.clone()),
-            _ => diagnostic(message, format!("found {}", context.describe()), help, context.value()),
+            Some(word) if lacks_bracket => error(message, "without brackets", help, word.clone()),
+            _ => error(message, format!("found {}", context.describe()), help, context.value()),
         }
     }
 }

@@ -108,7 +108,7 @@ pub(super) fn compile(
     if text.len() > limits::SCRIPT {
         let message = format!("a script has at most {} KiB", limits::SCRIPT >> 10);
         let help = "what it holds as data can be made by loops, or be entities of the scene file".to_owned();
-        return Err(ScriptError::for_text(text, message, "too long", Some(help)));
+        return Err(ScriptError::new(text, message, "too long", Some(help)));
     }
     COMMAS.set(None);
     let ast = parser
