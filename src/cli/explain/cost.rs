@@ -58,28 +58,28 @@ impl Costs {
         // The first render warms up the caches and is not measured.
         render(engine, &frames, None, counter)?;
         let mut seconds = Vec::new();
-        let mut whole = render(engine, &frames, None, counter)?;
+        let mut full = render(engine, &frames, None, counter)?;
         for round in 0..rounds.max(1) {
             for (effect, cost) in &mut effects {
                 let part = render(engine, &frames, Some(*effect), counter)?;
-                let before = std::mem::replace(&mut whole, render(engine, &frames, None, counter)?);
-                let usual = f64::midpoint(before.seconds, whole.seconds).max(f64::MIN_POSITIVE);
-                cost.shares.push((1.0 - part.seconds / usual).max(0.0));
+                let before = std::mem::replace(&mut full, render(engine, &frames, None, counter)?);
+                let mean = f64::midpoint(before.seconds, full.seconds).max(f64::MIN_POSITIVE);
+                cost.shares.push((1.0 - part.seconds / mean).max(0.0));
                 if round == 0 {
-                    cost.rays = (whole.rays - part.rays) / count;
-                    let instructions = whole.instructions.zip(part.instructions);
-                    cost.instructions = instructions.map(|(whole, part)| (whole - part) / count);
+                    cost.rays = (full.rays - part.rays) / count;
+                    let instructions = full.instructions.zip(part.instructions);
+                    cost.instructions = instructions.map(|(full, part)| (full - part) / count);
                     let transfer = engine.film_settings().transfer;
-                    cost.error = FilmError::of_sequence(&part.films, &whole.films, transfer);
+                    cost.error = FilmError::of_sequence(&part.films, &full.films, transfer);
                 }
-                seconds.push(usual / count);
+                seconds.push(mean / count);
             }
         }
         if seconds.is_empty() {
-            seconds.push(whole.seconds / count);
+            seconds.push(full.seconds / count);
         }
-        let instructions = whole.instructions.map(|all| all / count);
-        let (rays, seconds) = (whole.rays / count, MedianRange::of(&seconds));
+        let instructions = full.instructions.map(|all| all / count);
+        let (rays, seconds) = (full.rays / count, MedianRange::of(&seconds));
         Ok(Self { frames, rays, instructions, seconds, effects })
     }
 

@@ -9,16 +9,16 @@ use super::{ScriptError, UnknownName, limits};
 
 impl ScriptError {
     pub(super) fn parsing(text: &str, error: &ParseError, purpose: Purpose) -> Self {
-        let told = Message::of_parsing(error.err_type());
+        let cause = Message::of_parsing(error.err_type());
         match error.err_type() {
             ParseErrorType::VariableUndefined(name) => {
                 Self::unknown_variable(text, name, error.position(), purpose)
             }
             ParseErrorType::Reserved(word) if purpose.elsewhere(word).is_some() => {
                 let help = purpose.elsewhere(word).map(str::to_owned);
-                Self::at(text, error.position(), Message { help, ..told })
+                Self::at(text, error.position(), Message { help, ..cause })
             }
-            _ => Self::at(text, error.position(), told),
+            _ => Self::at(text, error.position(), cause),
         }
     }
 
@@ -71,12 +71,12 @@ impl ScriptError {
     }
 
     pub(super) fn long_call(text: &str, name: &str, position: Position) -> Self {
-        let told = Message::with_help(
+        let cause = Message::with_help(
             format!("`{}` is called with too many values", shortened(name)),
             "too many",
             format!("a function takes at most {}; a list holds more", limits::ARGUMENTS),
         );
-        Self::at(text, position, told)
+        Self::at(text, position, cause)
     }
 
     pub(super) fn endless_number(text: &str, position: Position) -> Self {
@@ -84,8 +84,8 @@ impl ScriptError {
         Self::at(text, position, Message::with_help("this number is too large", "beyond all numbers", help))
     }
 
-    fn at(text: &str, position: Position, told: Message) -> Self {
-        let Message { message, label, help } = told;
+    fn at(text: &str, position: Position, cause: Message) -> Self {
+        let Message { message, label, help } = cause;
         let (message, help) = match message.split_once('\n') {
             Some((message, help)) => (message.to_owned(), Some(help.to_owned())),
             None => (message, help),

@@ -170,8 +170,8 @@ impl Document {
         if self.things.is_empty() {
             return;
         }
-        let gone = self.things.remove(random.index(self.things.len()));
-        if let Some(name) = gone.name {
+        let removed = self.things.remove(random.index(self.things.len()));
+        if let Some(name) = removed.name {
             self.animate.retain(|animation| !animation.contains(&name));
             for thing in &mut self.things {
                 if thing.fields[1].contains(&name) {
