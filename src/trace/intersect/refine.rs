@@ -95,7 +95,9 @@ fn refine_half<S: Simd>(
     surfaces: &mut SurfacePacket,
 ) -> u32 {
     let root = BoundedT::within(hits.ts.load(simd, half), hits.errors.load(simd, half));
-    let (rays, t) = (rays.load(simd, half), root.t());
+    // Not as a tuple, out of which the rays would be copied.
+    let rays = rays.load(simd, half);
+    let t = root.t();
     let moderate = moderate(t) & moderate3(rays.direction);
     let mut refined: Option<Refined<F64s<S>>> = None;
     let these = shapes.lanes_of(ShapeKind::Sphere);

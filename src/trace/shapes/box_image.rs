@@ -105,21 +105,29 @@ impl BoxImage {
     /// three products and their sum have an error of less than 5 u, the slabs relative to `center` of u.
     #[inline(always)]
     fn roots<R: Real>(&self, rays: &Rays<R>) -> SlabRoots<R> {
+        let from_center = subtract(rays.origin, spread(rays.origin[0], self.center));
+        let rays = Rays { origin: from_center, direction: rays.direction };
+        let (sizes, speeds) = (absolute(rays.origin), absolute(rays.direction));
+        // Three calls, because before a loop the array would be filled with zeros.
+        let heights = [
+            self.height(0, &rays, sizes, speeds),
+            self.height(1, &rays, sizes, speeds),
+            self.height(2, &rays, sizes, speeds),
+        ];
+        SlabRoots::new(&heights, self.near_low.into(), self.near_high.into())
+    }
+
+    /// Returns the heights of rays above the middle of a slab, with `sizes` and `speeds`, the magnitudes of their coordinates.
+    #[inline(always)]
+    fn height<R: Real>(&self, axis: usize, rays: &Rays<R>, sizes: [R; 3], speeds: [R; 3]) -> Height<R> {
         let like = rays.origin[0];
-        let from_center = subtract(rays.origin, spread(like, self.center));
-        let (sizes, speeds) = (absolute(from_center), absolute(rays.direction));
-        let zero = like.of(0.0);
-        let mut heights = [Height { origin: zero, speed: zero, origin_error: zero, speed_error: zero }; 3];
-        for (axis, height) in heights.iter_mut().enumerate() {
-            let (row, size) = (spread(like, self.rows[axis]), spread(like, self.rows[axis].abs()));
-            *height = Height {
-                origin: dot(row, from_center),
-                speed: dot(row, rays.direction),
-                origin_error: dot(size, sizes) * (8.0 * U) + self.near_error[axis],
-                speed_error: dot(size, speeds) * (8.0 * U),
-            };
+        let (row, size) = (spread(like, self.rows[axis]), spread(like, self.rows[axis].abs()));
+        Height {
+            origin: dot(row, rays.origin),
+            speed: dot(row, rays.direction),
+            origin_error: dot(size, sizes) * (8.0 * U) + self.near_error[axis],
+            speed_error: dot(size, speeds) * (8.0 * U),
         }
-        SlabRoots::new(heights, self.near_low.into(), self.near_high.into())
     }
 
     /// Returns the smallest `t >= 0` on the box.

@@ -85,7 +85,7 @@ impl<R: Real> Height<R> {
 impl<R: Real> SlabRoots<R> {
     /// Intersects rays with three slabs, given by their lower and upper heights.
     #[inline(always)]
-    pub(super) fn new(heights: [Height<R>; 3], low: [f64; 3], high: [f64; 3]) -> Self {
+    pub(super) fn new(heights: &[Height<R>; 3], low: [f64; 3], high: [f64; 3]) -> Self {
         let zero = heights[0].origin.of(0.0);
         let (nothing, never) = (BoundedT::within(zero, zero), zero.less(zero));
         let mut all = Self {
@@ -112,7 +112,7 @@ impl<R: Real> SlabRoots<R> {
 
     /// Decides the slabs that rays are parallel to, or nearly so. See trick 1.
     #[inline(always)]
-    fn decide_slow(&mut self, heights: [Height<R>; 3], low: [f64; 3], high: [f64; 3]) {
+    fn decide_slow(&mut self, heights: &[Height<R>; 3], low: [f64; 3], high: [f64; 3]) {
         for axis in 0..3 {
             let Height { origin, origin_error, speed_error, .. } = heights[axis];
             let (zero, low, high) = (origin.of(0.0), origin.of(low[axis]), origin.of(high[axis]));
