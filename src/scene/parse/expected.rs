@@ -75,7 +75,7 @@ fn outer(open: &[Expectation]) -> Option<&Expectation> {
 fn choice(example: Example, count: usize, found: &str) -> Expected {
     let forms = example.listed();
     let all = if example.forms.len() == count { String::new() } else { format!("one of {count} words, as ") };
-    let quotes = if found.starts_with('"') { ", without quotes context it" } else { "" };
+    let quotes = if found.starts_with('"') { ", without quotes around it" } else { "" };
     Expected::new(example.noun, format!("write {all}{forms}{quotes}"))
 }
 
