@@ -225,8 +225,8 @@ mod encode {
     ) {
         let (world, middle) = super::shipped::world(name);
         let mut engine = Engine::new(world);
-        let film = engine.render_at(middle).unwrap_or_else(|error| panic!("{error}"));
-        let transfer = engine.film_settings().transfer;
+        let film = engine.render(middle).unwrap_or_else(|error| panic!("{error}")).film;
+        let transfer = engine.effective_settings().film.transfer;
         bencher
             .counter(ItemsCount::new(film.pixels().len()))
             .bench_local(|| encode(&film, transfer).unwrap_or_else(|error| panic!("{error}")));

@@ -103,7 +103,7 @@ fn measure_costs(subjects: impl Iterator<Item = Subject>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for mut subject in subjects {
         let (name, reference) = (subject.name.clone(), reference(&mut subject, FRAME));
-        let transfer = subject.engine.film_settings().transfer;
+        let transfer = subject.engine.effective_settings().film.transfer;
         let error = |film: &Film| FilmError::between(film, &reference, transfer).rms;
         // Processor time is counted in ticks of some milliseconds: as many pictures as it takes for many of them.
         let mut timed = |settings: RenderSettings| {
@@ -172,7 +172,8 @@ fn runs(subjects: impl Iterator<Item = Subject>) {
     println!("|---|---|---|---|");
     let mut tally = TargetTally::default();
     for mut subject in subjects {
-        let (reference, transfer) = (reference(&mut subject, FRAME), subject.engine.film_settings().transfer);
+        let (reference, transfer) =
+            (reference(&mut subject, FRAME), subject.engine.effective_settings().film.transfer);
         for target in TARGETS {
             let (mut errors, mut estimates) = (Vec::new(), Vec::new());
             for seed in 0..RUN {
@@ -231,13 +232,13 @@ fn shipped() -> impl Iterator<Item = Subject> {
 
 /// Renders a frame with these settings; of alpha, where that is what is hard.
 fn render(Subject { engine, alpha, .. }: &mut Subject, frame: u32, settings: RenderSettings) -> Picture {
-    engine.set_settings(settings);
+    engine.settings = settings;
     let time = engine.timeline().time_of(frame);
     let film = if *alpha {
         let image = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) });
-        let alpha = image.unwrap().unwrap().alpha.unwrap();
+        let alpha = image.unwrap().alpha.unwrap();
         // Alpha is written without a transfer curve. Decoding it here cancels the curve of the comparison.
-        let transfer = engine.film_settings().transfer;
+        let transfer = engine.effective_settings().film.transfer;
         let light = |alpha: &f32| {
             let byte = f64::from(*alpha) * 255.0;
             transfer.decode([byte; 3])
@@ -245,7 +246,7 @@ fn render(Subject { engine, alpha, .. }: &mut Subject, frame: u32, settings: Ren
         let pixels: Vec<Rgb> = alpha.pixels().iter().map(light).collect();
         Film::from_pixels(alpha.width(), alpha.height(), pixels.into_iter())
     } else {
-        engine.render_at(time).unwrap()
+        engine.render(time).unwrap().film
     };
     let report = engine.report();
     let rays = report.rays.camera as f64;

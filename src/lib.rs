@@ -30,7 +30,7 @@
 //! let mut engine = Engine::from_scene(Scene::from_text("ball.ron", text.to_owned())?);
 //!
 //! let film = engine.render_frame(0)?;
-//! let transfer = engine.film_settings().transfer;
+//! let transfer = engine.effective_settings().film.transfer;
 //! assert_eq!(transfer.encode(film.pixel(32, 18)), [255, 120, 60]); // k_a and I_a of 1 give the file's own colour
 //!
 //! engine.render_frame(10)?; // one second later the ball is two units higher
@@ -127,7 +127,8 @@ pub use engine::{Engine, EngineError, FrameReport, Hit, Ray};
 pub use hecs::{Entity, World};
 pub use scene::Scene;
 pub use systems::{
-    Changes, Context, Effect, EffectSet, Fault, Need, Plan, RenderRequest, RenderSettings, Step,
+    Changes, Context, Effect, EffectSet, EffectiveSettings, Fault, Need, Plan, RenderRequest, RenderSettings,
+    Step,
 };
 pub use time::Time;
 pub use trace::{Film, RenderedImage};

@@ -90,7 +90,7 @@ fn engine(lines: &[(&str, &str)]) -> Engine {
 fn count(kernel: &str, scene: &str, frames: u32) {
     let (_, lines) = EFFECTS.iter().find(|(name, _)| *name == scene).unwrap();
     let mut engine = engine(lines);
-    engine.set_settings(RenderSettings { all_effects: kernel == "full", ..engine.settings() });
+    engine.settings = RenderSettings { all_effects: kernel == "full", ..engine.settings };
     for _ in 0..frames {
         drop(black_box(engine.render_frame(0).unwrap()));
     }
@@ -103,7 +103,7 @@ fn table(rounds: usize) {
     for _ in 0..rounds {
         for ((_, engine), times) in engines.iter_mut().zip(&mut times) {
             let mut time = |full| {
-                engine.set_settings(RenderSettings { all_effects: full, ..engine.settings() });
+                engine.settings = RenderSettings { all_effects: full, ..engine.settings };
                 let start = Instant::now();
                 black_box(engine.render_frame(0).unwrap());
                 start.elapsed().as_secs_f64() * 1e3

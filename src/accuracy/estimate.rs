@@ -3,10 +3,9 @@
 use std::f64::consts::SQRT_2;
 use std::sync::atomic::AtomicBool;
 
-use super::stop::{StopReason, unless_cancelled};
 use super::{FilmError, MeasuredFrame};
-use crate::engine::{Engine, EngineError};
-use crate::systems::{RenderSettings, sampling_settings};
+use crate::engine::{Engine, EngineError, unless_cancelled};
+use crate::systems::RenderSettings;
 use crate::time::Time;
 use crate::trace::Film;
 
@@ -34,7 +33,7 @@ pub fn estimate(
     settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<Option<Estimate>, EngineError> {
-    let sampling = settings.or(engine.settings()).sampling(sampling_settings(engine.world()));
+    let sampling = settings.or(engine.settings).effective(engine.world()).sampling;
     unless_cancelled(if sampling.samples > 1 {
         pair(engine, moment, settings, cancelled).map(|pair| pair.estimate)
     } else {
@@ -57,12 +56,12 @@ pub(super) fn pair(
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<Pair, StopReason> {
+) -> Result<Pair, EngineError> {
     let [(one, first), (other, second)] = [
         timed(engine, moment, RenderSettings { seed: Some(SEEDS[0]), ..settings }, cancelled)?,
         timed(engine, moment, RenderSettings { seed: Some(SEEDS[1]), ..settings }, cancelled)?,
     ];
-    let rms = FilmError::between(&one, &other, engine.film_settings().transfer).rms / SQRT_2;
+    let rms = FilmError::between(&one, &other, engine.effective_settings().film.transfer).rms / SQRT_2;
     Ok(Pair { films: [one, other], estimate: Estimate { rms, seconds: f64::midpoint(first, second) } })
 }
 
@@ -72,7 +71,7 @@ fn single(
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<Estimate, StopReason> {
+) -> Result<Estimate, EngineError> {
     let (film, seconds) = timed(engine, moment, settings, cancelled)?;
     let four = pair(
         engine,
@@ -86,7 +85,7 @@ fn single(
 impl Pair {
     /// Estimates the RMS error of another, worse picture.
     pub(super) fn error_of(&self, film: &Film, engine: &Engine) -> f64 {
-        let apart = FilmError::between(film, &self.films[0], engine.film_settings().transfer).rms;
+        let apart = FilmError::between(film, &self.films[0], engine.effective_settings().film.transfer).rms;
         (apart * apart - self.estimate.rms * self.estimate.rms).max(0.0).sqrt()
     }
 }
@@ -96,8 +95,8 @@ fn timed(
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<(Film, f64), StopReason> {
-    let frame = MeasuredFrame::render(engine, moment, settings, cancelled, &mut || None)?;
-    let MeasuredFrame { film, seconds, .. } = frame.ok_or(StopReason::Cancelled)?;
+) -> Result<(Film, f64), EngineError> {
+    let MeasuredFrame { film, seconds, .. } =
+        MeasuredFrame::render(engine, moment, settings, cancelled, &mut || None)?;
     Ok((film, seconds))
 }

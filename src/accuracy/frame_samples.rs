@@ -26,13 +26,13 @@ impl FrameSamples {
 
     /// Configures an engine for pictures with these samples. If there are rounds, they apply to one picture.
     pub fn set_up(&self, engine: &mut Engine) {
-        engine.set_settings(RenderSettings {
+        engine.settings = RenderSettings {
             samples: Some(self.samples),
             max_error: Some(self.max_error),
-            ..engine.settings()
-        });
+            ..engine.settings
+        };
         let replay =
             |rounds: &Vec<u32>| -> SharedRoundPolicy { Arc::new(Mutex::new(Replay::new(rounds.clone()))) };
-        engine.set_round_policy(self.rounds.as_ref().map(replay));
+        engine.round_policy = self.rounds.as_ref().map(replay);
     }
 }

@@ -4,15 +4,14 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use super::median_range::MedianRange;
-use super::parameter::{OwnSettings, Parameter, Subject, SweepRange, sweep, turned};
+use super::parameter::{Parameter, Subject, SweepRange, sweep, turned};
 use super::report::{ReferenceInfo, Report, Row};
 use super::resample::resampled;
-use super::stop::{StopReason, unless_cancelled};
 use super::{FilmError, MeasuredFrame, OutputValues, ReferenceImage, Resolution, structural_similarity};
 use crate::color::Transfer;
 use crate::components::{FilmSettings, Sampling};
-use crate::engine::{Engine, EngineError};
-use crate::systems::{Plan, RenderSettings};
+use crate::engine::{Engine, EngineError, unless_cancelled};
+use crate::systems::{EffectiveSettings, Plan, RenderRequest, RenderSettings};
 use crate::time::Time;
 use crate::trace::{EstimatedError, Film, RayCounts};
 
@@ -126,11 +125,11 @@ struct ReferenceSet {
 }
 
 impl Measurer<'_> {
-    fn run(&mut self, request: &Request) -> Result<Report, StopReason> {
+    fn run(&mut self, request: &Request) -> Result<Report, EngineError> {
         let Preset { rounds, samples, pictures, factor } = request.preset;
         let pictures = pictures.max(2);
         let plan = self.plan()?;
-        let own = OwnSettings { sampling: self.engine.sampling(), quality: self.engine.quality() };
+        let own = self.engine.effective_settings();
         let most = if own.sampling.is_adaptive() { samples } else { samples.max(own.sampling.samples) };
         let range = SweepRange {
             samples: most,
@@ -160,10 +159,10 @@ impl Measurer<'_> {
     /// Renders the references.
     fn reference(
         &mut self,
-        own: OwnSettings,
+        own: EffectiveSettings,
         samples: u32,
         pictures: u32,
-    ) -> Result<ReferenceSet, StopReason> {
+    ) -> Result<ReferenceSet, EngineError> {
         let shallow = RenderSettings::default();
         let deep =
             RenderSettings { depth: Some(own.quality.depth.max(DEEP)), cutoff: Some(NO_CUTOFF), ..shallow };
@@ -189,9 +188,9 @@ impl Measurer<'_> {
         &mut self,
         rows: Vec<(Subject, RenderSettings)>,
         reference: &ReferenceSet,
-        own: OwnSettings,
+        own: EffectiveSettings,
         range: SweepRange,
-    ) -> Result<Vec<Row>, StopReason> {
+    ) -> Result<Vec<Row>, EngineError> {
         let mut compared: Vec<Row> = Vec::with_capacity(rows.len());
         let mut best: Option<(RenderSettings, Vec<Film>)> = None;
         for (subject, settings) in rows {
@@ -231,23 +230,24 @@ impl Measurer<'_> {
     }
 
     /// Returns the effects that are needed by any of the frames.
-    fn plan(&mut self) -> Result<Plan, StopReason> {
+    fn plan(&mut self) -> Result<Plan, EngineError> {
         let mut plan: Option<Plan> = None;
         for time in self.times.clone() {
-            let Some(of_frame) = self.engine.plan_at(time)? else { continue };
+            let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
+            let Some(of_frame) = &self.engine.plan(request)?.plan else { continue };
             match &mut plan {
-                Some(plan) => plan.join(&of_frame),
-                None => plan = Some(of_frame),
+                Some(plan) => plan.join(of_frame),
+                None => plan = Some(of_frame.clone()),
             }
         }
-        plan.ok_or(StopReason::Cancelled)
+        plan.ok_or(EngineError::Cancelled)
     }
 
     /// Estimates the work: the reference, the rounds with the scene's own settings in between, and all rows once more.
     fn estimate(
         &mut self,
         rows: &[(Subject, RenderSettings)],
-        own: OwnSettings,
+        own: EffectiveSettings,
         rounds: u32,
         reference: u32,
     ) {
@@ -263,7 +263,7 @@ impl Measurer<'_> {
         &mut self,
         settings: &RenderSettings,
         subject: Option<Subject>,
-    ) -> Result<MeasuredVariant, StopReason> {
+    ) -> Result<MeasuredVariant, EngineError> {
         let mut rendered = MeasuredVariant {
             films: Vec::new(),
             seconds: 0.0,
@@ -276,7 +276,6 @@ impl Measurer<'_> {
             self.observer.at(subject, share);
             let instructions = &mut || self.observer.instructions();
             let frame = MeasuredFrame::render(self.engine, *time, *settings, self.cancelled, instructions)?;
-            let frame = frame.ok_or(StopReason::Cancelled)?;
             rendered.films.push(self.sized(frame.film));
             rendered.seconds += frame.seconds;
             rendered.rays += frame.rays;
@@ -296,7 +295,7 @@ impl Measurer<'_> {
 
     /// Resamples a picture to the size of the scene's film.
     fn sized(&self, film: Film) -> Film {
-        let FilmSettings { width, height, .. } = self.engine.film_settings();
+        let FilmSettings { width, height, .. } = self.engine.effective_settings().film;
         if (film.width(), film.height()) == (width, height) { film } else { resampled(&film, width, height) }
     }
 
@@ -307,7 +306,7 @@ impl Measurer<'_> {
         pictures: u32,
         seed: u64,
         samples: u32,
-    ) -> Result<Vec<ReferenceImage>, StopReason> {
+    ) -> Result<Vec<ReferenceImage>, EngineError> {
         /// The distance between seeds, 2^64 divided by the golden ratio. The resulting seeds are unlikely in scenes.
         const APART: u64 = 0x9e37_79b9_7f4a_7c15;
         let mut frames = vec![Vec::new(); self.times.len()];
@@ -328,7 +327,7 @@ impl Measurer<'_> {
 
     /// Measures the time of every row, as a multiple of the time of the scene's own settings right before and after. Rows take turns, so
     /// that a temporarily slow machine does not affect only one of them. Rows that trace the same rays as another row get its time.
-    fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<(), StopReason> {
+    fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<(), EngineError> {
         const OWN: Option<Subject> = Some(Subject::Own);
         let (distinct, same): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|row| rows[*row].same_as.is_none());
@@ -364,7 +363,7 @@ impl Measurer<'_> {
 
     /// Measures the seconds of a frame. A quick frame is rendered several times, for the minimum: the first one after a frame with other
     /// settings takes longer, and interruptions by the system are as long as such a frame.
-    fn seconds(&mut self, settings: &RenderSettings, subject: Option<Subject>) -> Result<f64, StopReason> {
+    fn seconds(&mut self, settings: &RenderSettings, subject: Option<Subject>) -> Result<f64, EngineError> {
         /// The duration for which quick frames are repeated.
         const LEAST: Duration = Duration::from_millis(20);
         let start = Instant::now();
@@ -378,7 +377,7 @@ impl Measurer<'_> {
     }
 
     fn transfer(&self) -> Transfer {
-        self.engine.film_settings().transfer
+        self.engine.effective_settings().film.transfer
     }
 
     /// Returns the error of all frames together.
@@ -407,7 +406,7 @@ impl Measurer<'_> {
 }
 
 /// Returns the variant in which only this subject has its best value; `None` if its best value is the converged reference.
-fn best_alone(subject: Subject, own: OwnSettings, range: SweepRange) -> Option<RenderSettings> {
+fn best_alone(subject: Subject, own: EffectiveSettings, range: SweepRange) -> Option<RenderSettings> {
     let turned = |parameter, value: f64| Some(turned(parameter, value));
     match subject {
         Subject::Precision(_) | Subject::Size(..) | Subject::Without(_) => Some(RenderSettings::default()),

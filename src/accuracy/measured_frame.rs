@@ -24,33 +24,33 @@ pub struct MeasuredFrame {
 
 impl MeasuredFrame {
     /// Renders a frame with settings that override the engine's. `instructions` returns the number of instructions executed so far, if they
-    /// are counted. Returns `None` if cancelled.
+    /// are counted.
     ///
     /// # Errors
     ///
-    /// As [`Engine::render_frame`].
+    /// As [`Engine::render`].
     pub fn render(
         engine: &mut Engine,
         time: Time,
         settings: RenderSettings,
         cancelled: &AtomicBool,
         instructions: &mut dyn FnMut() -> Option<u64>,
-    ) -> Result<Option<Self>, EngineError> {
+    ) -> Result<Self, EngineError> {
         let before = instructions();
         let image = engine.render(RenderRequest {
-            settings: Some(settings.or(engine.settings())),
+            settings: Some(settings.or(engine.settings)),
             fingerprint: false,
             signals: Signals::unless(cancelled),
             ..RenderRequest::at(time)
         })?;
         let counted = before.zip(instructions());
         let report = engine.report();
-        Ok(image.map(|image| Self {
+        Ok(Self {
             film: image.film,
             seconds: (report.animate + report.prepare + report.trace).as_secs_f64(),
             rays: report.rays,
             instructions: counted.map(|(before, after)| after.saturating_sub(before)),
             estimated: report.error,
-        }))
+        })
     }
 }

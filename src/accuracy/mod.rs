@@ -24,7 +24,6 @@ mod relative_error;
 mod report;
 mod resample;
 mod similarity;
-mod stop;
 
 pub use deadline::{Calibration, Deadline, FrameSurvey, survey_order};
 pub use demand::Demand;

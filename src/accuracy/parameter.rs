@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::components::{Quality, Sampling};
-use crate::systems::{Effect, Plan, RenderSettings};
+use crate::components::Sampling;
+use crate::systems::{Effect, EffectiveSettings, Plan, RenderSettings};
 use crate::trace::Precision;
 
 /// A setting that trades accuracy for time.
@@ -104,13 +104,6 @@ impl fmt::Display for Subject {
     }
 }
 
-/// The settings of a scene that parameters override.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct OwnSettings {
-    pub(super) sampling: Sampling,
-    pub(super) quality: Quality,
-}
-
 /// The limits of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SweepRange {
@@ -128,7 +121,7 @@ pub(super) struct SweepRange {
 /// film to include.
 pub(super) fn sweep(
     plan: &Plan,
-    own: OwnSettings,
+    own: EffectiveSettings,
     range: SweepRange,
     sizes: &[(u32, u32)],
 ) -> Vec<(Subject, RenderSettings)> {
@@ -174,7 +167,7 @@ fn is_called_for(parameter: Parameter, plan: &Plan) -> bool {
 /// Returns the values of a parameter, ascending, without the scene's own value.
 fn values(
     parameter: Parameter,
-    OwnSettings { sampling, quality }: OwnSettings,
+    EffectiveSettings { sampling, quality, .. }: EffectiveSettings,
     range: SweepRange,
 ) -> Vec<f64> {
     let powers =

@@ -94,7 +94,7 @@ fn check(path: &Path, overrides: &[Override]) -> Result<CheckPassed, CheckFailed
         match engine.seek(timeline.time_of(frame)) {
             Err(EngineError::Script(mistake)) => return Err(CheckFailed::Script(mistake.into())),
             Err(EngineError::Scene(error)) => return Err(CheckFailed::Scene(error)),
-            Ok(()) | Err(EngineError::UnknownComponent(_)) => {
+            Ok(()) | Err(EngineError::UnknownComponent(_) | EngineError::Cancelled) => {
                 warnings.collect(&engine, &format!("frame {frame}"));
             }
         }

@@ -215,7 +215,7 @@ impl SettingsRecorder {
         request: &FrameRequest,
         took: Duration,
     ) {
-        let (film, report) = (engine.film_settings(), engine.report());
+        let (film, report) = (engine.effective_settings().film, engine.report());
         if let Some(EstimatedError { value, hidden, .. }) = report.error.filter(|_| rounds.is_none()) {
             if value > f64::from(max_error) {
                 self.worse.push((request.moment(), value));

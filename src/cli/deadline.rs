@@ -96,7 +96,7 @@ impl Paced {
     pub(super) fn begin(&mut self, engine: &mut Engine) -> FrameSamples {
         let samples = FrameSamples::for_error(LEAST_ERROR, Sampling::LARGEST_COUNT);
         samples.set_up(engine);
-        engine.set_round_policy(Some(self.deadline.clone()));
+        engine.round_policy = Some(self.deadline.clone());
         let index = self.index;
         self.locked().begin(index);
         samples
@@ -204,7 +204,7 @@ fn survey(
         surveyed.quickest = surveyed.quickest.min(first);
         surveyed.files.push(request.file(&sequence));
     }
-    engine.set_round_policy(None);
+    engine.round_policy = None;
     Ok(surveyed)
 }
 
@@ -222,7 +222,7 @@ struct Surveyor {
 impl SequenceObserver for Surveyor {
     fn render(&mut self, engine: &mut Engine, _: &FrameRequest) {
         FrameSamples::for_error(LEAST_ERROR, Sampling::LARGEST_COUNT).set_up(engine);
-        engine.set_round_policy(Some(self.survey.clone() as Arc<Mutex<dyn RoundPolicy>>));
+        engine.round_policy = Some(self.survey.clone() as Arc<Mutex<dyn RoundPolicy>>);
     }
 
     fn rendered(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {

@@ -1,6 +1,6 @@
 //! `rayreel render --draft`: reduced settings that keep a scene recognisable.
 
-use rayreel::{Engine, RenderSettings};
+use rayreel::{EffectiveSettings, Engine, RenderSettings};
 
 /// The divisor of the film's width and height.
 const SHRINKING: u32 = 3;
@@ -11,10 +11,11 @@ const LIGHT_SAMPLES: u32 = 4;
 
 /// Lowers the settings that cost time; raises none.
 pub(super) fn settings(engine: &Engine) -> RenderSettings {
+    let EffectiveSettings { film, quality, .. } = engine.effective_settings();
     RenderSettings {
-        depth: Some(engine.quality().depth.min(DEPTH)),
+        depth: Some(quality.depth.min(DEPTH)),
         max_light_samples: Some(LIGHT_SAMPLES),
-        ..RenderSettings::draft(engine.film_settings(), SHRINKING)
+        ..RenderSettings::draft(film, SHRINKING)
     }
-    .or(engine.settings())
+    .or(engine.settings)
 }

@@ -16,7 +16,7 @@ pub(super) fn load(scene: &Path, overrides: &OverrideArguments) -> Result<Engine
     } else {
         Engine::from_scene(Scene::load_overridden(scene, &values)?.0)
     };
-    engine.set_settings(RenderSettings { without: overrides.without(), ..RenderSettings::default() });
+    engine.settings = RenderSettings { without: overrides.without(), ..RenderSettings::default() };
     Ok(engine)
 }
 

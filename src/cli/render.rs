@@ -35,7 +35,8 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
     let loaded = start.elapsed();
     let settings = set_up(&mut engine, arguments)?;
-    let sheet = settings.sheet.map(|tiles| sheet::empty(tiles, engine.film_settings())).transpose()?;
+    let sheet =
+        settings.sheet.map(|tiles| sheet::empty(tiles, engine.effective_settings().film)).transpose()?;
     if settings.stream.is_none() {
         let directory = settings.sequence.directory();
         fs::create_dir_all(directory)
@@ -98,7 +99,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
             );
             return Err(interruption.failure());
         }
-        let film = engine.film_settings();
+        let film = engine.effective_settings().film;
         let frames = settings.ascending().filter_map(|request| request.frame);
         let remarks = movie::Remarks::new(movie, (film.width, film.height), engine.timeline(), frames);
         remarks.warnings.iter().for_each(|warning| warn(arguments, warning));
@@ -116,19 +117,17 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
 /// Applies the arguments to the engine and returns the render settings.
 pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result<OutputSettings, Failure> {
     if arguments.draft {
-        engine.set_settings(draft::settings(engine));
+        engine.settings = draft::settings(engine);
     }
-    let settings = OutputSettings::new(arguments, engine.timeline(), engine.film_settings())?;
-    engine.set_settings(
-        RenderSettings {
-            size: settings.size,
-            cutoff: arguments.cutoff,
-            precision: Some(arguments.precision.into()),
-            all_effects: arguments.full,
-            ..RenderSettings::default()
-        }
-        .or(engine.settings()),
-    );
+    let settings = OutputSettings::new(arguments, engine.timeline(), engine.effective_settings().film)?;
+    engine.settings = RenderSettings {
+        size: settings.size,
+        cutoff: arguments.cutoff,
+        precision: Some(arguments.precision.into()),
+        all_effects: arguments.full,
+        ..RenderSettings::default()
+    }
+    .or(engine.settings);
     Ok(settings)
 }
 
@@ -284,7 +283,7 @@ fn clear_up(engine: &Engine, settings: &OutputSettings, arguments: &RenderArgume
     /// Stray frames with at most this many pixels (4K) are read to check that rayreel wrote them, even if the film is smaller. Larger
     /// frames could take any amount of memory.
     const MOST_PIXELS: u64 = 3840 * 2160;
-    let (film, sequence, clean) = (engine.film_settings(), &settings.sequence, arguments.clean);
+    let (film, sequence, clean) = (engine.effective_settings().film, &settings.sequence, arguments.clean);
     let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
     let most_pixels = pixels((film.width, film.height)).max(MOST_PIXELS);
     let surplus = find_surplus(sequence, engine.timeline().frame_count(), (film.width, film.height))

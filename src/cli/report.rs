@@ -63,7 +63,7 @@ pub(super) struct RenderedFrameReport {
 
 impl RenderReport {
     pub(super) fn new(arguments: &RenderArguments, engine: &Engine, load: Duration, threads: usize) -> Self {
-        let film = engine.film_settings();
+        let film = engine.effective_settings().film;
         Self {
             scene: arguments.scene.clone(),
             changed: Changed::new(&arguments.overrides),

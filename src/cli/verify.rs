@@ -39,14 +39,14 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
         _ => None,
     };
     let cancelled = interruption.deferred();
-    let own = engine.settings();
+    let own = engine.settings;
     let bar = progress::plain_bar(frames.count());
     let verdict = verify_sequence(&mut engine, &frames, &settings.sequence, |engine, request| {
         bar.inc(1);
         let chosen = samples.as_ref().and_then(|samples| samples.samples_of(request));
         match chosen {
             Some(samples) => samples.set_up(engine),
-            None => engine.set_settings(own),
+            None => engine.settings = own,
         }
         if cancelled.load(Ordering::Relaxed) { Break(()) } else { Continue(()) }
     });

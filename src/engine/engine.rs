@@ -1,22 +1,19 @@
 //! The engine: a world with its systems and its prepared data.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use hecs::{Component, World};
 
 use super::cast::{Hit, IntoRay, Ray};
 use crate::color::Encoding;
-use crate::components::{FilmSettings, Quality, Sampling};
 use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, Context, Fault, FrameReport, Interrupted, Plan, Preparation, RenderRequest, RenderSettings,
-    Sampler, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
+    self, Context, EffectiveSettings, Fault, FrameReport, Interrupted, Preparation, RenderRequest,
+    RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
 };
 use crate::time::{Time, Timeline};
 use crate::trace::reference::RayTree;
-use crate::trace::{Film, FrameFingerprint, PassPixel, RenderedImage, SharedRoundPolicy, Signals};
+use crate::trace::{Film, RenderedImage, SampleMemory, SharedRoundPolicy, Signals};
 
 /// A world of entities that is rendered at any moment of its timeline.
 ///
@@ -79,9 +76,13 @@ use crate::trace::{Film, FrameFingerprint, PassPixel, RenderedImage, SharedRound
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```
 pub struct Engine {
+    /// The settings of rendering, which override the scene's own from the next frame on.
+    pub settings: RenderSettings,
+    /// The policy that chooses the samples of each round, for images with an error target. `None` uses the target alone.
+    pub round_policy: Option<SharedRoundPolicy>,
     pub(super) simulation: Simulation,
-    settings: RenderSettings,
-    sampler: Sampler,
+    /// The sample buffers of the last image.
+    memory: SampleMemory,
     report: FrameReport,
     script_sources: ScriptSources,
 }
@@ -98,20 +99,16 @@ pub enum EngineError {
     /// A script failed to return a value.
     #[error(transparent)]
     Script(#[from] ScriptMistake),
+    /// The image was cancelled, or stopped at a pause: see [`RenderRequest::signals`].
+    #[error("rendering was cancelled")]
+    Cancelled,
 }
 
-impl EngineError {
-    /// Returns the error for an interruption. `None` if the frame was only cancelled.
-    fn of(halt: Interrupted, sources: &ScriptSources) -> Option<Self> {
-        Some(match halt {
-            Interrupted::Cancelled => return None,
-            Interrupted::UnknownComponent(unknown) => Self::UnknownComponent(unknown),
-            Interrupted::Script(failure) => {
-                let ScriptFailure { script, channel, seconds, error } = *failure;
-                let about = format!("{channel} at t = {seconds}");
-                Self::Script(sources.mistake(script, &about, &error))
-            }
-        })
+/// Returns a result, or `None` if it was cancelled.
+pub(crate) fn unless_cancelled<T>(result: Result<T, EngineError>) -> Result<Option<T>, EngineError> {
+    match result {
+        Err(EngineError::Cancelled) => Ok(None),
+        result => result.map(Some),
     }
 }
 
@@ -147,9 +144,10 @@ impl Engine {
     #[must_use]
     pub fn new(world: World) -> Self {
         Self {
-            simulation: Simulation::new(world),
             settings: RenderSettings::default(),
-            sampler: Sampler::default(),
+            round_policy: None,
+            simulation: Simulation::new(world),
+            memory: SampleMemory::default(),
             report: FrameReport::default(),
             script_sources: ScriptSources::default(),
         }
@@ -199,39 +197,10 @@ impl Engine {
         self.simulation.schedule.scripts_mut().set_timeline(timeline);
     }
 
-    /// Returns the settings of rendering, which override the scene's own.
+    /// Returns the scene's film, quality and sampling, with the [settings](Engine::settings) applied.
     #[must_use]
-    pub fn settings(&self) -> RenderSettings {
-        self.settings
-    }
-
-    /// Sets the settings of rendering, from the next frame on.
-    pub fn set_settings(&mut self, settings: RenderSettings) {
-        self.settings = settings;
-    }
-
-    /// Sets the policy that chooses the samples of each round, for images with an error target. `None` uses the target alone.
-    pub fn set_round_policy(&mut self, policy: Option<SharedRoundPolicy>) {
-        self.sampler.policy = policy;
-    }
-
-    /// Returns the size and the encoding of the film, with the settings applied.
-    #[must_use]
-    pub fn film_settings(&self) -> FilmSettings {
-        self.simulation.film(&self.settings)
-    }
-
-    /// Returns the maximum ray depth and the cutoff, with the settings applied.
-    #[must_use]
-    pub fn quality(&self) -> Quality {
-        self.simulation.quality(&self.settings)
-    }
-
-    /// Returns the number and the choice of samples per pixel, with the settings applied. If sampling is
-    /// [adaptive](Sampling::is_adaptive), `samples` is the maximum.
-    #[must_use]
-    pub fn sampling(&self) -> Sampling {
-        self.simulation.sampling(&self.settings)
+    pub fn effective_settings(&self) -> EffectiveSettings {
+        self.settings.effective(self.world())
     }
 
     /// Returns the prepared data of the world at the moment of the last frame (the last instant, if the shutter was open) or
@@ -342,108 +311,59 @@ impl Engine {
     ///
     /// If custom systems need the world copied and it holds components that were not registered, or if a script fails.
     pub fn render_frame(&mut self, index: u32) -> Result<Film, EngineError> {
-        self.render_at(self.timeline().time_of(index))
+        Ok(self.render(self.timeline().time_of(index))?.film)
     }
 
-    /// Renders a moment.
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`].
-    pub fn render_at(&mut self, time: Time) -> Result<Film, EngineError> {
-        let image = self.render(RenderRequest::at(time))?;
-        Ok(image.map_or_else(|| Film::new(0, 0), |image| image.film))
-    }
-
-    /// Renders an image. Returns `None` if it was cancelled, or stopped at a pause. Afterwards the [report](Engine::report) describes it.
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`].
-    pub fn render<E: Encoding>(
-        &mut self,
-        request: RenderRequest<'_, E>,
-    ) -> Result<Option<RenderedImage<E::Pixel>>, EngineError> {
-        self.report = FrameReport::at(request.time);
-        let frame = self.simulation.frame(request.time, request.settings.unwrap_or(self.settings));
-        let image =
-            systems::trace(&mut self.simulation, &frame, request, &mut self.sampler, &mut self.report);
-        self.unless_cancelled(image)
-    }
-
-    /// Renders a moment by the reference path, which tests every ray against every shape, with or without an alpha channel. It is slow and
-    /// single-threaded, and gives the same bits.
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`].
-    pub fn render_reference(&mut self, time: Time, alpha: bool) -> Result<RenderedImage, EngineError> {
-        let (frame, policy) = (self.simulation.frame(time, self.settings), self.sampler.policy.as_ref());
-        self.report = FrameReport::at(time);
-        let image = systems::trace_reference(&mut self.simulation, &frame, alpha, policy, &mut self.report);
-        let nothing = RenderedImage { film: Film::new(0, 0), alpha: None };
-        Ok(self.unless_cancelled(image)?.unwrap_or(nothing))
-    }
-
-    /// Returns the first hit of the ray through the centre of each pixel, row by row from the top, computed on the threads of the current
-    /// rayon pool. The scene is at the moment or, while the shutter is open, at the frame's first instant. The [report](Engine::report) of
-    /// the last image is kept; the time taken is added to its tracing time. `None` if `cancelled` became true.
+    /// Renders an image: of a moment, or as a [`RenderRequest`] specifies. Afterwards the [report](Engine::report) describes it.
     ///
     /// ```
-    /// use std::sync::atomic::AtomicBool;
-    /// use rayreel::components::{Camera, FilmSettings, Material, Shape, Transform};
-    /// use rayreel::{Engine, Rgb, Time, World};
+    /// use rayreel::{Engine, RenderRequest, Time, World};
     ///
-    /// let mut world = World::new();
-    /// let clay = Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None };
-    /// world.spawn((Shape::Sphere { radius: 1.0 }, clay, Transform::default()));
-    /// world.spawn((Camera::default(),));
-    /// world.spawn((FilmSettings { width: 3, height: 3, ..FilmSettings::default() },));
-    /// let passes = Engine::new(world).passes(Time::ZERO, &AtomicBool::new(false))?.unwrap();
-    /// assert_eq!((passes[4].depth, passes[4].normal, passes[4].id), (4.0, [0.0, 0.0, -1.0], 1));
+    /// let mut engine = Engine::new(World::new());
+    /// let film = engine.render(Time::ZERO)?.film;
+    /// let reference = engine.render(RenderRequest { reference: true, ..RenderRequest::at(Time::ZERO) })?;
+    /// assert_eq!(reference.film, film);
     /// # Ok::<(), rayreel::EngineError>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// As [`Engine::render_frame`].
-    pub fn passes(
+    /// As [`Engine::render_frame`], and [`EngineError::Cancelled`].
+    pub fn render<'a, E: Encoding + 'a>(
         &mut self,
-        time: Time,
-        cancelled: &AtomicBool,
-    ) -> Result<Option<Vec<PassPixel>>, EngineError> {
-        let start = Instant::now();
-        let frame = self.simulation.frame(time, self.settings);
-        let passes = systems::trace_passes(&mut self.simulation, &frame, cancelled);
-        self.report.trace += start.elapsed();
-        Ok(self.unless_cancelled(passes)?.flatten())
+        request: impl Into<RenderRequest<'a, E>>,
+    ) -> Result<RenderedImage<E::Pixel>, EngineError> {
+        let (request, policy) = (request.into(), self.round_policy.as_ref());
+        let frame = self.simulation.frame(request.time, request.settings.unwrap_or(self.settings));
+        self.report = FrameReport::at(request.time);
+        let image = systems::render(
+            &mut self.simulation,
+            &frame,
+            request,
+            policy,
+            &mut self.memory,
+            &mut self.report,
+        );
+        image.map_err(|interrupted| self.error(interrupted))
     }
 
-    /// Returns the fingerprint that the [report](FrameReport::fingerprint) would have if the moment were rendered. Brings the world to the
-    /// moment or, if the shutter is open, to one of the frame's instants.
+    /// Plans an image without rendering it. The returned report has the [plan](FrameReport::plan) and, if requested, the
+    /// [fingerprint](FrameReport::fingerprint) that the image would have. Brings the world to the moment or, if the shutter is open, to one
+    /// of the frame's instants.
     ///
     /// # Errors
     ///
-    /// As [`Engine::render_frame`].
-    pub fn fingerprint_at(&mut self, time: Time) -> Result<FrameFingerprint, EngineError> {
-        let (frame, policy) = (self.simulation.frame(time, self.settings), self.sampler.policy.as_ref());
-        self.report = FrameReport::at(time);
-        let fingerprint = systems::fingerprint(&mut self.simulation, &frame, policy, &mut self.report);
-        Ok(self.unless_cancelled(fingerprint)?.unwrap_or_else(FrameFingerprint::of_nothing))
-    }
-
-    /// Returns the effects that a moment needs or omits, with reasons, without rendering it. Brings the world to the moment or,
-    /// if the shutter is open, to one of the frame's instants.
-    ///
-    /// # Errors
-    ///
-    /// As [`Engine::render_frame`].
-    pub fn plan_at(&mut self, time: Time) -> Result<Option<Plan>, EngineError> {
-        let frame = self.simulation.frame(time, self.settings);
-        self.report = FrameReport::at(time);
-        let planned = systems::plan(&mut self.simulation, &frame, &mut self.report);
-        self.unless_cancelled(planned)?;
-        Ok(self.report.plan.clone())
+    /// As [`Engine::render`].
+    pub fn plan<'a, E: Encoding + 'a>(
+        &mut self,
+        request: impl Into<RenderRequest<'a, E>>,
+    ) -> Result<&FrameReport, EngineError> {
+        let (request, policy) = (request.into(), self.round_policy.as_ref());
+        let frame = self.simulation.frame(request.time, request.settings.unwrap_or(self.settings));
+        self.report = FrameReport::at(request.time);
+        let planned = systems::plan(&mut self.simulation, &frame, &request, policy, &mut self.report);
+        planned.map_err(|interrupted| self.error(interrupted))?;
+        Ok(&self.report)
     }
 
     /// Advances the world and the kernel's data to a moment, without rendering.
@@ -456,7 +376,7 @@ impl Engine {
         self.report = FrameReport::at(time);
         let never = Signals::none().cancelled;
         let sought = self.simulation.advance_to(time, &frame, &mut self.report, never);
-        self.unless_cancelled(sought).map(drop)
+        sought.map(drop).map_err(|interrupted| self.error(interrupted))
     }
 
     /// Returns the ray tree of sample `index` of the pixel in column `i` and row `j` at a moment, traced by the reference path. `None`
@@ -473,22 +393,19 @@ impl Engine {
     ) -> Result<Option<RayTree>, EngineError> {
         let frame = self.simulation.frame(time, self.settings);
         let tree = systems::trace_sample(&mut self.simulation, &frame, pixel, index);
-        Ok(self.unless_cancelled(tree)?.flatten())
+        tree.map_err(|interrupted| self.error(interrupted))
     }
 
-    /// Returns the number of samples of each pixel of the last image, row by row from the top. Empty if all pixels have the same number,
-    /// that is, without an [error target](Sampling::max_error).
-    #[must_use]
-    pub fn sample_counts(&self) -> Vec<u32> {
-        let FilmSettings { width, height, .. } = self.film_settings();
-        self.sampler.memory.counts((width, height))
-    }
-
-    /// Converts a result of the systems: `None` for a cancellation, an error for any other interruption.
-    fn unless_cancelled<T>(&self, result: Result<T, Interrupted>) -> Result<Option<T>, EngineError> {
-        match result {
-            Ok(result) => Ok(Some(result)),
-            Err(halt) => EngineError::of(halt, &self.script_sources).map_or(Ok(None), Err),
+    /// Returns the error for an interruption.
+    fn error(&self, interrupted: Interrupted) -> EngineError {
+        match interrupted {
+            Interrupted::Cancelled => EngineError::Cancelled,
+            Interrupted::UnknownComponent(unknown) => EngineError::UnknownComponent(unknown),
+            Interrupted::Script(failure) => {
+                let ScriptFailure { script, channel, seconds, error } = *failure;
+                let about = format!("{channel} at t = {seconds}");
+                EngineError::Script(self.script_sources.mistake(script, &about, &error))
+            }
         }
     }
 }

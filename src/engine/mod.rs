@@ -7,4 +7,5 @@ mod reload;
 
 pub use crate::systems::{FrameReport, RenderRequest};
 pub use cast::{Hit, IntoRay, Ray, SecondaryRay};
+pub(crate) use engine::unless_cancelled;
 pub use engine::{Engine, EngineError};

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::state::CurvePoint;
 use crate::accuracy::{Estimate, MeasuredFrame, estimate};
-use crate::engine::{Engine, EngineError};
+use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::systems::{Effect, EffectSet, RenderSettings};
 use crate::time::Time;
 
@@ -19,12 +19,13 @@ pub(super) fn cost(
     effect: Effect,
     cancelled: &AtomicBool,
 ) -> Result<Option<Option<f64>>, EngineError> {
-    if !engine.plan_at(time)?.is_some_and(|plan| plan.needs(effect)) {
+    let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
+    if !engine.plan(request)?.plan.as_ref().is_some_and(|plan| plan.needs(effect)) {
         return Ok(Some(None));
     }
     let mut measure = |without: EffectSet| {
         let settings = RenderSettings { without, ..RenderSettings::default() };
-        MeasuredFrame::render(engine, time, settings, cancelled, &mut || None)
+        unless_cancelled(MeasuredFrame::render(engine, time, settings, cancelled, &mut || None))
     };
     // Each picture is compared with a complete one rendered at the same time, since the speed of the machine may change.
     let (full, reduced) = (measure(EffectSet::default())?, measure([effect].into())?);
@@ -39,7 +40,7 @@ pub(super) fn curve_point(
     index: usize,
     cancelled: &AtomicBool,
 ) -> Result<Option<CurvePoint>, EngineError> {
-    let sampling = engine.sampling();
+    let sampling = engine.effective_settings().sampling;
     let own = (!sampling.is_adaptive()).then_some(sampling.samples);
     let (samples, settings) = match index.checked_sub(1) {
         None => (own, RenderSettings::default()),

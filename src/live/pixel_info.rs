@@ -54,7 +54,7 @@ impl PixelInfo {
         pixel: (u32, u32),
         picture: Option<&Film>,
     ) -> Result<Option<Self>, EngineError> {
-        let sampling = engine.sampling();
+        let sampling = engine.effective_settings().sampling;
         let all = (!sampling.is_adaptive()).then_some(sampling.samples);
         let Some(tree) = engine.probe(time, pixel, 0)? else { return Ok(None) };
         let surface = tree.rays.first().and_then(|first| match &first.end {
@@ -68,7 +68,7 @@ impl PixelInfo {
             Some(film) => (film.pixel(pixel.0, pixel.1), all),
             None => (tree.color(), Some(1)),
         };
-        let bytes = engine.film_settings().transfer.encode(color);
+        let bytes = engine.effective_settings().film.transfer.encode(color);
         Ok(Some(Self { pixel, linear: color.to_array(), bytes, samples, all, surface }))
     }
 }

@@ -17,9 +17,9 @@ use super::progressive::{
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
-use crate::engine::{Engine, EngineError, RenderRequest};
+use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::scene::{Scene, Sources};
-use crate::systems::{Effect, EffectSet, RenderSettings};
+use crate::systems::{Effect, EffectSet, EffectiveSettings, RenderSettings};
 use crate::trace::{Film, RenderJob, RenderedImage, Signals};
 
 /// Minimum time for a picture before a coarse one is rendered first, if nothing of its frame is shown yet. Most pictures of simple scenes
@@ -126,7 +126,7 @@ impl Renderer {
         let start = Instant::now();
         if self.publisher.published().state().reloads == 0 {
             self.engine = Engine::from_scene(scene);
-            self.engine.set_settings(RenderSettings { without: self.without, ..RenderSettings::default() });
+            self.engine.settings = RenderSettings { without: self.without, ..RenderSettings::default() };
         } else {
             self.engine.reload(scene);
         }
@@ -134,7 +134,7 @@ impl Renderer {
         let times = Times { read, build: Times::milliseconds(start.elapsed()), ..Times::default() };
         self.discard_unfinished();
         self.background = None;
-        let (timeline, film) = (self.engine.timeline(), self.engine.film_settings());
+        let (timeline, film) = (self.engine.timeline(), self.engine.effective_settings().film);
         let published = self.publisher.published();
         let before = published.keep_for_comparison();
         // Pages are notified together with the first picture, so that they do not keep the machine busy before it.
@@ -230,7 +230,8 @@ impl Renderer {
                 false
             };
             let signals = Signals { cancelled: interrupt, pause: &pause };
-            let settings = level.settings(engine.film_settings(), engine.quality()).or(engine.settings());
+            let EffectiveSettings { film, quality, .. } = engine.effective_settings();
+            let settings = level.settings(film, quality).or(engine.settings);
             engine.render(RenderRequest {
                 settings: Some(settings),
                 fingerprint: false,
@@ -238,7 +239,7 @@ impl Renderer {
                 ..RenderRequest::at(time)
             })
         });
-        let (image, traced) = (image?, self.engine.report().trace);
+        let (image, traced) = (unless_cancelled(image)?, self.engine.report().trace);
         let took = Times::milliseconds(traced);
         let Some(RenderedImage { film, .. }) = image else {
             if is_late {
@@ -293,7 +294,7 @@ impl Renderer {
         let deadline = self.publisher.latest().is_none().then(|| self.preview_delay(target));
         let Self { engine, publisher, timings, last_level, commands, .. } = self;
         let RenderInProgress { frame, detail, job, traced, is_shown, timer } = in_progress;
-        let (interrupt, transfer) = (commands.interrupt(), engine.film_settings().transfer);
+        let (interrupt, transfer) = (commands.interrupt(), engine.effective_settings().film.transfer);
         let traced_before = Times::milliseconds(*traced) - timer.traced();
         let mut outcome = JobOutcome::Interrupted;
         let mut visit = |job: &RenderJob| {
@@ -420,11 +421,11 @@ impl Renderer {
 
     /// Returns the size and sample count of a picture of this quality.
     fn target(&self, detail: Detail) -> RequestedPicture {
-        let film = self.engine.film_settings();
+        let EffectiveSettings { film, sampling, .. } = self.engine.effective_settings();
         let (divisor, samples) = match detail {
             // Adaptive sampling takes one sample at least.
-            Detail::Full if self.engine.sampling().is_adaptive() => (1, 1),
-            Detail::Full => (1, self.engine.sampling().samples),
+            Detail::Full if sampling.is_adaptive() => (1, 1),
+            Detail::Full => (1, sampling.samples),
             Detail::Draft => (1, 1),
             Detail::Half => (2, 1),
         };
@@ -451,7 +452,7 @@ impl Renderer {
         film: Film,
         traced: Duration,
     ) -> RenderedPicture {
-        let (report, transfer) = (self.engine.report(), self.engine.film_settings().transfer);
+        let (report, transfer) = (self.engine.report(), self.engine.effective_settings().film.transfer);
         let (mut times, rays) = (state.times, report.rays.total());
         times.set_frame(report, traced);
         let is_full = kind == PictureKind::Full;
@@ -466,8 +467,9 @@ impl Renderer {
     /// Returns the effects of a frame. `is_last` is true if the frame is the last full picture.
     fn planned(&mut self, frame: u32, is_last: bool) -> Result<Vec<Planned>, EngineError> {
         let time = self.engine.timeline().time_of(frame);
-        let plan = if is_last { self.engine.report().plan.clone() } else { self.engine.plan_at(time)? };
-        Ok(plan.as_ref().map(Planned::all).unwrap_or_default())
+        let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
+        let report = if is_last { self.engine.report() } else { self.engine.plan(request)? };
+        Ok(report.plan.as_ref().map(Planned::all).unwrap_or_default())
     }
 
     /// Returns the faults at the moment of the last picture, one line each, with remedies.
@@ -501,18 +503,18 @@ fn render(
     let time = engine.timeline().time_of(frame);
     let settings = match detail {
         Detail::Full => None,
-        Detail::Draft => Some(RenderSettings::draft(engine.film_settings(), 1)),
-        Detail::Half => Some(RenderSettings::draft(engine.film_settings(), 2)),
+        Detail::Draft => Some(RenderSettings::draft(engine.effective_settings().film, 1)),
+        Detail::Half => Some(RenderSettings::draft(engine.effective_settings().film, 2)),
     };
     let request = RenderRequest {
-        settings: settings.map(|settings| settings.or(engine.settings())),
+        settings: settings.map(|settings| settings.or(engine.settings)),
         fingerprint: false,
         signals,
         on_pause: Some(visit),
         resume: Some(job),
         ..RenderRequest::at(time)
     };
-    Ok(engine.render(request)?.map(|image| image.film))
+    Ok(unless_cancelled(engine.render(request))?.map(|image| image.film))
 }
 
 /// Runs `work`, which `interrupt` ends. The deadline counts from the first call of the function passed to `work`; when it passes,

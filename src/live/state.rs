@@ -138,7 +138,7 @@ impl Mistakes {
     pub(super) fn of_frame(error: &EngineError) -> Self {
         let place = match error {
             EngineError::Script(mistake) => place_of(mistake),
-            EngineError::Scene(_) | EngineError::UnknownComponent(_) => None,
+            EngineError::Scene(_) | EngineError::UnknownComponent(_) | EngineError::Cancelled => None,
         };
         Self { count: 1, text: error.to_string(), place }
     }

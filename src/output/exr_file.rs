@@ -16,7 +16,7 @@ use super::frame_pixels::LinearFrame;
 use super::picture::{FileChannels, FileColors, StoredPicture};
 use super::provenance::{PixelFingerprint, Provenance};
 use crate::color::Rgb;
-use crate::trace::{FrameFingerprint, Pass, PassPixel, Passes};
+use crate::trace::{Film, FrameFingerprint, Pass, PassPixel, Passes};
 
 /// Name of the attribute that holds the digest of the file.
 const DIGEST: &str = "rayreelDigest";
@@ -77,7 +77,7 @@ fn samples(frame: &LinearFrame, channels: Channels, passes: Passes) -> Vec<(&'st
     });
     let alpha = (channels == Channels::Rgba).then(|| (ALPHA, FlatSamples::F32(frame.alpha().collect())));
     let passes = Pass::ALL.into_iter().filter(|pass| passes.contains(*pass));
-    let passes = passes.flat_map(|pass| samples_of(pass, &frame.passes));
+    let passes = passes.flat_map(|pass| samples_of(pass, frame.passes.as_ref().map_or(&[], Film::pixels)));
     let mut samples: Vec<_> = light.chain(alpha).chain(passes).collect();
     samples.sort_by_key(|(name, _)| *name);
     samples
@@ -235,12 +235,11 @@ fn digest(bytes: &[u8], place: usize) -> [u8; 32] {
 mod tests {
     use super::*;
     use crate::color::Transfer;
-    use crate::trace::Film;
 
     #[test]
     fn depth_channels_of_earlier_versions_are_errors() {
         let film = Film::from_pixels(2, 1, [Rgb::ZERO; 2].into_iter());
-        let passes = vec![PassPixel::NOTHING; 2];
+        let passes = Some(Film::from_values(2, 1, vec![PassPixel::NOTHING; 2]));
         let frame = LinearFrame { film, alpha: None, transfer: Transfer::Classic, passes };
         let (channels, passes) = (Channels::Rgb, Passes::from_iter([Pass::Depth]));
         let mut bytes = encode(&frame, channels, passes, None).unwrap();

@@ -184,8 +184,8 @@ mod tests {
             id: index.into(),
             ..PassPixel::NOTHING
         };
-        let passes = (0..35_u8).map(pass).collect();
-        let alpha = Some(Film::from_numbers(7, 5, (0..35_u8).map(|index| f32::from(index) / 34.0).collect()));
+        let passes = Some(Film::from_values(7, 5, (0..35_u8).map(pass).collect()));
+        let alpha = Some(Film::from_values(7, 5, (0..35_u8).map(|index| f32::from(index) / 34.0).collect()));
         let pixels = FramePixels::Linear(LinearFrame { film, alpha, transfer: Transfer::Classic, passes });
         let frame = format!("{seed:032x}").parse().unwrap();
         encode_frame(&pixels, format, Some(frame)).unwrap().concat()

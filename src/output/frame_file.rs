@@ -127,7 +127,7 @@ pub fn encode(film: &Film, transfer: Transfer, format: FrameFormat) -> Result<Ve
 /// Returns a film's pixels for a format, without passes and with full coverage.
 fn pixels_of(film: &Film, transfer: Transfer, format: FrameFormat) -> FramePixels {
     if format.is_linear() {
-        FramePixels::Linear(LinearFrame { film: film.clone(), alpha: None, transfer, passes: Vec::new() })
+        FramePixels::Linear(LinearFrame { film: film.clone(), alpha: None, transfer, passes: None })
     } else {
         FramePixels::Encoded(film.encoded(transfer))
     }

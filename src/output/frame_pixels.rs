@@ -26,8 +26,8 @@ pub struct LinearFrame {
     pub alpha: Option<Film<f32>>,
     /// Transfer function for formats with output values.
     pub transfer: Transfer,
-    /// First hit of each pixel, row by row from the top, for formats with passes; otherwise empty.
-    pub passes: Vec<PassPixel>,
+    /// First hit of each pixel, for formats with passes.
+    pub passes: Option<Film<PassPixel>>,
 }
 
 impl FramePixels {
@@ -121,9 +121,9 @@ mod tests {
             film: Film::from_pixels(4, 1, light.into_iter()),
             alpha,
             transfer: Transfer::Classic,
-            passes: Vec::new(),
+            passes: None,
         };
-        let partly = frame(Some(Film::from_numbers(4, 1, vec![0.0, 0.5, 1.0, 0.6])));
+        let partly = frame(Some(Film::from_values(4, 1, vec![0.0, 0.5, 1.0, 0.6])));
         let bytes = [0, 0, 0, 0, 128, 64, 0, 128, 51, 102, 255, 255, 255, 255, 255, 153];
         assert_eq!(partly.encoded_with_alpha(), bytes);
         let words = |frame: &LinearFrame, channels| {

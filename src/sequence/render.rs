@@ -10,13 +10,13 @@ use std::time::Duration;
 use super::progress_timer::watched;
 use super::verify::verdict_of;
 use super::{FrameRequest, FrameVerdict};
-use crate::engine::{Engine, EngineError, RenderRequest};
+use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::output::{
     Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, Sequence, WriteError,
     WrittenFrame, remove_leftovers,
 };
 use crate::time::FrameList;
-use crate::trace::{EncodedFilm, PassPixel, RenderProgress, RenderedImage};
+use crate::trace::{EncodedFilm, RenderProgress, RenderedImage};
 
 /// The treatment of existing frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -236,14 +236,14 @@ pub fn render_encoded(
     cancelled: &AtomicBool,
     on_progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<EncodedFilm>, EngineError> {
-    let transfer = engine.film_settings().transfer;
+    let transfer = engine.effective_settings().film.transfer;
     watched(cancelled, on_progress, |signals, report| {
         let image = engine.render(RenderRequest {
             signals,
             on_pause: Some(&mut |job| report(job.progress())),
             ..RenderRequest::encoded(request.time, transfer)
         });
-        Ok(image?.map(|image| image.film))
+        Ok(unless_cancelled(image)?.map(|image| image.film))
     })
 }
 
@@ -261,20 +261,14 @@ fn render_pixels(
     let image = watched(cancelled, on_progress, |signals, report| {
         engine.render(RenderRequest {
             alpha: format.channels() == Channels::Rgba,
+            passes: !format.passes().is_empty(),
             signals,
             on_pause: Some(&mut |job| report(job.progress())),
             ..RenderRequest::at(request.time)
         })
-    })?;
-    let Some(RenderedImage { film, alpha }) = image else { return Ok(None) };
-    let passes = match format.passes().is_empty() {
-        true => Vec::new(),
-        false => match engine.passes(request.time, cancelled)? {
-            None if cancelled.load(Ordering::Relaxed) => return Ok(None),
-            passes => passes.unwrap_or_else(|| vec![PassPixel::NOTHING; film.pixels().len()]),
-        },
-    };
-    let transfer = engine.film_settings().transfer;
+    });
+    let Some(RenderedImage { film, alpha, passes, .. }) = unless_cancelled(image)? else { return Ok(None) };
+    let transfer = engine.effective_settings().film.transfer;
     Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))
 }
 
@@ -293,7 +287,7 @@ pub fn frame_verdict(
     match existing {
         Existing::Overwrite => Ok(FrameVerdict::Missing),
         Existing::Keep => {
-            let film = engine.film_settings();
+            let film = engine.effective_settings().film;
             let size = (film.width, film.height);
             verdict_of(engine, request, FoundFrame::expected_at(path, sequence.format(), size))
         }

@@ -85,7 +85,7 @@ pub fn verify_sequence(
     let timeline = engine.timeline();
     let count = timeline.frame_count();
     let requests: Vec<FrameRequest> = FrameRequest::frames(&frames.within(count), timeline).collect();
-    let film = engine.film_settings();
+    let film = engine.effective_settings().film;
     let size = (film.width, film.height);
     let mut verdict = SequenceVerdict::default();
     'all: for requests in requests.chunks(TOGETHER) {
@@ -126,7 +126,7 @@ pub(super) fn verdict_of(
         FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
         FoundFrame::OtherSize { .. } => FrameVerdict::Stale,
         FoundFrame::Complete { provenance, .. } => {
-            match provenance.frame == engine.fingerprint_at(request.time)? {
+            match engine.plan(request.time)?.fingerprint == Some(provenance.frame) {
                 true => FrameVerdict::UpToDate,
                 false => FrameVerdict::Stale,
             }

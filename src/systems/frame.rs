@@ -12,9 +12,9 @@ use hecs::World;
 use super::prepare::{FrameSettings, Shutter, Shutters};
 use super::{
     Changes, Effect, FrameReport, Interrupted, Need, Plan, Preparation, RenderSettings, Schedule, Scripts,
-    film_settings, order_newcomers, propagate, quality_settings, sampling_settings,
+    order_newcomers, propagate,
 };
-use crate::components::{Animated, FilmSettings, Quality, Sampling};
+use crate::components::{Animated, FilmSettings, Sampling};
 use crate::time::{Time, Timeline};
 use crate::trace::{BvhUpdate, Effects, InstantOrder, Lighting, SamplePlan, SceneChanges};
 
@@ -89,24 +89,9 @@ impl Simulation {
         self.shutters = None;
     }
 
-    /// Returns the size and the encoding of the film, with the overrides applied.
-    pub(crate) fn film(&self, settings: &RenderSettings) -> FilmSettings {
-        settings.film(film_settings(&self.world))
-    }
-
-    /// Returns the depth and the cutoff, with the overrides applied.
-    pub(crate) fn quality(&self, settings: &RenderSettings) -> Quality {
-        settings.quality(quality_settings(&self.world))
-    }
-
-    /// Returns the number and the choice of samples, with the overrides applied.
-    pub(crate) fn sampling(&self, settings: &RenderSettings) -> Sampling {
-        settings.sampling(sampling_settings(&self.world))
-    }
-
     /// Returns the frame at a moment, with the overrides applied.
     pub(crate) fn frame(&mut self, time: Time, settings: RenderSettings) -> FrameInstants {
-        let is_adaptive = self.sampling(&settings).is_adaptive();
+        let is_adaptive = settings.effective(&self.world).sampling.is_adaptive();
         let shutter = self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &settings);
         let instants = match shutter {
             _ if settings.without.contains(Effect::MotionBlur) => vec![time],

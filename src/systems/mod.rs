@@ -54,8 +54,9 @@ pub(crate) use frame::{FrameInstants, NextInstants, PreparedInstant, Simulation}
 pub(crate) use interrupted::{Interrupted, ScriptFailure};
 pub(crate) use order::order_newcomers;
 pub use plan::{Need, Plan};
-pub use prepare::{ActiveCamera, Preparation, RenderSettings, active_camera, film_settings};
-pub(crate) use prepare::{quality_settings, sampling_settings};
+pub use prepare::{
+    ActiveCamera, EffectiveSettings, Preparation, RenderSettings, active_camera, film_settings,
+};
 pub use propagate::propagate;
 pub use property_access::value;
 pub use render_request::{OnPause, RenderRequest};
@@ -65,4 +66,4 @@ pub use schedule::Step;
 pub(crate) use scripts::Scripts;
 pub use snapshot::UnknownComponent;
 pub(crate) use snapshot::{Registry, Snapshot};
-pub(crate) use trace::{Sampler, fingerprint, plan, trace, trace_passes, trace_reference, trace_sample};
+pub(crate) use trace::{plan, render, trace_sample};

@@ -14,10 +14,29 @@ use crate::trace::{RenderJob, Signals};
 /// use rayreel::{Engine, RenderRequest, RenderSettings, Time, World};
 ///
 /// let mut engine = Engine::new(World::new());
-/// let small = RenderSettings { size: Some((4, 3)), ..engine.settings() };
+/// let small = RenderSettings { size: Some((4, 3)), ..engine.settings };
 /// let request = RenderRequest { alpha: true, settings: Some(small), ..RenderRequest::at(Time::ZERO) };
-/// let image = engine.render(request)?.unwrap(); // it was not cancelled
+/// let image = engine.render(request)?;
 /// assert!(image.alpha.unwrap().pixels().iter().all(|alpha| *alpha == 0.0)); // an empty world covers nothing
+/// # Ok::<(), rayreel::EngineError>(())
+/// ```
+///
+/// # Passes
+///
+/// Passes are the first hit of the ray through the centre of each pixel.
+///
+/// ```
+/// use rayreel::components::{Camera, FilmSettings, Material, Shape, Transform};
+/// use rayreel::{Engine, RenderRequest, Rgb, Time, World};
+///
+/// let mut world = World::new();
+/// let clay = Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None };
+/// world.spawn((Shape::Sphere { radius: 1.0 }, clay, Transform::default()));
+/// world.spawn((Camera::default(),));
+/// world.spawn((FilmSettings { width: 3, height: 3, ..FilmSettings::default() },));
+/// let request = RenderRequest { passes: true, ..RenderRequest::at(Time::ZERO) };
+/// let centre = Engine::new(world).render(request)?.passes.unwrap().pixel(1, 1);
+/// assert_eq!((centre.depth, centre.normal, centre.id), (4.0, [0.0, 0.0, -1.0], 1));
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```
 ///
@@ -30,7 +49,7 @@ use crate::trace::{RenderJob, Signals};
 /// ```
 /// use std::ops::ControlFlow::Break;
 /// use rayreel::trace::Signals;
-/// use rayreel::{Engine, RenderRequest, Time, World};
+/// use rayreel::{Engine, EngineError, RenderRequest, Time, World};
 ///
 /// let mut engine = Engine::new(World::new());
 /// let (mut job, at_once) = (None, Signals { pause: &|| true, ..Signals::none() });
@@ -40,10 +59,10 @@ use crate::trace::{RenderJob, Signals};
 ///     resume: Some(&mut job),
 ///     ..RenderRequest::at(Time::ZERO)
 /// };
-/// assert!(engine.render(paused)?.is_none());
+/// assert!(matches!(engine.render(paused), Err(EngineError::Cancelled)));
 ///
 /// let resumed = RenderRequest { resume: Some(&mut job), ..RenderRequest::at(Time::ZERO) };
-/// assert_eq!(engine.render(resumed)?.unwrap().film, engine.render_at(Time::ZERO)?);
+/// assert_eq!(engine.render(resumed)?.film, engine.render_frame(0)?);
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```
 pub struct RenderRequest<'a, E: Encoding = Linear> {
@@ -55,6 +74,14 @@ pub struct RenderRequest<'a, E: Encoding = Linear> {
     /// True for an image with an alpha channel and without its background. With an error target, the error of alpha counts like the error
     /// of light.
     pub alpha: bool,
+    /// True for the reference path, which tests every ray against every shape. It is slow and single-threaded, has no pauses and no ray
+    /// counts, and gives the same bits.
+    pub reference: bool,
+    /// True if the image gets the passes: see [`RenderedImage::passes`](crate::RenderedImage::passes).
+    pub passes: bool,
+    /// True if the image gets the number of samples of each pixel: see
+    /// [`RenderedImage::sample_counts`](crate::RenderedImage::sample_counts).
+    pub sample_counts: bool,
     /// The settings. `None` uses the engine's.
     pub settings: Option<RenderSettings>,
     /// True if the report gets the image's fingerprint, which takes time if there are many shapes.
@@ -86,12 +113,21 @@ impl<E: Encoding> RenderRequest<'_, E> {
             time,
             encoding,
             alpha: false,
+            reference: false,
+            passes: false,
+            sample_counts: false,
             settings: None,
             fingerprint: true,
             signals: Signals::none(),
             on_pause: None,
             resume: None,
         }
+    }
+}
+
+impl From<Time> for RenderRequest<'_> {
+    fn from(time: Time) -> Self {
+        Self::at(time)
     }
 }
 
@@ -102,6 +138,9 @@ impl<E: Encoding + fmt::Debug> fmt::Debug for RenderRequest<'_, E> {
             .field("time", &self.time)
             .field("encoding", &self.encoding)
             .field("alpha", &self.alpha)
+            .field("reference", &self.reference)
+            .field("passes", &self.passes)
+            .field("sample_counts", &self.sample_counts)
             .field("settings", &self.settings)
             .finish_non_exhaustive()
     }

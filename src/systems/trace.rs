@@ -15,39 +15,53 @@ use super::{
 use crate::color::Encoding;
 use crate::trace::reference::{RayTree, Reference, ReferenceSums};
 use crate::trace::{
-    Effects, FrameFingerprint, PassPixel, RenderJob, RenderedImage, SampleMemory, SharedRoundPolicy, Signals,
+    Effects, Film, PassPixel, RenderJob, RenderedImage, SampleMemory, SharedRoundPolicy, Signals,
     round_policy,
 };
-
-/// The state of sampling that is kept from image to image.
-#[derive(Default)]
-pub(crate) struct Sampler {
-    /// The policy that chooses the samples of each round. `None` uses the error target alone.
-    pub(crate) policy: Option<SharedRoundPolicy>,
-    /// The sample buffers of the last image.
-    pub(crate) memory: SampleMemory,
-}
 
 /// Renders a frame, and reports its costs.
 ///
 /// # Errors
 ///
 /// If the world cannot be advanced to an instant of the frame, or if rendering is cancelled or stopped at a pause.
-pub(crate) fn trace<E: Encoding>(
+pub(crate) fn render<E: Encoding>(
     simulation: &mut Simulation,
     frame: &FrameInstants,
     request: RenderRequest<'_, E>,
-    sampler: &mut Sampler,
+    policy: Option<&SharedRoundPolicy>,
+    memory: &mut SampleMemory,
     report: &mut FrameReport,
 ) -> Result<RenderedImage<E::Pixel>, Interrupted> {
-    let RenderRequest { encoding, alpha, fingerprint, signals, on_pause, resume, .. } = request;
+    let (has_passes, cancelled) = (request.passes, request.signals.cancelled);
+    let mut image = match request.reference {
+        true => trace_reference(simulation, frame, &request, policy, report)?,
+        false => trace(simulation, frame, request, policy, memory, report)?,
+    };
+    if has_passes {
+        let start = Instant::now();
+        image.passes = Some(trace_passes(simulation, frame, cancelled)?);
+        report.trace += start.elapsed();
+    }
+    Ok(image)
+}
+
+/// Renders a frame by the fast path.
+fn trace<E: Encoding>(
+    simulation: &mut Simulation,
+    frame: &FrameInstants,
+    request: RenderRequest<'_, E>,
+    policy: Option<&SharedRoundPolicy>,
+    memory: &mut SampleMemory,
+    report: &mut FrameReport,
+) -> Result<RenderedImage<E::Pixel>, Interrupted> {
+    let RenderRequest { encoding, alpha, sample_counts, fingerprint, signals, on_pause, resume, .. } =
+        request;
     let (mut own_job, mut own_visit) = (None, |_: &RenderJob<E>| Continue(()));
     let job = resume.unwrap_or(&mut own_job);
     let on_pause = on_pause.unwrap_or(&mut own_visit);
-    let mut memory = std::mem::take(&mut sampler.memory);
     let mut start_job = |data: &Preparation| {
         let plan = frame.sample_plan(data, alpha);
-        RenderJob::encoded(encoding, data.camera().resolution(), plan, std::mem::take(&mut memory))
+        RenderJob::encoded(encoding, data.camera().resolution(), plan, std::mem::take(memory))
     };
     let mut hashed = fingerprint.then(|| HashedInstants::new(frame));
     let is_fresh = job.is_none();
@@ -87,7 +101,7 @@ pub(crate) fn trace<E: Encoding>(
         }
         let next = match job.is_round_done() {
             false => NextInstants::Continue,
-            true if job.next_round(sampler.policy.as_ref()) => NextInstants::Visit(job.instants()),
+            true if job.next_round(policy) => NextInstants::Visit(job.instants()),
             true => NextInstants::Stop,
         };
         traced += start.elapsed();
@@ -100,68 +114,56 @@ pub(crate) fn trace<E: Encoding>(
     report.rounds = job.rounds().to_vec();
     report.error = job.estimated_error();
     let start = Instant::now();
-    let (image, stats, memory) = job.finish();
+    let (mut image, stats, job_memory) = job.finish();
     report.trace += start.elapsed();
     (report.rays, report.ends, report.escalations) = (stats.rays, stats.ends, stats.escalations);
-    report.fingerprint = hashed.map(|hashed| match &sampler.policy {
+    report.fingerprint = hashed.map(|hashed| match policy {
         Some(_) => hashed.finish().with_rounds(&report.rounds),
         None => hashed.finish(),
     });
-    sampler.memory = memory;
+    *memory = job_memory;
+    image.sample_counts = sample_counts.then(|| memory.counts(image.film.size())).flatten();
     Ok(image)
 }
 
-/// Renders a frame by the reference path, which tests every ray against every shape. It is slow and single-threaded, and gives the same
-/// bits.
-///
-/// # Errors
-///
-/// If the world cannot be advanced to an instant of the frame.
-pub(crate) fn trace_reference(
+/// Renders a frame by the reference path.
+fn trace_reference<E: Encoding>(
     simulation: &mut Simulation,
     frame: &FrameInstants,
-    alpha: bool,
+    request: &RenderRequest<'_, E>,
     policy: Option<&SharedRoundPolicy>,
     report: &mut FrameReport,
-) -> Result<RenderedImage, Interrupted> {
+) -> Result<RenderedImage<E::Pixel>, Interrupted> {
+    let RenderRequest { encoding, alpha, sample_counts, signals: Signals { cancelled, .. }, .. } = *request;
     let mut sums = None;
     let start_sums =
         |data: &Preparation| ReferenceSums::new(data.camera().resolution(), frame.sample_plan(data, alpha));
     let (first, identifying) = (frame.first_instants(), frame.identifying_instants());
     let mut rest = first.len();
     if identifying != first {
-        simulation.visit(
-            frame,
-            identifying,
-            report,
-            Signals::none().cancelled,
-            |PreparedInstant { data, .. }| {
-                reference(frame, data).search(sums.get_or_insert_with(|| start_sums(data)));
-                NextInstants::Continue
-            },
-        )?;
+        simulation.visit(frame, identifying, report, cancelled, |PreparedInstant { data, .. }| {
+            reference(frame, data).search(sums.get_or_insert_with(|| start_sums(data)));
+            NextInstants::Continue
+        })?;
     }
-    simulation.visit(
-        frame,
-        first,
-        report,
-        Signals::none().cancelled,
-        |PreparedInstant { data, index, .. }| {
-            let sums = sums.get_or_insert_with(|| start_sums(data));
-            reference(frame, data).add(sums, index);
-            rest -= 1;
-            if rest > 0 {
-                return NextInstants::Continue;
-            }
-            if !sums.next_round(policy) {
-                return NextInstants::Stop;
-            }
-            let next = sums.instants();
-            rest = next.len();
-            NextInstants::Visit(next)
-        },
-    )?;
-    sums.map(|sums| sums.resolve()).ok_or(Interrupted::Cancelled)
+    simulation.visit(frame, first, report, cancelled, |PreparedInstant { data, index, .. }| {
+        let sums = sums.get_or_insert_with(|| start_sums(data));
+        reference(frame, data).add(sums, index);
+        rest -= 1;
+        if rest > 0 {
+            return NextInstants::Continue;
+        }
+        if !sums.next_round(policy) {
+            return NextInstants::Stop;
+        }
+        let next = sums.instants();
+        rest = next.len();
+        NextInstants::Visit(next)
+    })?;
+    let RenderedImage { film, alpha, sample_counts: counts, .. } =
+        sums.ok_or(Interrupted::Cancelled)?.resolve();
+    let sample_counts = counts.filter(|_| sample_counts);
+    Ok(RenderedImage { film: film.encoded(encoding), alpha, passes: None, sample_counts })
 }
 
 /// Returns the ray tree of sample `index` of the pixel in column `i` and row `j`, by the reference path. `None` outside the film, and for a
@@ -184,23 +186,18 @@ pub(crate) fn trace_sample(
     Ok(exists.then(|| reference(frame, &data).sample(i, j, index)).flatten())
 }
 
-/// Returns the first hit of the ray through the centre of each pixel, row by row from the top, at the frame's first instant. `None` if
-/// `cancelled` became true.
-///
-/// # Errors
-///
-/// If the world cannot be advanced to the instant.
-pub(crate) fn trace_passes(
+/// Returns the first hit of the ray through the centre of each pixel, row by row from the top, at the frame's first instant.
+fn trace_passes(
     simulation: &mut Simulation,
     frame: &FrameInstants,
     cancelled: &AtomicBool,
-) -> Result<Option<Vec<PassPixel>>, Interrupted> {
+) -> Result<Film<PassPixel>, Interrupted> {
     let mut passes = None;
     simulation.visit(frame, vec![0], &mut FrameReport::default(), cancelled, |instant| {
         passes = instant.data.scene().passes(instant.data.camera(), cancelled);
         NextInstants::Stop
     })?;
-    Ok(passes)
+    passes.ok_or(Interrupted::Cancelled)
 }
 
 /// Returns the reference renderer of an instant. It renders all effects that are enabled.
@@ -209,38 +206,30 @@ fn reference<'a>(frame: &FrameInstants, data: &'a Preparation) -> Reference<'a> 
     Reference::new(data.scene(), data.camera(), data.sampling(frame.time), effects)
 }
 
-/// Plans a frame without rendering it, and stores the plan in the report. Leaves the world at one of the frame's instants.
+/// Plans a frame without rendering it, and stores the plan and, if requested, the fingerprint in the report. Leaves the world at one of the
+/// frame's instants.
 ///
 /// # Errors
 ///
-/// If the world cannot be advanced to an instant of the frame.
-pub(crate) fn plan(
+/// If the world cannot be advanced to an instant of the frame, or if the request is cancelled.
+pub(crate) fn plan<E: Encoding>(
     simulation: &mut Simulation,
     frame: &FrameInstants,
-    report: &mut FrameReport,
-) -> Result<(), Interrupted> {
-    let never = Signals::none().cancelled;
-    simulation.visit(frame, frame.identifying_instants(), report, never, |_| NextInstants::Continue)
-}
-
-/// Returns the fingerprint of a frame without rendering it. Leaves the world at one of the frame's instants.
-///
-/// # Errors
-///
-/// If the world cannot be advanced to an instant of the frame.
-pub(crate) fn fingerprint(
-    simulation: &mut Simulation,
-    frame: &FrameInstants,
+    request: &RenderRequest<'_, E>,
     policy: Option<&SharedRoundPolicy>,
     report: &mut FrameReport,
-) -> Result<FrameFingerprint, Interrupted> {
-    let mut hashed = HashedInstants::new(frame);
-    simulation.visit(frame, frame.identifying_instants(), report, Signals::none().cancelled, |instant| {
-        hashed.note(instant);
+) -> Result<(), Interrupted> {
+    let mut hashed = request.fingerprint.then(|| HashedInstants::new(frame));
+    simulation.visit(frame, frame.identifying_instants(), report, request.signals.cancelled, |instant| {
+        if let Some(hashed) = &mut hashed {
+            hashed.note(instant);
+        }
         NextInstants::Continue
     })?;
-    let fingerprint = hashed.finish();
-    let Some(policy) = policy else { return Ok(fingerprint) };
-    // No round has a least gain of 0, so this fingerprint matches no image whose rounds depended on a clock.
-    Ok(fingerprint.with_rounds(round_policy::locked(policy).rounds().unwrap_or(&[0])))
+    report.fingerprint = hashed.map(|hashed| match policy {
+        // No round has a least gain of 0, so this fingerprint matches no image whose rounds depended on a clock.
+        Some(policy) => hashed.finish().with_rounds(round_policy::locked(policy).rounds().unwrap_or(&[0])),
+        None => hashed.finish(),
+    });
+    Ok(())
 }

@@ -11,7 +11,8 @@ use crate::trace::rays::{PreparedRay, RayView, ShapeId};
 use crate::trace::render::adaptive::{
     Adaptive, PacketSums, PixelMemory, SampleSums, SharedRoundPolicy, block,
 };
-use crate::trace::render::film::{self, Film, RenderedImage};
+use crate::trace::render::film::{self, Film};
+use crate::trace::render::image::RenderedImage;
 use crate::trace::render::job::SamplePlan;
 use crate::trace::render::visibility::{hidden_images, reference_features};
 use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedScene, SIDE};
@@ -318,16 +319,17 @@ impl ReferenceSums {
         }
     }
 
-    /// Returns the picture, with alpha if its plan asks for it.
+    /// Returns the picture and its sample counts, with alpha if its plan asks for it.
     #[must_use]
-    pub(crate) fn resolve(&self) -> RenderedImage {
+    pub(crate) fn resolve(self) -> RenderedImage {
         let ((columns, rows), has_alpha) = (self.resolution, self.plan.alpha);
         let light = |pixel: &PixelSum| pixel.mean(if has_alpha { pixel.covered } else { pixel.all });
         let share = |pixel: &PixelSum| film::alpha(pixel.covered_count.into(), f64::from(pixel.count.max(1)));
         let film = Film::from_pixels(columns, rows, self.pixels.iter().map(light));
         let alpha =
-            has_alpha.then(|| Film::from_numbers(columns, rows, self.pixels.iter().map(share).collect()));
-        RenderedImage { film, alpha }
+            has_alpha.then(|| Film::from_values(columns, rows, self.pixels.iter().map(share).collect()));
+        let sample_counts = self.adaptive.and_then(|adaptive| adaptive.into_memory().counts(self.resolution));
+        RenderedImage { film, alpha, passes: None, sample_counts }
     }
 }
 

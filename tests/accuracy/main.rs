@@ -19,13 +19,13 @@ fn moment() -> Time {
 
 /// Renders a picture with these settings: its alpha, as light, where that is what is hard.
 fn render(engine: &mut Engine, settings: RenderSettings, alpha: bool) -> Film {
-    engine.set_settings(settings);
+    engine.settings = settings;
     if !alpha {
-        return engine.render_at(moment()).unwrap();
+        return engine.render(moment()).unwrap().film;
     }
     let picture = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(moment()) });
-    let alpha = picture.unwrap().unwrap().alpha.unwrap();
-    let transfer = engine.film_settings().transfer;
+    let alpha = picture.unwrap().alpha.unwrap();
+    let transfer = engine.effective_settings().film.transfer;
     let light = |alpha: &f32| transfer.decode([255.0 * f64::from(*alpha); 3]);
     let pixels: Vec<Rgb> = alpha.pixels().iter().map(light).collect();
     Film::from_pixels(alpha.width(), alpha.height(), pixels.into_iter())
@@ -36,7 +36,7 @@ fn errors(engine: &mut Engine, alpha: bool, reference: &Film, target: f32) -> (f
     let settings =
         RenderSettings { samples: Some(65_536), max_error: Some(target), ..RenderSettings::default() };
     let film = render(engine, settings, alpha);
-    let found = FilmError::between(&film, reference, engine.film_settings().transfer).rms;
+    let found = FilmError::between(&film, reference, engine.effective_settings().film.transfer).rms;
     (found, engine.report().error.unwrap())
 }
 
@@ -100,7 +100,7 @@ fn frames_with_an_error_target_do_not_depend_on_other_frames() {
         let mut alone = engine(&scene);
         let mut after = engine(&scene);
         for frame in [0, 3, 7] {
-            after.set_settings(settings);
+            after.settings = settings;
             let _ = after.render_frame(frame).unwrap();
         }
         assert!(render(&mut alone, settings, false) == render(&mut after, settings, false), "{}", scene.name);

@@ -69,7 +69,7 @@ fn probe_colors_equal_rendered_pixels() {
             *film = FilmSettings { width: 48, height: 27, ..*film };
         }
         let time = engine.timeline().time_of(engine.timeline().frame_count() / 2);
-        let film = engine.render_at(time).unwrap();
+        let film = engine.render(time).unwrap().film;
         let means = means_of_samples(&mut engine, time, &film);
         for ((j, i), mean) in (0..27).flat_map(|j| (0..48).map(move |i| (j, i))).zip(means) {
             let bits = |color: rayreel::Rgb| color.to_array().map(f32::to_bits);
@@ -83,7 +83,7 @@ fn probe_colors_equal_rendered_pixels() {
 
 /// Returns the mean colour of every pixel's samples, row by row.
 fn means_of_samples(engine: &mut Engine, time: Time, film: &Film) -> Vec<rayreel::Rgb> {
-    let samples = engine.sampling().samples;
+    let samples = engine.effective_settings().sampling.samples;
     let mut sums = vec![DVec3::ZERO; film.pixels().len()];
     for sample in 0..samples {
         let pixels = (0..film.height()).flat_map(|j| (0..film.width()).map(move |i| (i, j)));

@@ -346,7 +346,7 @@ fn every_format_stores_the_same_light() {
     write_film(folder, 1.0, |film| film);
     let mut engine = rayreel::Engine::load(folder.join("film.ron")).unwrap();
     let film = engine.render_frame(1).unwrap();
-    let transfer = engine.film_settings().transfer;
+    let transfer = engine.effective_settings().film.transfer;
     for format in ["png16", "pfm", "exr", "hdr"] {
         render(folder, &["--format", format]);
         assert_eq!(verify(folder, &[])["whole"], true, "{format}");
@@ -385,9 +385,9 @@ fn frames_with_alpha_omit_the_background() {
     write_film(folder, 1.0, |film| film.replace("Scene(", "Scene(sampling: (samples: 4),"));
     let mut engine = rayreel::Engine::load(folder.join("film.ron")).unwrap();
     let time = engine.timeline().time_of(1);
-    let image = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) }).unwrap().unwrap();
+    let image = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) }).unwrap();
     let (light, alpha) = (image.film, image.alpha.unwrap());
-    let transfer = engine.film_settings().transfer;
+    let transfer = engine.effective_settings().film.transfer;
     let partly = alpha.pixels().iter().filter(|alpha| **alpha > 0.0 && **alpha < 1.0).count();
     assert!(partly > 5 && alpha.pixels().contains(&0.0) && alpha.pixels().contains(&1.0), "{partly}");
 

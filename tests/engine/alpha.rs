@@ -1,7 +1,5 @@
 //! Tests of pictures with alpha, against the reference path and against pictures with backgrounds.
 
-use std::sync::atomic::AtomicBool;
-
 use rayreel::components::{FilmSettings, Sampling};
 use rayreel::scene::Scene;
 use rayreel::trace::{RenderedImage, SimdLevel};
@@ -23,7 +21,7 @@ fn engine(scene: &str, samples: u32, max_error: f32) -> Engine {
 }
 
 fn render(engine: &mut Engine, time: Time) -> RenderedImage {
-    engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) }).unwrap().unwrap()
+    engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) }).unwrap()
 }
 
 #[test]
@@ -31,10 +29,12 @@ fn alpha_equals_the_reference_path() {
     for scene in ["first_light", "glass_marbles", "fairground", "foggy_avenue", "box_field"] {
         for (samples, max_error, full) in [(1, 0.0, true), (3, 0.0, false), (32, 2.0, false)] {
             let mut engine = engine(scene, samples, max_error);
-            engine.set_settings(RenderSettings { all_effects: full, ..engine.settings() });
+            engine.settings = RenderSettings { all_effects: full, ..engine.settings };
             let time = "0.7".parse().unwrap();
             let film = render(&mut engine, time);
-            let expected = engine.render_reference(time, true).unwrap();
+            let expected = engine
+                .render(RenderRequest { alpha: true, reference: true, ..RenderRequest::at(time) })
+                .unwrap();
             assert!(film == expected, "{scene}, {samples} samples, error {max_error}");
         }
     }
@@ -44,9 +44,9 @@ fn alpha_equals_the_reference_path() {
 fn covered_light_and_background_add_up_to_the_picture() {
     for (samples, max_error) in [(1, 0.0), (5, 0.0), (64, 1.0)] {
         let mut engine = engine("first_light", samples, max_error);
-        let picture = engine.render_at(Time::ZERO).unwrap();
+        let picture = engine.render(Time::ZERO).unwrap().film;
         let report = engine.report().clone();
-        let RenderedImage { film: light, alpha } = render(&mut engine, Time::ZERO);
+        let RenderedImage { film: light, alpha, .. } = render(&mut engine, Time::ZERO);
         let alpha = alpha.unwrap();
         if max_error == 0.0 {
             assert_eq!(engine.report().rays, report.rays);
@@ -106,8 +106,9 @@ fn hits_cover_the_background() {
     let scene = Scene::from_text("glass.ron", GLASS.to_owned()).unwrap_or_else(|error| panic!("{error}"));
     let mut glass = Engine::from_scene(scene);
     let alpha = render(&mut glass, Time::ZERO).alpha.unwrap();
-    let (passes, mut hits) = (glass.passes(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap(), 0);
-    for (alpha, pass) in alpha.pixels().iter().zip(passes) {
+    let request = RenderRequest { passes: true, ..RenderRequest::at(Time::ZERO) };
+    let (passes, mut hits) = (glass.render(request).unwrap().passes.unwrap(), 0);
+    for (alpha, pass) in alpha.pixels().iter().zip(passes.pixels()) {
         let is_hit = pass.id > 0;
         assert_eq!(*alpha, f32::from(u8::from(is_hit)));
         hits += u32::from(is_hit);
@@ -125,7 +126,7 @@ fn threads_and_instruction_sets_do_not_change_alpha() {
     }
     for (name, level) in SimdLevel::all() {
         let mut engine = engine("fairground", 16, 1.0);
-        engine.set_settings(RenderSettings { simd: Some(level), ..engine.settings() });
+        engine.settings = RenderSettings { simd: Some(level), ..engine.settings };
         assert!(render(&mut engine, time) == picture, "{name}");
     }
 }

@@ -131,7 +131,7 @@ const ROLLING: &str =
 
 fn alone(cameras: &str, name: &str, moment: Time) -> Film {
     let text = text(&format!("{cameras} shots: [(0, \"{name}\")],"), ROLLING);
-    Engine::from_scene(read(&text)).render_at(moment).unwrap()
+    Engine::from_scene(read(&text)).render(moment).unwrap().film
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn a_cut_belongs_to_the_frame_at_its_time_and_to_all_of_its_instants() {
             _ => "camera",
         };
         let moment = time(frame);
-        assert!(engine.render_at(moment).unwrap() == alone(CAMERAS, name, moment), "frame {frame}");
+        assert!(engine.render(moment).unwrap().film == alone(CAMERAS, name, moment), "frame {frame}");
         assert!(alone(CAMERAS, "top", moment) != alone(CAMERAS, "camera", moment), "frame {frame}");
         let blurs = engine.report().plan.as_ref().unwrap().needs(Effect::MotionBlur);
         assert_eq!(blurs, name != "side", "frame {frame}");
@@ -156,7 +156,8 @@ fn a_cut_belongs_to_the_frame_at_its_time_and_to_all_of_its_instants() {
 
 #[test]
 fn first_camera_renders_without_shots() {
-    let film = |cameras: &str| Engine::from_scene(read(&text(cameras, ROLLING))).render_at(time(4)).unwrap();
+    let film =
+        |cameras: &str| Engine::from_scene(read(&text(cameras, ROLLING))).render(time(4)).unwrap().film;
     assert!(film(CAMERAS) == alone(CAMERAS, "camera", time(4)));
     let more = CAMERAS.split_once('\n').unwrap().1;
     assert!(film(more) == alone(CAMERAS, "side", time(4)));

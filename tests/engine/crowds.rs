@@ -6,7 +6,7 @@ use rayreel::components::{
     Camera, FilmSettings, Light, LightKind, Material, Name, Quality, Reflective, Refractive, Sampling, Shape,
     Transform,
 };
-use rayreel::{Context, Engine, Entity, Ray, Rgb, Step, World};
+use rayreel::{Context, Engine, Entity, Ray, RenderRequest, Rgb, Step, World};
 
 use crate::splitmix::Random;
 
@@ -148,7 +148,11 @@ fn refits_do_not_change_films_or_hits() {
                 assert_eq!(hits(&along), hits(&alone), "frame {frame} of {seed}");
                 let moment = alone.timeline().time_of(frame);
                 assert!(
-                    alone.render_reference(moment, false).unwrap().film == film,
+                    alone
+                        .render(RenderRequest { reference: true, ..RenderRequest::at(moment) })
+                        .unwrap()
+                        .film
+                        == film,
                     "frame {frame} of {seed} by reference"
                 );
                 assert!(last.replace(film.clone()) != Some(film), "nothing moves: the test shows nothing");

@@ -7,7 +7,7 @@ use rayreel::components::{
     Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Property,
     Sampling, Shape, Transform, WorldTransform,
 };
-use rayreel::{Context, Engine, Entity, Film, Rgb, Step, Time, World};
+use rayreel::{Context, Engine, Entity, Film, RenderRequest, Rgb, Step, Time, World};
 
 const CLAY: Material = Material { k_a: 0.3, k_d: 0.7, color: Rgb::new(1.0, 0.5, 0.2), ambient_color: None };
 
@@ -29,7 +29,7 @@ fn at(seconds: u64) -> Time {
 
 /// Renders films at these tenths of a second on one engine.
 fn films(engine: &mut Engine, tenths: &[u64]) -> Vec<Film> {
-    tenths.iter().map(|tenth| engine.render_at(at(*tenth)).unwrap()).collect()
+    tenths.iter().map(|tenth| engine.render(at(*tenth)).unwrap().film).collect()
 }
 
 /// Checks that films are equal if rendered forwards, backwards, and each on a fresh engine.
@@ -38,7 +38,7 @@ fn assert_frames_are_pure(make: impl Fn() -> Engine) {
     let forwards = films(&mut make(), &moments);
     let mut backwards = films(&mut make(), &moments.iter().rev().copied().collect::<Vec<_>>());
     backwards.reverse();
-    let alone: Vec<Film> = moments.iter().map(|moment| make().render_at(at(*moment)).unwrap()).collect();
+    let alone: Vec<Film> = moments.iter().map(|moment| make().render(at(*moment)).unwrap().film).collect();
     // `assert_eq!` would print whole films.
     assert!(forwards == backwards, "backwards");
     assert!(forwards == alone, "alone");
@@ -331,6 +331,12 @@ fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
     assert_eq!(engine.render_frame(5).unwrap(), first);
     engine.render_frame(20).unwrap();
     assert_eq!(engine.render_frame(5).unwrap(), first);
-    assert_eq!(engine.render_reference(engine.timeline().time_of(5), false).unwrap().film, first);
+    assert_eq!(
+        engine
+            .render(RenderRequest { reference: true, ..RenderRequest::at(engine.timeline().time_of(5)) })
+            .unwrap()
+            .film,
+        first
+    );
     assert_eq!((first.width(), first.height()), (32, 18));
 }

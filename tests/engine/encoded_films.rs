@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayreel::color::Transfer;
 use rayreel::trace::Signals;
-use rayreel::{Engine, Film, RenderRequest, Scene, Time};
+use rayreel::{Engine, EngineError, Film, RenderRequest, Scene, Time};
 
 /// Returns a scene with these film and sampling settings, whose light ranges from none to more than a film can hold.
 fn engine(film: &str, sampling: &str) -> Engine {
@@ -50,9 +50,8 @@ fn encoded_films_equal_encoded_linear_films() {
                 for time in ["0", "0.5", "0.3"] {
                     let time: Time = time.parse().unwrap();
                     let [linear, encoded] = &mut engines;
-                    let linear = linear.render_at(time).unwrap();
-                    let encoded =
-                        encoded.render(RenderRequest::encoded(time, transfer)).unwrap().unwrap().film;
+                    let linear = linear.render(time).unwrap().film;
+                    let encoded = encoded.render(RenderRequest::encoded(time, transfer)).unwrap().film;
                     assert_eq!((encoded.width(), encoded.height()), (linear.width(), linear.height()));
                     let plain = bytes(&linear, transfer);
                     let ranges = plain.contains(&255) && plain.iter().any(|byte| (1..255).contains(byte));
@@ -69,11 +68,11 @@ fn encoded_films_equal_encoded_linear_films() {
 fn cancelled_frames_return_no_bytes() {
     let cancelled = AtomicBool::new(true);
     let mut engine = engine("width: 64, height: 48", "");
-    let transfer = engine.film_settings().transfer;
+    let transfer = engine.effective_settings().film.transfer;
     let request_all = || RenderRequest::encoded(Time::ZERO, transfer);
     let request = RenderRequest { signals: Signals::unless(&cancelled), ..request_all() };
-    assert!(engine.render(request).unwrap().is_none());
-    let film = engine.render_at(Time::ZERO).unwrap();
-    let encoded = engine.render(request_all()).unwrap().unwrap().film;
+    assert!(matches!(engine.render(request), Err(EngineError::Cancelled)));
+    let film = engine.render(Time::ZERO).unwrap().film;
+    let encoded = engine.render(request_all()).unwrap().film;
     assert!(encoded.bytes() == bytes(&film, transfer));
 }

@@ -241,7 +241,7 @@ fn every_channel_animates_the_world_and_the_picture() {
         let mut shown = Vec::new();
         // Going back updates only changed values.
         for time in [0, 2, 0, 1] {
-            let film = moving.render_at(seconds(time)).unwrap();
+            let film = moving.render(seconds(time)).unwrap().film;
             let value = value(moving.world(), owner, property).unwrap();
             assert_eq!(value.kind(), property.kind(), "{name}");
             shown.push((film, value));
@@ -252,7 +252,7 @@ fn every_channel_animates_the_world_and_the_picture() {
         assert!(shown[0] == shown[2], "{name}: there and back");
         for (index, text) in case.values.into_iter().enumerate() {
             let mut still = engine(&[(case.word, case.written.replace("{}", text))]);
-            let film = still.render_at(seconds(0)).unwrap();
+            let film = still.render(seconds(0)).unwrap().film;
             assert!(film == shown[index].0, "{name} of {text} is not what is written");
             assert_eq!(
                 value(still.world(), named(&still, case.owner), property),
@@ -270,7 +270,7 @@ fn every_channel_animates_during_the_shutter() {
         let case = case(property);
         let mut moving = moving(property, &case, "shutter: 0.5,");
         let mut verdict = |time| {
-            let plan = moving.plan_at(time).unwrap().unwrap();
+            let plan = moving.plan(time).unwrap().plan.clone().unwrap();
             plan.need(Effect::MotionBlur)
         };
         assert!(verdict(seconds(1)).is_needed(), "{}", property.name());
@@ -327,7 +327,7 @@ fn swinging_curves_stay_in_range() {
         engine.seek(seconds(1)).unwrap();
         let found = value(engine.world(), named(&engine, target), property);
         assert_eq!(found, Some(Value::Number(lowest)), "{name}");
-        engine.render_at(seconds(1)).unwrap();
+        engine.render(seconds(1)).unwrap();
     }
 }
 

@@ -16,7 +16,7 @@ use rayreel::components::{
     Shot, Shots, Specular, Transform, View, WorldTransform,
 };
 use rayreel::systems::{Consequence, FaultCause};
-use rayreel::{Context, Engine, Entity, Fault, Film, Ray, RenderSettings, Rgb, Time, World};
+use rayreel::{Context, Engine, Entity, Fault, Film, Ray, RenderRequest, RenderSettings, Rgb, Time, World};
 
 /// Generates any numbers, with a high share of problematic ones.
 fn number() -> impl Strategy<Value = f64> {
@@ -312,7 +312,7 @@ fn world(things: &[Thing], settings: &Settings) -> World {
 }
 
 fn check_film(engine: &Engine, film: &Film) -> TestCaseResult {
-    let size = engine.film_settings();
+    let size = engine.effective_settings().film;
     prop_assert!(film.width() > 0 && film.height() > 0);
     prop_assert_eq!((film.width(), film.height()), (size.width, size.height));
     for pixel in film.pixels() {
@@ -358,11 +358,11 @@ proptest! {
         later in prop::collection::vec((any::<prop::sample::Index>(), thing()), 0..4),
     ) {
         let mut engine = Engine::new(world(&things, &settings));
-        engine.set_settings(RenderSettings { all_effects: true, ..engine.settings() });
-        let film = engine.render_at(Time::ZERO).unwrap();
+        engine.settings = RenderSettings { all_effects: true, ..engine.settings };
+        let film = engine.render(Time::ZERO).unwrap().film;
         check_film(&engine, &film)?;
         check_faults(&engine)?;
-        let _ = engine.render_reference(Time::ZERO, false).unwrap().film;
+        engine.render(RenderRequest { reference: true, ..RenderRequest::at(Time::ZERO) }).unwrap();
         let _ = engine.cast(Ray { origin: DVec3::ZERO, direction: DVec3::ONE });
         let _ = engine.report().plan.as_ref();
 
@@ -393,7 +393,7 @@ proptest! {
             }
         });
         for seconds in ["0", "1", "0", "2"] {
-            let film = engine.render_at(seconds.parse().unwrap()).unwrap();
+            let film = engine.render(seconds.parse::<Time>().unwrap()).unwrap().film;
             check_film(&engine, &film)?;
             check_faults(&engine)?;
             // With an open shutter, rendering leaves the world at another time.

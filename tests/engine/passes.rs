@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use rayreel::components::{FilmSettings, Sampling};
-use rayreel::trace::PassPixel;
 use rayreel::trace::reference::RayEnd;
-use rayreel::{Engine, FrameReport, Scene, Time};
+use rayreel::trace::{PassPixel, Signals};
+use rayreel::{Engine, EngineError, RenderRequest, RenderedImage, Scene, Time};
 
 #[test]
 fn passes_equal_the_reference_path() {
@@ -18,18 +18,21 @@ fn passes_equal_the_reference_path() {
         for sampling in engine.world_mut().query_mut::<&mut Sampling>() {
             (sampling.samples, sampling.max_error) = (1, 0.0);
         }
-        let film = engine.render_at(Time::ZERO).unwrap();
+        let plain = engine.render(Time::ZERO).unwrap();
         let report = engine.report().clone();
-        assert_eq!(engine.passes(Time::ZERO, &AtomicBool::new(true)).unwrap(), None);
-        let passes = engine.passes(Time::ZERO, &AtomicBool::new(false)).unwrap().unwrap();
-        let repeated = engine.report().clone();
-        assert!(repeated.trace > report.trace);
+        let cancelled = AtomicBool::new(true);
+        let with_passes = || RenderRequest { passes: true, ..RenderRequest::at(Time::ZERO) };
+        let request = RenderRequest { signals: Signals::unless(&cancelled), ..with_passes() };
+        assert!(matches!(engine.render(request), Err(EngineError::Cancelled)));
+        let RenderedImage { film, passes, .. } = engine.render(with_passes()).unwrap();
+        let (passes, repeated) = (passes.unwrap(), engine.report().clone());
+        assert_eq!((&film, passes.pixels().len()), (&plain.film, film.pixels().len()));
         assert_eq!(
-            (passes.len(), &repeated),
-            (film.pixels().len(), &FrameReport { trace: repeated.trace, ..report })
+            (repeated.fingerprint, repeated.rays, repeated.plan),
+            (report.fingerprint, report.rays, report.plan)
         );
         let mut hits = 0;
-        for (index, pass) in (0..).zip(&passes) {
+        for (index, pass) in (0..).zip(passes.pixels()) {
             let tree = engine.probe(Time::ZERO, (index % 24, index / 24), 0).unwrap().unwrap();
             let traced = &tree.rays[0];
             match &traced.end {
@@ -58,7 +61,8 @@ fn passes(camera: &str, entities: &str) -> Vec<PassPixel> {
     );
     let mut engine = Engine::from_scene(Scene::from_text("passes.ron", text).unwrap());
     let time = engine.timeline().time_of(1);
-    engine.passes(time, &AtomicBool::new(false)).unwrap().unwrap()
+    let request = RenderRequest { passes: true, ..RenderRequest::at(time) };
+    engine.render(request).unwrap().passes.unwrap().pixels().to_vec()
 }
 
 /// Checks depth on screens 4 wide and 2 high, at a distance of 2 from the eye: pixels are 1 apart.

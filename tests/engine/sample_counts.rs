@@ -1,6 +1,6 @@
 //! Test of sample counts that differ between pixels.
 
-use rayreel::{Engine, RenderSettings, Scene, Time};
+use rayreel::{Engine, RenderRequest, RenderSettings, Scene, Time};
 
 const SCENE: &str = r#"Scene(
     film: (width: 50, height: 30),
@@ -16,9 +16,11 @@ const SCENE: &str = r#"Scene(
 #[test]
 fn samples_are_counted_per_pixel() {
     let mut engine = Engine::from_scene(Scene::from_text("balls.ron", SCENE.to_owned()).unwrap());
-    assert!(engine.sample_counts().is_empty());
-    let film = engine.render_at(Time::ZERO).unwrap();
-    let counts = engine.sample_counts();
+    let counted = || RenderRequest { sample_counts: true, ..RenderRequest::at(Time::ZERO) };
+    let reference = engine.render(RenderRequest { reference: true, ..counted() }).unwrap();
+    let image = engine.render(counted()).unwrap();
+    assert_eq!(reference, image);
+    let (film, counts) = (image.film, image.sample_counts.unwrap().pixels().to_vec());
     assert_eq!(counts.len(), 50 * 30);
     assert_eq!(counts.iter().map(|count| u64::from(*count)).sum::<u64>(), engine.report().rays.camera);
     // Pixels on the outline of the ball take the most samples.
@@ -28,7 +30,6 @@ fn samples_are_counted_per_pixel() {
             .map(|(right, down)| film.pixel((pixel % 50 + right).max(1) - 1, (pixel / 50 + down).max(1) - 1));
         assert!(around.iter().any(|color| *color != around[0]), "{pixel}: {count}");
     }
-    engine.set_settings(RenderSettings { max_error: Some(0.0), ..RenderSettings::default() });
-    engine.render_at(Time::ZERO).unwrap();
-    assert!(engine.sample_counts().is_empty());
+    engine.settings = RenderSettings { max_error: Some(0.0), ..RenderSettings::default() };
+    assert_eq!(engine.render(counted()).unwrap().sample_counts, None);
 }

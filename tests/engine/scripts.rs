@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use glam::{DQuat, DVec3};
 use rayreel::components::{Light, Material, Name, Order, Shape, Transform};
 use rayreel::trace::Signals;
-use rayreel::{Changes, Context, Engine, EngineError, RenderRequest, RenderedImage, Scene, Step};
+use rayreel::{Changes, Context, Engine, EngineError, RenderRequest, RenderedImage, Scene, Step, Time};
 
 use crate::named;
 use crate::spent::Spent;
@@ -137,18 +137,22 @@ fn assert_order_does_not_matter(text: &str) {
     let film = |moments: &[&str]| {
         let mut engine = engine(text);
         for moment in &moments[..moments.len() - 1] {
-            engine.render_at(moment.parse().unwrap()).unwrap();
+            engine.render(moment.parse::<Time>().unwrap()).unwrap();
         }
         engine.world_mut();
-        let again = moments[moments.len() - 1].parse().unwrap();
-        let film = engine.render_at(again).unwrap();
+        let again: Time = moments[moments.len() - 1].parse().unwrap();
+        let film = engine.render(again).unwrap().film;
         engine.world_mut();
-        assert_eq!(film, engine.render_at(again).unwrap(), "{text}: after an edit of nothing");
+        assert_eq!(film, engine.render(again).unwrap().film, "{text}: after an edit of nothing");
         film
     };
     let in_sequence = |moments: &[&str]| {
         let mut engine = engine(text);
-        moments.iter().map(|moment| engine.render_at(moment.parse().unwrap()).unwrap()).next_back().unwrap()
+        moments
+            .iter()
+            .map(|moment| engine.render(moment.parse::<Time>().unwrap()).unwrap().film)
+            .next_back()
+            .unwrap()
     };
     let alone = in_sequence(&["1.5"]);
     assert_eq!(alone, in_sequence(&["0", "0.5", "1.4", "3", "1.5"]), "{text}");
@@ -245,7 +249,7 @@ fn failed_step_changes_nothing() {
         });
         engine
     };
-    let at = |engine: &mut Engine, moment: &str| engine.render_at(moment.parse().unwrap());
+    let at = |engine: &mut Engine, moment: &str| engine.render(moment.parse::<Time>().unwrap());
     let mut engine = build();
     at(&mut engine, "0.05").unwrap();
     at(&mut engine, "0.65").unwrap_err();
@@ -284,7 +288,10 @@ fn slow_scripts(balls: usize) -> String {
 
 fn render_unless(engine: &mut Engine, time: &str, cancelled: &AtomicBool) -> Option<RenderedImage> {
     let signals = Signals::unless(cancelled);
-    engine.render(RenderRequest { signals, ..RenderRequest::at(time.parse().unwrap()) }).unwrap()
+    match engine.render(RenderRequest { signals, ..RenderRequest::at(time.parse().unwrap()) }) {
+        Err(EngineError::Cancelled) => None,
+        image => Some(image.unwrap()),
+    }
 }
 
 #[test]
@@ -310,11 +317,11 @@ fn a_frame_is_cancelled_while_its_scripts_run() {
 fn cancelled_frames_change_nothing() {
     let text = slow_scripts(3);
     let mut engine = engine(&text);
-    engine.render_at("1".parse().unwrap()).unwrap();
+    engine.render("1".parse::<Time>().unwrap()).unwrap();
     let cancelled = AtomicBool::new(true);
     assert!(render_unless(&mut engine, "2", &cancelled).is_none());
-    let film = engine.render_at("1.5".parse().unwrap()).unwrap();
-    assert_eq!(film, self::engine(&text).render_at("1.5".parse().unwrap()).unwrap());
+    let film = engine.render("1.5".parse::<Time>().unwrap()).unwrap().film;
+    assert_eq!(film, self::engine(&text).render("1.5".parse::<Time>().unwrap()).unwrap().film);
 }
 
 const LIVELY: &str = r#"

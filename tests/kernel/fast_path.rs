@@ -15,7 +15,7 @@ use rayreel::components::{
     Specular, Transform, View,
 };
 use rayreel::trace::SimdLevel;
-use rayreel::{Effect, Engine, Film, RenderSettings, Rgb, Time, World};
+use rayreel::{Effect, Engine, Film, RenderRequest, RenderSettings, Rgb, Time, World};
 
 /// Optional effects of a scene.
 #[derive(Clone, Copy, Debug)]
@@ -246,21 +246,21 @@ proptest! {
         omitted in prop::option::weighted(0.3, prop::sample::select(&Effect::ALL[..])),
     ) {
         let mut engine = Engine::new(world(effects, &things, &lights, eye, samples, cutoff));
-        engine.set_settings(RenderSettings { without: omitted.into_iter().collect(), ..engine.settings() });
-        let reference = engine.render_reference(Time::ZERO, false).unwrap().film;
-        let planned = engine.render_at(Time::ZERO).unwrap();
+        engine.settings = RenderSettings { without: omitted.into_iter().collect(), ..engine.settings };
+        let reference = engine.render(RenderRequest { reference: true, ..RenderRequest::at(Time::ZERO) }).unwrap().film;
+        let planned = engine.render(Time::ZERO).unwrap().film;
         assert_same(&planned, &reference)?;
         let rays = engine.report().rays;
         for (name, level) in SimdLevel::all() {
-            engine.set_settings(RenderSettings { simd: Some(level), ..engine.settings() });
+            engine.settings = RenderSettings { simd: Some(level), ..engine.settings };
             for pool in POOLS.iter() {
-                let film = pool.install(|| engine.render_at(Time::ZERO)).unwrap();
+                let film = pool.install(|| engine.render(Time::ZERO)).unwrap().film;
                 prop_assert!(film == planned, "{} threads, {name}", pool.current_num_threads());
                 prop_assert_eq!(engine.report().rays, rays);
             }
         }
-        engine.set_settings(RenderSettings { all_effects: true, ..engine.settings() });
-        let full = engine.render_at(Time::ZERO).unwrap();
+        engine.settings = RenderSettings { all_effects: true, ..engine.settings };
+        let full = engine.render(Time::ZERO).unwrap().film;
         assert_same(&full, &reference)?;
     }
 }
@@ -280,17 +280,17 @@ proptest! {
         error in prop_oneof![Just(0.3f32), Just(2.0), Just(8.0)],
     ) {
         let mut engine = Engine::new(world(effects, &things, &lights, eye, if has_lens { 3 } else { 2 }, 0.25));
-        engine.set_settings(RenderSettings { samples: Some(samples), max_error: Some(error), ..RenderSettings::default() });
-        let reference = engine.render_reference(Time::ZERO, false).unwrap().film;
-        let planned = engine.render_at(Time::ZERO).unwrap();
+        engine.settings = RenderSettings { samples: Some(samples), max_error: Some(error), ..RenderSettings::default() };
+        let reference = engine.render(RenderRequest { reference: true, ..RenderRequest::at(Time::ZERO) }).unwrap().film;
+        let planned = engine.render(Time::ZERO).unwrap().film;
         assert_same(&planned, &reference)?;
         let report = engine.report().clone();
         prop_assert!(report.error.is_some());
         prop_assert!(report.rays.camera >= 32 * 18);
         for (name, level) in SimdLevel::all() {
-            engine.set_settings(RenderSettings { simd: Some(level), ..engine.settings() });
+            engine.settings = RenderSettings { simd: Some(level), ..engine.settings };
             for pool in POOLS.iter() {
-                let film = pool.install(|| engine.render_at(Time::ZERO)).unwrap();
+                let film = pool.install(|| engine.render(Time::ZERO)).unwrap().film;
                 prop_assert!(film == planned, "{} threads, {name}", pool.current_num_threads());
                 prop_assert_eq!(engine.report().rays, report.rays);
                 prop_assert_eq!(engine.report().error, report.error);

@@ -30,7 +30,7 @@ use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Light, LightKind, Material, Quality, Reflective, Shape,
     Transform, View,
 };
-use rayreel::{Engine, Film, Rgb, Scene, Time, World, trace};
+use rayreel::{Engine, Film, RenderRequest, Rgb, Scene, Time, World, trace};
 
 use crate::engine;
 
@@ -416,8 +416,15 @@ fn paths_agree_on_maps_that_lose_all_digits() {
                 shape: {shape}, material: "m", transform: (rotation: AxisAngle((1.7201252341157094, -1.8373047611384268, 0), 1.5969372108396579e56)))])"#
             );
             let mut engine = engine(&text);
-            let fast = engine.render_at(Time::ZERO).unwrap();
-            assert!(engine.render_reference(Time::ZERO, false).unwrap().film == fast, "{ratio} {shape}");
+            let fast = engine.render(Time::ZERO).unwrap().film;
+            assert!(
+                engine
+                    .render(RenderRequest { reference: true, ..RenderRequest::at(Time::ZERO) })
+                    .unwrap()
+                    .film
+                    == fast,
+                "{ratio} {shape}"
+            );
         }
     }
 }
@@ -598,7 +605,7 @@ fn heap_of_spheres(radii: impl Iterator<Item = f64>) -> Film {
     let film = FilmSettings { width: 5, height: 3, ..FilmSettings::default() };
     world.spawn((film, Ambient(Rgb::ONE), BLUE, Quality { depth: 3, ..Quality::default() }));
     let mut engine = Engine::new(world);
-    let film = engine.render_at(Time::ZERO).unwrap();
+    let film = engine.render(Time::ZERO).unwrap().film;
     assert!(!is_blank(&film));
     film
 }

@@ -13,7 +13,7 @@ use rayreel::components::{
     Sampling, Shape, Transform, View,
 };
 use rayreel::trace::Signals;
-use rayreel::{Engine, Film, RenderRequest, RenderSettings, Rgb, Time, World};
+use rayreel::{Engine, EngineError, Film, RenderRequest, RenderSettings, Rgb, Time, World};
 
 /// The material of one shape of a heap, which may also be a lamp.
 #[derive(Clone, Debug)]
@@ -105,7 +105,7 @@ fn world(heaps: &[Heap], eye: DVec3, samples: u32) -> World {
 }
 
 fn first_frame(engine: &mut Engine) -> Film {
-    engine.render_at(Time::ZERO).unwrap()
+    engine.render(Time::ZERO).unwrap().film
 }
 
 proptest! {
@@ -128,9 +128,9 @@ proptest! {
         samples in prop_oneof![3 => Just(1u32), 1 => Just(2)],
     ) {
         let mut engine = Engine::new(world(&heaps, eye, samples));
-        let reference = engine.render_reference(Time::ZERO, false).unwrap().film;
+        let reference = engine.render(RenderRequest { reference: true, ..RenderRequest::at(Time::ZERO) }).unwrap().film;
         prop_assert!(first_frame(&mut engine) == reference, "planned");
-        engine.set_settings(RenderSettings { all_effects: true, ..engine.settings() });
+        engine.settings = RenderSettings { all_effects: true, ..engine.settings };
         prop_assert!(first_frame(&mut engine) == reference, "full");
     }
 
@@ -147,8 +147,8 @@ proptest! {
         let eye = DVec3::new(0.5, 1.0, -5.0);
         let (mut all, mut first) = (Engine::new(world(&heaps, eye, 1)), Engine::new(world(&firsts, eye, 1)));
         // A plan detects that a single plane casts no shadow, but does not detect coincident planes.
-        all.set_settings(RenderSettings { all_effects: true, ..all.settings() });
-        first.set_settings(RenderSettings { all_effects: true, ..first.settings() });
+        all.settings = RenderSettings { all_effects: true, ..all.settings };
+        first.settings = RenderSettings { all_effects: true, ..first.settings };
         prop_assert!(first_frame(&mut all) == first_frame(&mut first));
         prop_assert_eq!(all.report().escalations, first.report().escalations);
         prop_assert_eq!(all.report().rays, first.report().rays);
@@ -215,13 +215,13 @@ fn a_picture_can_be_cancelled_within_a_pixel() {
             let signals = Signals::unless(&cancelled);
             let image =
                 own.install(|| engine.render(RenderRequest { signals, ..RenderRequest::at(Time::ZERO) }));
-            (image.unwrap(), Instant::now())
+            (image, Instant::now())
         });
         thread::sleep(Duration::from_millis(300));
         let asked = Instant::now();
         cancelled.store(true, Ordering::Relaxed);
         let (image, ended) = rendering.join().unwrap();
-        assert!(image.is_none(), "the picture took less than it should");
+        assert!(matches!(image, Err(EngineError::Cancelled)), "the picture took less than it should");
         let took = ended.saturating_duration_since(asked);
         // An idle machine takes a fifth of a second.
         assert!(took < Duration::from_secs(2), "{took:?}");

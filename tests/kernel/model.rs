@@ -13,7 +13,7 @@ fn engine(body: &str) -> Engine {
 fn pixel(body: &str) -> [u8; 3] {
     let mut engine = engine(&format!("film: (width: 1, height: 1, transfer: Classic), {body}"));
     let film = engine.render_frame(0).unwrap();
-    engine.film_settings().transfer.encode(film.pixel(0, 0))
+    engine.effective_settings().film.transfer.encode(film.pixel(0, 0))
 }
 
 /// Renders one shape at the origin with a camera at (0, 0, -5) that looks along z.
@@ -50,7 +50,7 @@ fn file_colours_round_trip_in_both_transfers() {
         ));
         let film = engine.render_frame(0).unwrap();
         assert_eq!(
-            engine.film_settings().transfer.encode(film.pixel(0, 0)),
+            engine.effective_settings().film.transfer.encode(film.pixel(0, 0)),
             [0x0d, 0x80, 0xf3],
             "{transfer}"
         );

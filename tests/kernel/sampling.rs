@@ -10,7 +10,7 @@ use rayreel::components::{
     Ambient, Background, Camera, FilmSettings, Lens, Material, Noise, Projection, Sampling, Shape, Transform,
     View,
 };
-use rayreel::{Engine, Entity, Film, RenderSettings, Rgb, Time, World};
+use rayreel::{Engine, Entity, Film, RenderRequest, RenderSettings, Rgb, Time, World};
 
 const SIDE: u32 = 48;
 
@@ -53,7 +53,7 @@ fn set_lens(engine: &mut Engine, aperture: f64, focus: f64) {
 
 fn render(engine: &mut Engine, samples: u32) -> Film {
     set(engine, sampling(samples));
-    engine.render_at(Time::ZERO).unwrap()
+    engine.render(Time::ZERO).unwrap().film
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "films are f32")]
@@ -145,7 +145,7 @@ fn reference_uncertainty_covers_the_closed_form() {
         let films: Vec<Film> = (1..=4)
             .map(|seed| {
                 set(&mut engine, Sampling { seed, ..sampling(samples) });
-                engine.render_at(Time::ZERO).unwrap()
+                engine.render(Time::ZERO).unwrap().film
             })
             .collect();
         let reference = ReferenceImage::mean(&films, Transfer::Classic);
@@ -161,7 +161,7 @@ fn adaptive_pictures_meet_their_target_against_the_closed_form() {
     let mut rays = 0;
     for max_error in [4.0, 1.0, 0.25, 0.06] {
         set(&mut engine, Sampling { max_error, ..sampling(65_536) });
-        let film = engine.render_at(Time::ZERO).unwrap();
+        let film = engine.render(Time::ZERO).unwrap().film;
         let error = FilmError::between(&film, &truth, Transfer::Srgb);
         assert!(error.rms <= 1.05 * f64::from(max_error), "{max_error}: {error:?}");
         assert!(engine.report().error.unwrap().value <= f64::from(max_error));
@@ -209,7 +209,7 @@ fn a_measurement_finds_the_order_of_convergence() {
         "{shares:?}"
     );
     // It is left as it was.
-    assert_eq!(engine.settings(), RenderSettings::default());
+    assert_eq!(engine.settings, RenderSettings::default());
     assert_eq!(
         measure(&mut engine, &request, &AtomicBool::new(true), &mut Counting::default()).unwrap().map(|_| ()),
         None
@@ -236,10 +236,13 @@ fn samples_cast_camera_rays_and_all_paths_agree() {
         let film = render(&mut engine, samples);
         assert_eq!(engine.report().rays.camera, u64::from(SIDE * SIDE * samples));
         assert_eq!(film == single, samples == 1);
-        assert_eq!(engine.render_reference(Time::ZERO, false).unwrap().film, film);
+        assert_eq!(
+            engine.render(RenderRequest { reference: true, ..RenderRequest::at(Time::ZERO) }).unwrap().film,
+            film
+        );
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            assert_eq!(pool.install(|| engine.render_at(Time::ZERO).unwrap()), film);
+            assert_eq!(pool.install(|| engine.render(Time::ZERO).unwrap().film), film);
         }
     }
 }
@@ -247,7 +250,7 @@ fn samples_cast_camera_rays_and_all_paths_agree() {
 #[test]
 fn pixels_are_the_mean_of_probed_samples() {
     let (mut engine, _) = engine(Shape::Sphere { radius: 1.0 }, DVec3::new(0.1, 0.2, 3.0), sampling(6));
-    let film = engine.render_at(Time::ZERO).unwrap();
+    let film = engine.render(Time::ZERO).unwrap().film;
     for (i, j) in [(0, 0), (9, 24), (24, 24), (40, 17)] {
         let mut sample = |index| engine.probe(Time::ZERO, (i, j), index).unwrap();
         let sum: f64 = (0..6).map(|index| f64::from(sample(index).unwrap().color().x)).sum();
@@ -260,19 +263,19 @@ fn pixels_are_the_mean_of_probed_samples() {
 fn noise_is_fixed_or_a_function_of_the_moment_and_the_seed() {
     let moment = |numerator, denominator| Time::from_ratio(numerator, denominator).unwrap();
     let (mut engine, _) = engine(Shape::Sphere { radius: 1.0 }, DVec3::new(0.1, 0.2, 3.0), sampling(4));
-    let start = engine.render_at(Time::ZERO).unwrap();
-    assert_eq!(engine.render_at(moment(1, 24)).unwrap(), start);
+    let start = engine.render(Time::ZERO).unwrap().film;
+    assert_eq!(engine.render(moment(1, 24)).unwrap().film, start);
 
     set(&mut engine, Sampling { seed: 1, ..sampling(4) });
-    assert_ne!(engine.render_at(Time::ZERO).unwrap(), start);
+    assert_ne!(engine.render(Time::ZERO).unwrap().film, start);
 
     set(&mut engine, Sampling { noise: Noise::PerFrame, ..sampling(4) });
-    let start = engine.render_at(Time::ZERO).unwrap();
-    let later = engine.render_at(moment(1, 2)).unwrap();
+    let start = engine.render(Time::ZERO).unwrap().film;
+    let later = engine.render(moment(1, 2)).unwrap().film;
     assert_ne!(later, start);
     assert_eq!(engine.render_frame(12).unwrap(), later);
-    assert_eq!(engine.render_at(moment(10, 20)).unwrap(), later);
-    assert_eq!(engine.render_at(Time::ZERO).unwrap(), start);
+    assert_eq!(engine.render(moment(10, 20)).unwrap().film, later);
+    assert_eq!(engine.render(Time::ZERO).unwrap().film, start);
     set(&mut engine, Sampling { noise: Noise::PerFrame, seed: 1, ..sampling(4) });
     assert_ne!(engine.render_frame(12).unwrap(), later);
     // A single sample is in the centre, without noise.
@@ -353,5 +356,8 @@ fn zero_aperture_and_single_samples_equal_a_pinhole() {
     assert_eq!(render(&mut engine, 1), single);
     let blurred = render(&mut engine, 4);
     assert_ne!(blurred, several);
-    assert_eq!(engine.render_reference(Time::ZERO, false).unwrap().film, blurred);
+    assert_eq!(
+        engine.render(RenderRequest { reference: true, ..RenderRequest::at(Time::ZERO) }).unwrap().film,
+        blurred
+    );
 }

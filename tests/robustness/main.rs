@@ -37,7 +37,7 @@ use large_scenes::large_scenes;
 use parts::parts;
 use rayreel::components::FilmSettings;
 use rayreel::scene::LoadError;
-use rayreel::{Engine, EngineError, Film, Scene, Time};
+use rayreel::{Engine, EngineError, Film, RenderRequest, RenderedImage, Scene, Time};
 
 /// Returns the scene if it is valid. An error must have a position, except for an empty file.
 fn good(read: Result<Scene, LoadError>) -> Result<Option<Scene>, TestCaseError> {
@@ -86,9 +86,9 @@ fn check_film(film: &Film) -> TestCaseResult {
 }
 
 /// Returns the film, or `None` if a script fails at this time. The error must have a position.
-fn film(rendered: Result<Film, EngineError>) -> Result<Option<Film>, TestCaseError> {
+fn film(rendered: Result<RenderedImage, EngineError>) -> Result<Option<Film>, TestCaseError> {
     match rendered {
-        Ok(film) => check_film(&film).map(|()| Some(film)),
+        Ok(image) => check_film(&image.film).map(|()| Some(image.film)),
         Err(EngineError::Script(mistake)) => {
             prop_assert!(mistake.to_string().starts_with("error: "));
             prop_assert!(mistake.position().is_some(), "no position: {}", mistake);
@@ -103,7 +103,7 @@ fn check_files(folder: &Path, frame: u32) -> TestCaseResult {
     if let Some(scene) = good(Scene::load(&folder.join(SCENE)))? {
         let (mut engine, times) = small(scene, frame);
         for time in times {
-            film(engine.render_at(time))?;
+            film(engine.render(time))?;
         }
     }
     Ok(())
@@ -145,17 +145,18 @@ fn random_scenes_do_not_panic() {
             return Ok(());
         };
         let (mut engine, [first, later]) = small(scene, frame);
-        film(engine.render_at(first))?;
-        let Some(film) = film(engine.render_at(later))? else {
+        film(engine.render(first))?;
+        let Some(film) = film(engine.render(later))? else {
             return Ok(());
         };
         prop_assert!(
-            engine.render_reference(later, false).unwrap().film == film,
+            engine.render(RenderRequest { reference: true, ..RenderRequest::at(later) }).unwrap().film
+                == film,
             "the paths differ in\n{}",
             text
         );
         let (mut other, _) = small(read(&text)?.unwrap(), frame);
-        prop_assert!(other.render_at(later).unwrap() == film, "frame {} alone differs in\n{}", frame, text);
+        prop_assert!(other.render(later).unwrap().film == film, "frame {} alone differs in\n{}", frame, text);
         Ok(())
     });
 }

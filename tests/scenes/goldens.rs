@@ -18,7 +18,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use rayreel::components::FilmSettings;
 use rayreel::output::{FoundFrame, FrameFormat, FrameWriter, encode};
 use rayreel::trace::SimdLevel;
-use rayreel::{Engine, Film, RenderSettings};
+use rayreel::{Engine, Film, RenderRequest, RenderSettings};
 
 use crate::{root, scenes_in};
 
@@ -48,7 +48,7 @@ fn frames(engine: &Engine) -> [u32; 3] {
 }
 
 fn picture(engine: &Engine, film: &Film) -> RgbImage {
-    let bytes = encode(film, engine.film_settings().transfer, FrameFormat::default()).unwrap();
+    let bytes = encode(film, engine.effective_settings().film.transfer, FrameFormat::default()).unwrap();
     image::load_from_memory(&bytes).unwrap().to_rgb8()
 }
 
@@ -104,7 +104,8 @@ fn mismatches(name: &str, mut engine: Engine, frames: &[u32]) -> Vec<String> {
         let is_same =
             matches!(found, FoundFrame::Complete { provenance, .. } if provenance.frame == fingerprint);
         if bless && !is_same {
-            let (writer, film) = (FrameWriter::start(), film.encoded(engine.film_settings().transfer));
+            let (writer, film) =
+                (FrameWriter::start(), film.encoded(engine.effective_settings().film.transfer));
             writer.submit(0, golden.clone(), film, FrameFormat::default(), Some(fingerprint));
             assert!(writer.finish().into_iter().all(|written| written.result.is_ok()));
         } else if is_same && image::open(&golden).unwrap().to_rgb8() != actual {
@@ -154,7 +155,7 @@ fn goldens_do_not_depend_on_threads_or_instruction_sets() {
         let mut engine = load(&path, (150, 85));
         let last = frames(&engine)[2];
         let mut render = |pool: &ThreadPool, level| {
-            engine.set_settings(RenderSettings { simd: Some(level), ..engine.settings() });
+            engine.settings = RenderSettings { simd: Some(level), ..engine.settings };
             let film = pool.install(|| engine.render_frame(last).unwrap());
             (film, engine.report().rays)
         };
@@ -174,8 +175,9 @@ fn reference_path_matches_the_goldens() {
         let mut engine = load(&path, (80, 45));
         for frame in frames(&engine) {
             let time = engine.timeline().time_of(frame);
-            let fast = engine.render_at(time).unwrap();
-            let reference = engine.render_reference(time, false).unwrap().film;
+            let fast = engine.render(time).unwrap().film;
+            let reference =
+                engine.render(RenderRequest { reference: true, ..RenderRequest::at(time) }).unwrap().film;
             assert!(fast == reference, "{} frame {frame}", path.display());
         }
     }

@@ -405,8 +405,8 @@ fn integers_are_accepted_in_any_notation() {
     let other = other.replace("100", "1e2");
     let read = |text: &str| Engine::from_scene(Scene::from_text("whole.ron", text.to_owned()).unwrap());
     let (plain, other) = (read(plain), read(&other));
-    assert_eq!(plain.film_settings(), other.film_settings());
-    assert_eq!(plain.sampling(), other.sampling());
+    assert_eq!(plain.effective_settings().film, other.effective_settings().film);
+    assert_eq!(plain.effective_settings().sampling, other.effective_settings().sampling);
     assert_eq!(plain.timeline(), other.timeline());
     let refused = |number: &str| {
         let text = format!("(camera: (position: (0, 0, -5), target: (0, 0, 0)), sampling: (seed: {number}))");

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 
 use rayreel::components::FilmSettings;
 use rayreel::trace::Signals;
-use rayreel::{Effect, Engine, Film, RenderRequest, RenderSettings, Rgb, Scene, Time};
+use rayreel::{Effect, Engine, EngineError, Film, RenderRequest, RenderSettings, Rgb, Scene, Time};
 
 use crate::session::scene;
 
@@ -20,7 +20,10 @@ fn sized(divisor: u32) -> RenderSettings {
 fn render(engine: &mut Engine, time: Time, settings: RenderSettings, cancelled: &AtomicBool) -> Option<Film> {
     let signals = Signals::unless(cancelled);
     let request = RenderRequest { settings: Some(settings), signals, ..RenderRequest::at(time) };
-    engine.render(request).unwrap().map(|image| image.film)
+    match engine.render(request) {
+        Err(EngineError::Cancelled) => None,
+        image => Some(image.unwrap().film),
+    }
 }
 
 #[test]
@@ -29,13 +32,13 @@ fn draft_has_one_sample_and_keeps_the_frame() {
     let never = AtomicBool::new(false);
     let (mut plain, mut sampled) = (engine(scene(1.0, "")), engine(sampled));
     let time = plain.timeline().time_of(3);
-    let (one, four) = (plain.render_at(time).unwrap(), sampled.render_at(time).unwrap());
+    let (one, four) = (plain.render(time).unwrap().film, sampled.render(time).unwrap().film);
     assert!(one != four);
     assert!(render(&mut sampled, time, sized(1), &never).unwrap() == one);
     let coarse = render(&mut sampled, time, sized(5), &never).unwrap();
     assert_eq!((coarse.width(), coarse.height()), (12, 7));
     assert_eq!(sampled.report().rays.camera, 84);
-    assert!(sampled.render_at(time).unwrap() == four);
+    assert!(sampled.render(time).unwrap().film == four);
     let cancelled = AtomicBool::new(true);
     assert_eq!(render(&mut sampled, time, sized(1), &cancelled), None);
 }
@@ -58,7 +61,7 @@ fn rich(samples: u32, instants: u32) -> String {
 fn cheaper_drafts_trace_fewer_rays_and_keep_the_scene() {
     let mut engine = engine(rich(4, 2));
     let (time, never) = (engine.timeline().time_of(3), AtomicBool::new(false));
-    let full = engine.render_at(time).unwrap();
+    let full = engine.render(time).unwrap().film;
     let plain = RenderSettings { max_light_samples: Some(1), depth: Some(2), ..sized(1) };
     let bare = RenderSettings { without: [Effect::Shadows].into(), depth: Some(1), ..plain };
     let mut last = u64::MAX;
@@ -70,7 +73,7 @@ fn cheaper_drafts_trace_fewer_rays_and_keep_the_scene() {
         assert!(draft.without.is_empty() || (rays.shadow, rays.refraction) == (0, 0), "{draft:?}");
         last = rays.total();
         // A normal render afterwards shows the full scene.
-        assert_eq!(engine.render_at(time).unwrap(), full);
+        assert_eq!(engine.render(time).unwrap().film, full);
     }
     assert_eq!(last, 1);
 }
@@ -81,7 +84,7 @@ fn resumed_picture_equals_an_uninterrupted_one() {
     for (samples, instants) in [(1, 1), (3, 1), (4, 4), (5, 2)] {
         let mut engine = engine(rich(samples, instants));
         let time = engine.timeline().time_of(3);
-        let once = engine.render_at(time).unwrap();
+        let once = engine.render(time).unwrap().film;
         let report = engine.report().clone();
         for rest in 1..6 {
             let (mut begun, mut pieces, mut shares) = (None, 0, vec![0.0]);
@@ -102,8 +105,9 @@ fn resumed_picture_equals_an_uninterrupted_one() {
                     ..RenderRequest::at(time)
                 });
                 pieces += 1;
-                if let Some(image) = image.unwrap() {
-                    break image.film;
+                match image {
+                    Err(EngineError::Cancelled) => {}
+                    image => break image.unwrap().film,
                 }
                 shares.extend(begun.as_ref().and_then(|begun| begun.progress().share));
             };
@@ -122,7 +126,7 @@ fn resumed_picture_equals_an_uninterrupted_one() {
 fn unfinished_picture_is_resolved_over_another() {
     let mut engine = engine(rich(2, 1));
     let time = engine.timeline().time_of(0);
-    let full = engine.render_at(time).unwrap();
+    let full = engine.render(time).unwrap().film;
     let beneath = Film::from_pixels(2, 1, [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)].into_iter());
     let (never, mut seen) = (AtomicBool::new(false), Vec::new());
     // Five tile samples at a time, of twice as many as there are tiles. Whichever threads take them, the first portion leaves most tiles
@@ -137,7 +141,7 @@ fn unfinished_picture_is_resolved_over_another() {
         Continue(())
     };
     let request = RenderRequest { signals, on_pause: Some(&mut visit), ..RenderRequest::at(time) };
-    assert!(engine.render(request).unwrap().unwrap().film == full);
+    assert!(engine.render(request).unwrap().film == full);
     let finished = |film: &Film| {
         (0..36)
             .flat_map(|j| (0..64).map(move |i| (i, j)))

@@ -18,7 +18,7 @@ use rayreel::accuracy::{OutputValues, Preset, Report, Request, measure};
 use rayreel::components::FilmSettings;
 use rayreel::time::FrameList;
 use rayreel::trace::Signals;
-use rayreel::{Engine, RenderRequest, RenderSettings};
+use rayreel::{EffectiveSettings, Engine, EngineError, Film, RenderRequest, RenderSettings};
 
 use super::args::AccuracyArguments;
 use super::exit::Failure;
@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     }
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
     let (frames, spread_over) = frames(arguments, &engine)?;
-    engine.set_settings(RenderSettings { size: arguments.size, ..engine.settings() });
+    engine.settings = RenderSettings { size: arguments.size, ..engine.settings };
     let mut progress = MeasureProgress::start();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, usize::from))
@@ -70,11 +70,11 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     let report = pool.install(|| measure(&mut engine, &request, cancelled, &mut progress));
     if let (Some(file), Ok(Some(_))) = (&arguments.sample_map, &report) {
         let signals = Signals::unless(cancelled);
-        let image = pool.install(|| engine.render(RenderRequest { signals, ..RenderRequest::at(first) }));
-        if image?.is_none() {
-            return Err(interruption.failure());
+        let request = || RenderRequest { sample_counts: true, signals, ..RenderRequest::at(first) };
+        match pool.install(|| engine.render(request())) {
+            Err(EngineError::Cancelled) => return Err(interruption.failure()),
+            image => write_file(file, &sample_map(&engine, image?.sample_counts)?)?,
         }
-        write_file(file, &sample_map(&engine)?)?;
     }
     drop(progress);
     let Some(report) = report? else {
@@ -95,12 +95,12 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
     print(&measured, arguments, &engine)
 }
 
-/// Returns a PNG heat map of the samples per pixel of the last picture, on a logarithmic scale.
-fn sample_map(engine: &Engine) -> anyhow::Result<Vec<u8>> {
-    let FilmSettings { width, height, .. } = engine.film_settings();
-    let mut counts = engine.sample_counts();
-    let everywhere = engine.sampling().samples;
-    counts.resize(width as usize * height as usize, everywhere);
+/// Returns a PNG heat map of a picture's samples per pixel, on a logarithmic scale.
+fn sample_map(engine: &Engine, counts: Option<Film<u32>>) -> anyhow::Result<Vec<u8>> {
+    let EffectiveSettings { film: FilmSettings { width, height, .. }, sampling, .. } =
+        engine.effective_settings();
+    let everywhere = || vec![sampling.samples; width as usize * height as usize];
+    let counts = counts.map_or_else(everywhere, |counts| counts.pixels().to_vec());
     let powers: Vec<f64> =
         counts.into_iter().map(|count| 1.0 + libm::log2(f64::from(count.max(1)))).collect();
     heat_map((width, height), &powers)
@@ -120,14 +120,14 @@ fn frames(arguments: &AccuracyArguments, engine: &Engine) -> anyhow::Result<(Vec
 
 fn print(measured: &Measured, arguments: &AccuracyArguments, engine: &Engine) -> Result<(), Failure> {
     if let Some(file) = &arguments.html {
-        let page = html::page(measured, engine.film_settings().transfer)?;
+        let page = html::page(measured, engine.effective_settings().film.transfer)?;
         write_file(file, page.as_bytes())?;
     }
     if let Some(file) = &arguments.csv {
         write_file(file, &data::csv(measured)?)?;
     }
     if let (Some(file), Some(film)) = (&arguments.error_map, &measured.report.own().film) {
-        let transfer = engine.film_settings().transfer;
+        let transfer = engine.effective_settings().film.transfer;
         let [own, reference] =
             [film, &measured.report.reference.film].map(|film| OutputValues::of_film(film, transfer));
         write_file(file, &heat_map(own.size(), &own.differences(&reference))?)?;

@@ -69,7 +69,7 @@ impl Costs {
                     cost.rays = (full.rays - part.rays) / count;
                     let instructions = full.instructions.zip(part.instructions);
                     cost.instructions = instructions.map(|(full, part)| (full - part) / count);
-                    let transfer = engine.film_settings().transfer;
+                    let transfer = engine.effective_settings().film.transfer;
                     cost.error = FilmError::of_sequence(&part.films, &full.films, transfer);
                 }
                 seconds.push(mean / count);
@@ -149,7 +149,7 @@ fn render(
     for frame in frames {
         let time = engine.timeline().time_of(*frame);
         let measured = MeasuredFrame::render(engine, time, settings, cancelled, &mut || counter.so_far())?;
-        let Some(MeasuredFrame { film, seconds, rays, instructions, .. }) = measured else { continue };
+        let MeasuredFrame { film, seconds, rays, instructions, .. } = measured;
         rendered.films.push(film);
         rendered.seconds += seconds;
         rendered.rays += rays.total() as f64;

@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
         return path::draw(&mut engine, &frames, &arguments.scene, file);
     }
     if let Some(size) = arguments.size {
-        engine.set_settings(RenderSettings { size: Some(size), ..engine.settings() });
+        engine.settings = RenderSettings { size: Some(size), ..engine.settings };
     }
     // The counter must start before the threads whose instructions it counts.
     let mut counter = Instructions::start();
@@ -76,7 +76,7 @@ impl Explanation {
     ) -> Result<Self, rayreel::EngineError> {
         let timeline = PlannedTimeline::of(engine, frames)?;
         let costs = Costs::of(engine, &timeline, if arguments.measure { ROUNDS } else { 1 }, counter)?;
-        let film = engine.film_settings();
+        let film = engine.effective_settings().film;
         Ok(Self {
             scene: arguments.scene.display().to_string(),
             changed: Changed::new(&arguments.overrides),

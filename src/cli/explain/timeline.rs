@@ -1,7 +1,7 @@
 //! The frames that need each effect, with the reasons.
 
 use rayreel::time::FrameList;
-use rayreel::{Effect, Engine, EngineError, Need};
+use rayreel::{Effect, Engine, EngineError, Need, RenderRequest};
 
 /// The effects that the chosen frames need.
 pub(super) struct PlannedTimeline {
@@ -43,7 +43,8 @@ impl PlannedTimeline {
         for frame in spread.unwrap_or_else(|| list.frames().collect()) {
             let before = frames.last().copied();
             let time = engine.timeline().time_of(frame);
-            let Some(plan) = engine.plan_at(time)? else { continue };
+            let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
+            let Some(plan) = &engine.plan(request)?.plan else { continue };
             for effect in &mut effects {
                 effect.add(plan.need(effect.effect), frame, before);
             }

@@ -27,11 +27,11 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     let (scene, sources) = Scene::load_overridden(&arguments.scene, &arguments.overrides.all())?;
     let file = arguments.scene.display().to_string();
     let mut engine = Engine::from_scene(scene);
-    engine.set_settings(RenderSettings {
+    engine.settings = RenderSettings {
         size: arguments.size,
         without: arguments.overrides.without(),
         ..RenderSettings::default()
-    });
+    };
     let frame = arguments.at.is_none().then(|| arguments.frame.unwrap_or(0));
     if let Some(frame) = frame {
         require_frame(frame, engine.timeline())?;
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
         sources: &sources,
         pixel: arguments.pixel.unwrap_or((0, 0)),
         sample: arguments.sample.unwrap_or(0),
-        samples: engine.sampling().samples,
+        samples: engine.effective_settings().sampling.samples,
         frame,
         time,
     };

@@ -35,7 +35,7 @@ pub(super) struct PixelAt<'a> {
 }
 
 pub(super) fn run(at: &PixelAt<'_>, engine: &mut Engine, json: bool) -> Result<(), Failure> {
-    let film = engine.film_settings();
+    let film = engine.effective_settings().film;
     ensure_pixel(at.pixel, (film.width, film.height))?;
     ensure_sample(at.sample, at.samples)?;
     let tree = engine.probe(at.time, at.pixel, at.sample)?;
@@ -95,7 +95,7 @@ struct PixelExplanation<'a> {
 
 impl PixelExplanation<'_> {
     fn bytes(&self) -> [u8; 3] {
-        self.engine.film_settings().transfer.encode(self.tree.color())
+        self.engine.effective_settings().film.transfer.encode(self.tree.color())
     }
 
     /// Returns the line on which the active camera of the moment starts.
@@ -107,7 +107,7 @@ impl PixelExplanation<'_> {
     }
 
     fn text(&self) -> String {
-        let (film, (column, row)) = (self.engine.film_settings(), self.at.pixel);
+        let (film, (column, row)) = (self.engine.effective_settings().film, self.at.pixel);
         let time = Shortest(self.at.time.seconds());
         let moment = match self.at.frame {
             Some(frame) => format!("frame {frame} at {time} s"),
@@ -115,7 +115,7 @@ impl PixelExplanation<'_> {
         };
         let sample = match self.at.samples {
             1 => String::new(),
-            samples if self.engine.sampling().is_adaptive() => {
+            samples if self.engine.effective_settings().sampling.is_adaptive() => {
                 format!(" sample {} of {samples} at most,", self.at.sample)
             }
             samples => format!(" sample {} of {samples},", self.at.sample),
@@ -237,7 +237,7 @@ impl PixelExplanation<'_> {
     }
 
     fn json(&self) -> Value {
-        let film = self.engine.film_settings();
+        let film = self.engine.effective_settings().film;
         json!({
             "scene": self.at.file,
             "width": film.width,

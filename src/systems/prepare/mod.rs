@@ -34,9 +34,8 @@ pub use camera::{ActiveCamera, active_camera};
 pub(super) use camera::{Shutter, Shutters};
 pub(super) use render_settings::FrameSettings;
 use render_settings::LightSettings;
-pub use render_settings::RenderSettings;
+pub use render_settings::{EffectiveSettings, RenderSettings};
 pub use settings::film_settings;
-pub(crate) use settings::{quality_settings, sampling_settings};
 
 /// The kernel's arrays, and the entity in each of their slots.
 ///

@@ -1,6 +1,10 @@
 //! The settings that trade accuracy for time.
 
-use super::settings::{linear_cutoff, sane_film, sane_quality, sane_sampling};
+use hecs::World;
+
+use super::settings::{
+    film_settings, linear_cutoff, quality_settings, sampling_settings, sane_film, sane_quality, sane_sampling,
+};
 use crate::components::{AreaShape, FilmSettings, Quality, Sampling};
 use crate::systems::{Effect, EffectSet};
 use crate::trace::{Precision, SimdLevel};
@@ -26,17 +30,28 @@ pub(crate) struct LightSettings {
     pub(crate) casts_shadows: bool,
 }
 
+/// The film, the quality and the sampling of a scene, with [`RenderSettings`] applied and clamped to their limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectiveSettings {
+    /// The size and the encoding of the film.
+    pub film: FilmSettings,
+    /// The maximum ray depth and the cutoff.
+    pub quality: Quality,
+    /// The number and the choice of samples per pixel. If sampling is [adaptive](Sampling::is_adaptive), `samples` is the maximum.
+    pub sampling: Sampling,
+}
+
 /// Settings of rendering. `None` keeps the scene's own value; other values are clamped to their limits.
 ///
 /// ```
 /// use rayreel::components::FilmSettings;
-/// use rayreel::{Engine, RenderSettings, Time, World};
+/// use rayreel::{Engine, World};
 ///
 /// let mut world = World::new();
 /// world.spawn((FilmSettings { width: 8, height: 4, ..FilmSettings::default() },));
 /// let mut engine = Engine::new(world);
-/// engine.set_settings(RenderSettings { samples: Some(16), ..RenderSettings::default() });
-/// engine.render_at(Time::ZERO)?;
+/// engine.settings.samples = Some(16);
+/// engine.render_frame(0)?;
 /// assert_eq!(engine.report().rays.camera, 8 * 4 * 16);
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```
@@ -103,6 +118,15 @@ impl RenderSettings {
             all_effects: self.all_effects || base.all_effects,
             precision: self.precision.or(base.precision),
             simd: self.simd.or(base.simd),
+        }
+    }
+
+    /// Returns the settings of the world with the overrides applied.
+    pub(crate) fn effective(&self, world: &World) -> EffectiveSettings {
+        EffectiveSettings {
+            film: self.film(film_settings(world)),
+            quality: self.quality(quality_settings(world)),
+            sampling: self.sampling(sampling_settings(world)),
         }
     }
 

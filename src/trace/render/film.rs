@@ -3,7 +3,7 @@
 use fearless_simd::{f32x16, prelude::*};
 use rayon::prelude::*;
 
-use crate::color::{Encoding, Linear, Rgb, Transfer};
+use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::math::{Colors, LANES, bits16};
 use crate::trace::scene::SIDE;
 use crate::trace::stages::TILE;
@@ -17,20 +17,8 @@ pub struct Film<Pixel = Rgb> {
     pixels: Vec<Pixel>,
 }
 
-/// The pixels of a frame as output bytes, encoded by a [`Transfer`].
+/// The pixels of a frame as output bytes, encoded by a [`Transfer`](crate::color::Transfer).
 pub type EncodedFilm = Film<[u8; 3]>;
-
-/// A rendered image: the pixels of a frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RenderedImage<Pixel = Rgb> {
-    /// The mean radiance over all samples of each pixel. In an image with alpha, samples that are not covered count as 0: light is
-    /// premultiplied, so that over a picture b the composite is `film + (1 - alpha) b`, pixel by pixel, in linear light (Porter and Duff,
-    /// "Compositing Digital Images", SIGGRAPH 1984, section 3).
-    pub film: Film<Pixel>,
-    /// The share of covered samples in each pixel, from 0 to 1, if it was requested. A sample is covered if its camera ray hits a shape, or
-    /// passes through fog or an absorbing medium. The background in mirrors and behind glass counts as covered.
-    pub alpha: Option<Film<f32>>,
-}
 
 impl Film {
     /// Creates a black film.
@@ -52,10 +40,11 @@ impl Film {
         film
     }
 
-    /// Returns the output bytes of all pixels, encoded on the current rayon pool's threads.
+    /// Returns all pixels with this encoding, such as output bytes by a [`Transfer`](crate::color::Transfer). They are encoded on the
+    /// current rayon pool's threads.
     #[must_use]
-    pub fn encoded(&self, transfer: Transfer) -> EncodedFilm {
-        let mut encoded = EncodedFilm::black(transfer, self.width, self.height);
+    pub fn encoded<E: Encoding>(&self, encoding: E) -> Film<E::Pixel> {
+        let mut encoded = Film::black(encoding, self.width, self.height);
         let linear = self.pixels.par_chunks(TOGETHER);
         let chunks = encoded.pixels.par_chunks_mut(TOGETHER).zip(linear);
         chunks.for_each(|(encoded, linear)| {
@@ -64,8 +53,10 @@ impl Film {
             encoded
                 .iter_mut()
                 .zip(linear)
-                .for_each(|(encoded, linear)| *encoded = transfer.encode_all(*linear));
-            last.iter_mut().zip(last_linear).for_each(|(last, linear)| *last = transfer.encode(*linear));
+                .for_each(|(encoded, linear)| *encoded = encoding.encode_all(*linear));
+            last.iter_mut()
+                .zip(last_linear)
+                .for_each(|(last, linear)| [*last] = encoding.encode_all([*linear]));
         });
         encoded
     }
@@ -113,11 +104,6 @@ impl Film<f32> {
         Self { width, height, pixels: vec![0.0; width as usize * height as usize] }
     }
 
-    /// Creates a film from one number per pixel, row by row from the top.
-    pub(crate) fn from_numbers(width: u32, height: u32, pixels: Vec<f32>) -> Self {
-        Self { width, height, pixels }
-    }
-
     /// Splits the film into rows of tiles.
     pub(crate) fn bands_mut(&mut self) -> impl IndexedParallelIterator<Item = &mut [f32]> {
         self.pixels.par_chunks_mut((self.width * TILE).max(1) as usize)
@@ -125,6 +111,16 @@ impl Film<f32> {
 }
 
 impl<Pixel> Film<Pixel> {
+    /// Creates a film from one value per pixel, row by row from the top.
+    pub(crate) fn from_values(width: u32, height: u32, pixels: Vec<Pixel>) -> Self {
+        Self { width, height, pixels }
+    }
+
+    /// Returns the number of columns and rows.
+    pub(crate) fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
     /// Returns the number of columns.
     #[must_use]
     pub fn width(&self) -> u32 {

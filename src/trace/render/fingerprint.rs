@@ -29,9 +29,9 @@ const ADAPTIVE_SEMANTICS: u32 = 5;
 /// use rayreel::{Engine, Time, World};
 ///
 /// let mut engine = Engine::new(World::new());
-/// engine.render_at(Time::ZERO)?;
+/// engine.render(Time::ZERO)?;
 /// let fingerprint = engine.report().fingerprint.unwrap();
-/// assert_eq!(engine.fingerprint_at(Time::ZERO)?, fingerprint);
+/// assert_eq!(engine.plan(Time::ZERO)?.fingerprint, Some(fingerprint));
 /// assert_eq!(fingerprint.to_string().parse(), Ok(fingerprint));
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```

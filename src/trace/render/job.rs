@@ -14,7 +14,8 @@ use crate::trace::render::adaptive::{
     Adaptive, ErrorTarget, EstimatedError, InstantOrder, PacketSums, PixelMemory, SampleSums,
     SharedRoundPolicy, block,
 };
-use crate::trace::render::film::{self, Film, RenderedImage};
+use crate::trace::render::film::{self, Film};
+use crate::trace::render::image::RenderedImage;
 use crate::trace::render::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
 use crate::trace::render::visibility::{self, FeatureScratch};
 use crate::trace::render_stats::RenderStats;
@@ -110,8 +111,8 @@ pub(crate) struct SampleMemory {
 }
 
 impl SampleMemory {
-    /// Returns the sample count of each pixel of the last picture, row by row; empty if all counts were equal.
-    pub(crate) fn counts(&self, resolution: (u32, u32)) -> Vec<u32> {
+    /// Returns the sample count of each pixel of the last picture. `None` if all counts were equal.
+    pub(crate) fn counts(&self, resolution: (u32, u32)) -> Option<Film<u32>> {
         self.pixels.counts(resolution)
     }
 }
@@ -354,7 +355,11 @@ impl<E: Encoding> RenderJob<E> {
         match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
             Pixels::Picture(film) => {
                 let film = film.unwrap_or_else(|| Film::black(self.encoding, self.width, self.height));
-                (RenderedImage { film, alpha: None }, stats, SampleMemory::default())
+                (
+                    RenderedImage { film, alpha: None, passes: None, sample_counts: None },
+                    stats,
+                    SampleMemory::default(),
+                )
             }
             Pixels::Sums(sums) => {
                 let has_alpha = !sums.covered.is_empty();
@@ -363,7 +368,8 @@ impl<E: Encoding> RenderJob<E> {
                 stats.escalations.overflowed += overflowed;
                 let alpha = has_alpha.then(|| self.develop_alpha(&sums));
                 let pixels = self.adaptive.map(Adaptive::into_memory).unwrap_or_default();
-                (RenderedImage { film, alpha }, stats, SampleMemory { sums, pixels })
+                let image = RenderedImage { film, alpha, passes: None, sample_counts: None };
+                (image, stats, SampleMemory { sums, pixels })
             }
         }
     }

@@ -6,13 +6,14 @@
 //! | `tile_work`, `work_queue` | distribution of the tiles to threads |
 //! | `accumulator` | the sums of a tile's samples |
 //! | `adaptive`, `visibility` | the choice of sample counts for an error target, and the geometry in each pixel, on which it depends |
-//! | `film`, `passes` | the pixels, and the data of the surfaces that they show |
+//! | `film`, `passes`, `image` | the pixels, the data of the surfaces that they show, and both together |
 //! | `fingerprint` | the identity of a picture: a hash of everything that determines it |
 
 mod accumulator;
 pub(super) mod adaptive;
 pub(super) mod film;
 pub(super) mod fingerprint;
+pub(super) mod image;
 pub(super) mod job;
 pub(super) mod passes;
 pub(super) mod tile_work;

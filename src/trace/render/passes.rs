@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::color::Rgb;
 use crate::trace::intersect::{Naive, Scratch};
+use crate::trace::render::film::Film;
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 
 /// A value of each pixel besides its radiance.
@@ -141,9 +142,9 @@ impl PassPixel {
 }
 
 impl PreparedScene {
-    /// Computes the passes of all pixels, row by row from the top, on the current rayon pool's threads. `None` if `cancelled` became true
+    /// Computes the passes of all pixels, on the current rayon pool's threads. `None` if `cancelled` became true
     /// meanwhile.
-    pub(crate) fn passes(&self, camera: &PreparedCamera, cancelled: &AtomicBool) -> Option<Vec<PassPixel>> {
+    pub(crate) fn passes(&self, camera: &PreparedCamera, cancelled: &AtomicBool) -> Option<Film<PassPixel>> {
         let (columns, rows) = camera.resolution();
         let [_, _, view_axis] = camera.axes();
         let naive = Naive::of(self);
@@ -169,9 +170,10 @@ impl PreparedScene {
             let row = (0..columns).map(|i| pixel(scratch, (i, j)).unwrap_or(PassPixel::NOTHING));
             (!cancelled.load(Ordering::Relaxed)).then(|| row.collect::<Vec<_>>())
         };
-        let rows = (0..rows).into_par_iter().map_init(|| Scratch::new(cancelled, naive.as_ref()), row);
-        let rows: Option<Vec<_>> = rows.collect();
-        rows.filter(|_| !cancelled.load(Ordering::Relaxed)).map(|rows| rows.concat())
+        let all = (0..rows).into_par_iter().map_init(|| Scratch::new(cancelled, naive.as_ref()), row);
+        let all: Option<Vec<_>> = all.collect();
+        let all = all.filter(|_| !cancelled.load(Ordering::Relaxed))?;
+        Some(Film::from_values(columns, rows, all.concat()))
     }
 }
 

@@ -112,9 +112,9 @@ fn compare(
 ) {
     for _ in 0..=random.index(2) {
         let time = Time::from_ratio(random.bits() % 24, 10).unwrap();
-        match (engine.render_at(time), cold.render_at(time)) {
+        match (engine.render(time), cold.render(time)) {
             (Ok(film), Ok(expected)) => {
-                assert_eq!(bits(&film), bits(&expected), "at {time:?}, {}", about());
+                assert_eq!(bits(&film.film), bits(&expected.film), "at {time:?}, {}", about());
                 let plans = [engine.report().plan.as_ref(), cold.report().plan.as_ref()]
                     .map(|plan| format!("{plan:?}"));
                 assert_eq!(plans[0], plans[1], "{}", about());

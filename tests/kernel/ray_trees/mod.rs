@@ -25,7 +25,7 @@ fn render(engine: &mut Engine, depth: u32, cutoff: f32) -> Film {
     for quality in engine.world_mut().query_mut::<&mut Quality>() {
         *quality = Quality { depth, cutoff };
     }
-    let film = engine.render_at(Time::ZERO).unwrap();
+    let film = engine.render(Time::ZERO).unwrap().film;
     assert!(film.pixels().iter().all(|pixel| pixel.is_finite() && pixel.min_element() >= 0.0));
     film
 }
@@ -54,7 +54,7 @@ fn largest_difference(one: &Film, other: &Film) -> f64 {
 fn assert_cutoffs_hold(engine: &mut Engine, depth: u32, cutoffs: &[f32], what: &str) -> Vec<u64> {
     let mut counts = Vec::new();
     for (transfer, steepest) in [(Transfer::Classic, 1.0), (Transfer::Srgb, 12.92)] {
-        let settings = engine.film_settings();
+        let settings = engine.effective_settings().film;
         set_film(engine, FilmSettings { transfer, ..settings });
         let uncut = render(engine, depth, 0.0);
         assert_eq!(engine.report().ends.cutoff, 0, "{what}");

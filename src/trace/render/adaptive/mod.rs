@@ -44,6 +44,7 @@ use fearless_simd::dispatch;
 use crate::color::{ErrorNorm, Transfer};
 use crate::trace::math::{LANES, SimdLevel, lanes};
 use crate::trace::rays::ShapeId;
+use crate::trace::render::film::Film;
 use crate::trace::render::visibility::{CoverPacket, Feature, Image, TileFeatures, UNCOVERED};
 use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
@@ -133,18 +134,19 @@ pub(crate) struct PixelMemory {
 }
 
 impl PixelMemory {
-    /// Returns the sample count of each pixel of the last picture, row by row; empty if no picture of this size was rendered.
-    pub(crate) fn counts(&self, (columns, rows): (u32, u32)) -> Vec<u32> {
+    /// Returns the sample count of each pixel of the last picture. `None` if no picture of this size was rendered.
+    pub(crate) fn counts(&self, (columns, rows): (u32, u32)) -> Option<Film<u32>> {
         let across = columns.div_ceil(TILE);
         if self.packets.len() != (across * rows.div_ceil(TILE)) as usize * PACKETS {
-            return Vec::new();
+            return None;
         }
         let taken = |column: u32, row: u32| {
             let (packet, lane) = Tile::lane_of((column % TILE) as usize, (row % TILE) as usize);
             let tile = (row / TILE * across + column / TILE) as usize;
             self.packets[tile * PACKETS + packet].taken[lane]
         };
-        (0..rows).flat_map(|row| (0..columns).map(move |column| taken(column, row))).collect()
+        let counts = (0..rows).flat_map(|row| (0..columns).map(move |column| taken(column, row)));
+        Some(Film::from_values(columns, rows, counts.collect()))
     }
 }
 
