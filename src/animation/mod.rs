@@ -41,6 +41,4 @@ pub use path::Path;
 pub use playback::{Playback, Repeat};
 pub use rotation::{Rotation, slerp};
 pub use track::{Key, Track};
-#[doc(hidden)]
-pub use value::Notation;
-pub use value::{Value, ValueKind};
+pub use value::{Notation, Value, ValueKind};

@@ -185,7 +185,6 @@ impl Property {
 
     /// Returns the notation of its values in scene files and scripts.
     #[must_use]
-    #[doc(hidden)]
     pub const fn notation(self) -> Notation {
         self.quantity().notation()
     }

@@ -12,8 +12,7 @@ use crate::systems::{
     RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
 };
 use crate::time::{Time, Timeline};
-use crate::trace::reference::RayTree;
-use crate::trace::{Film, RenderedImage, SampleMemory, SharedRoundPolicy, Signals};
+use crate::trace::{Film, RayTree, RenderedImage, SampleMemory, SharedRoundPolicy, Signals};
 
 /// A world of entities that is rendered at any moment of its timeline.
 ///

@@ -71,13 +71,10 @@
 
 mod bvh;
 mod effects;
-#[doc(hidden)]
-pub mod math;
-
 mod intersect;
+pub(crate) mod math;
 mod rays;
-#[doc(hidden)]
-pub mod reference;
+pub(crate) mod reference;
 mod render;
 mod render_stats;
 mod scene;
@@ -88,8 +85,10 @@ mod stages;
 #[cfg(test)]
 mod tests;
 
-pub use intersect::Escalations;
-pub use math::PixelSampling;
+pub use intersect::{Escalations, ShapeHit, SurfacePoint};
+pub use math::{PixelSampling, SimdLevel};
+pub use rays::{PreparedRay, ShapeId};
+pub use reference::{LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay};
 pub(crate) use render::adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
 pub use render::adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 pub use render::film::{EncodedFilm, Film};
@@ -101,21 +100,18 @@ pub(crate) use render::job::{SampleMemory, SamplePlan};
 pub use render::passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use render::tile_work::Signals;
 pub use render_stats::{RayCounts, TreeEnds};
-pub use scene::{Precision, PreparedCamera};
+pub use scene::{Attenuation, Precision, PreparedCamera};
+pub(crate) use scene::{CheckerPattern, Cone, MaterialTable, PreparedChecker, PreparedFalloff, PreparedFog};
 
-// Items for tests, benchmarks and explanations of pixels; not part of the library's interface.
+// The kernel's arrays, for tests and benchmarks; not part of the library's interface.
 #[doc(hidden)]
 pub use {
     effects::{Effects, Lighting, Paths},
-    intersect::{CastHit, CastRay, ShapeHit, SurfacePoint},
-    math::{BoundedT, SimdLevel},
-    rays::{PreparedRay, ShapeId},
-    render_stats::RenderStats,
+    intersect::{CastHit, CastRay},
+    reference::render as render_reference,
     scene::{
-        Attenuation, BvhUpdate, CheckerPattern, Cone, Geometry, LightSource, MaterialSummary, MaterialTable,
-        PreparedBackground, PreparedChecker, PreparedFalloff, PreparedFog, PreparedLight, PreparedScene,
-        PreparedShape, Refraction, SceneChanges, ShapeChange, SurfaceMaterial,
+        BvhUpdate, Geometry, LightSource, PreparedBackground, PreparedLight, PreparedScene, PreparedShape,
+        Refraction, SceneChanges, ShapeChange, SurfaceMaterial,
     },
-    shading::Boundary,
-    shapes::{Bounds, RefinedHit},
+    shapes::Bounds,
 };

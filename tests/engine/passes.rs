@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use rayreel::components::{FilmSettings, Sampling};
-use rayreel::trace::reference::RayEnd;
+use rayreel::trace::RayEnd;
 use rayreel::trace::{PassPixel, Signals};
 use rayreel::{Engine, EngineError, RenderRequest, RenderedImage, Scene, Time};
 

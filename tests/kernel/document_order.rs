@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayreel::trace::shapes::{AlignedBox, Sphere};
 use rayreel::trace::{
     Effects, Geometry, LightSource, PixelSampling, PreparedBackground, PreparedCamera, PreparedLight,
-    PreparedScene, PreparedShape, Refraction, RenderJob, ShapeId, Signals, SurfaceMaterial, reference,
+    PreparedScene, PreparedShape, Refraction, RenderJob, ShapeId, Signals, SurfaceMaterial, render_reference,
 };
 use rayreel::{Film, Rgb};
 
@@ -98,7 +98,7 @@ fn shape_ids_are_independent_of_document_order() {
         let expected = film(&scene(&shapes, &in_order), &camera);
         let renamed = scene(&shapes, &shuffled);
         assert_eq!(film(&renamed, &camera).pixels(), expected.pixels());
-        let slow = reference::render(&renamed, &camera, PixelSampling::default());
+        let slow = render_reference(&renamed, &camera, PixelSampling::default());
         assert_eq!(slow.pixels(), expected.pixels());
         // Checks the test itself: the order matters where shapes coincide.
         let reordered: Vec<_> = shuffled.iter().map(|index| shapes[*index].clone()).collect();

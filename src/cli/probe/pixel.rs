@@ -7,7 +7,7 @@ use rayreel::components::Name;
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::systems::{Preparation, active_camera};
 use rayreel::trace::Attenuation;
-use rayreel::trace::reference::{LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay};
+use rayreel::trace::{LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay};
 use rayreel::{Engine, Entity, Rgb, Time};
 
 use super::super::exit::Failure;

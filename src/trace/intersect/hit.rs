@@ -12,7 +12,7 @@ use crate::trace::rays::{CoincidentHits, FAR, PreparedRay, RayPacket, ShapeId, S
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeHit {
     /// The ray parameter, with its error bound.
-    pub root: BoundedT,
+    pub(crate) root: BoundedT,
     /// The shape.
     pub id: ShapeId,
     /// True if this is the far side of a shape that the ray left inwards.

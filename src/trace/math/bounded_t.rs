@@ -5,7 +5,7 @@ use super::real::Real;
 
 /// The `t` of a hit, with a bound of its error; of one ray, or one per lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoundedT<R = f64> {
+pub(crate) struct BoundedT<R = f64> {
     t: R,
     error: R,
 }
@@ -14,21 +14,21 @@ impl<R: Real> BoundedT<R> {
     /// Returns a `t` with an error of at most `error`.
     #[must_use]
     #[inline(always)]
-    pub fn within(t: R, error: R) -> Self {
+    pub(crate) fn within(t: R, error: R) -> Self {
         Self { t, error }
     }
 
     /// Rounds a `t` from double-double arithmetic to `f64`. The error bound is its rounding error.
     #[must_use]
     #[inline(always)]
-    pub fn rounded(t: Double<R>) -> Self {
+    pub(crate) fn rounded(t: Double<R>) -> Self {
         Self { t: t.rounded(), error: t.rest().abs() * (1.0 + f64::EPSILON) }
     }
 
     /// Returns the rounded value.
     #[must_use]
     #[inline(always)]
-    pub fn t(&self) -> R {
+    pub(crate) fn t(&self) -> R {
         self.t
     }
 
@@ -42,14 +42,14 @@ impl<R: Real> BoundedT<R> {
     /// Returns the upper bound of the exact value.
     #[must_use]
     #[inline(always)]
-    pub fn latest(&self) -> R {
+    pub(crate) fn latest(&self) -> R {
         self.t + self.error
     }
 
     /// Returns the lower bound of the exact value.
     #[must_use]
     #[inline(always)]
-    pub fn earliest(&self) -> R {
+    pub(crate) fn earliest(&self) -> R {
         self.t - self.error
     }
 
@@ -89,21 +89,21 @@ impl<R: Real> BoundedT<R> {
     /// Returns whether fewer than 28 bits are certain, about half of the bits of an `f64`.
     #[must_use]
     #[inline(always)]
-    pub fn is_rough(&self) -> R::Mask {
+    pub(crate) fn is_rough(&self) -> R::Mask {
         self.error.greater(self.t * (1.0 / 268_435_456.0))
     }
 
     /// Returns whether the value is accurate up to its own rounding.
     #[must_use]
     #[inline(always)]
-    pub fn is_rounded(&self) -> R::Mask {
+    pub(crate) fn is_rounded(&self) -> R::Mask {
         self.error.less_or_equal(self.t * f64::EPSILON)
     }
 
     /// Returns whether the two exact values may be equal.
     #[must_use]
     #[inline(always)]
-    pub fn may_equal(&self, other: &Self) -> R::Mask {
+    pub(crate) fn may_equal(&self, other: &Self) -> R::Mask {
         self.earliest().less_or_equal(other.latest()) & other.earliest().less_or_equal(self.latest())
     }
 }

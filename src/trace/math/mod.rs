@@ -25,10 +25,10 @@ mod simd_level;
 mod sums;
 mod vector;
 
-pub use bounded_t::BoundedT;
+pub(crate) use bounded_t::BoundedT;
 pub(crate) use compensated::Compensated;
 pub(crate) use digest::{Bytes, Digest, digest_of_all};
-pub use double::Double;
+pub(crate) use double::Double;
 pub(crate) use elementary::{exp, pow};
 pub(crate) use exact::{Exact, Exact3, ExactRoot};
 pub(crate) use lanes::{
@@ -39,10 +39,11 @@ pub(crate) use real::{
     Real, Truth, absolute, add, dot, moderate, moderate3, negative, pick3, spread, subtract, times,
 };
 pub(crate) use sample_keys::SampleKeys;
+pub use sampling::PixelSampling;
 pub(crate) use sampling::on_disc;
 pub(crate) use sampling::stratum;
-pub use sampling::{Dimension, PixelSamples, PixelSampling, disc};
+pub(crate) use sampling::{Dimension, PixelSamples, disc};
 pub(crate) use scaling::scaled;
 pub use simd_level::SimdLevel;
-pub use sums::{exact_dot, offset_height, square_difference};
-pub use vector::Double3;
+pub(crate) use sums::{exact_dot, offset_height, square_difference};
+pub(crate) use vector::Double3;

@@ -43,7 +43,7 @@ impl PixelSampling {
 
 /// Purpose of a sample. Each purpose has an independent sequence: adding or removing one does not change the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
+pub(crate) enum Dimension {
     /// The position in the pixel.
     Pixel,
     /// The position on the lens.
@@ -70,20 +70,20 @@ impl Dimension {
 
 /// Sample points of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelSamples {
+pub(crate) struct PixelSamples {
     key: u64,
 }
 
 impl PixelSamples {
     /// Returns the sample points of the pixel in column `i` and row `j`.
     #[must_use]
-    pub fn new(seed: u64, i: u32, j: u32) -> Self {
+    pub(crate) fn new(seed: u64, i: u32, j: u32) -> Self {
         Self { key: mixed(mixed(0, seed), u64::from(i) << 32 | u64::from(j)) }
     }
 
     /// Returns point `index` of a dimension's sequence: two multiples of 2^-32 in 0..1.
     #[must_use]
-    pub fn pair(&self, dimension: Dimension, index: u32) -> [f64; 2] {
+    pub(crate) fn pair(&self, dimension: Dimension, index: u32) -> [f64; 2] {
         let ScramblingKeys { order, first, second } = self.keys(dimension);
         let index = order.scrambled(index.reverse_bits()).reverse_bits();
         // Scrambling takes the digits reversed, with the most significant digit in the lowest bit.
@@ -103,8 +103,9 @@ impl PixelSamples {
 
     /// Returns the first coordinate of the [pair](Self::pair), in 0..1. Any 2^m points that start at a multiple of 2^m have exactly one in
     /// each interval of length 2^-m.
+    #[cfg(test)]
     #[must_use]
-    pub fn number(&self, dimension: Dimension, index: u32) -> f64 {
+    pub(crate) fn number(&self, dimension: Dimension, index: u32) -> f64 {
         self.pair(dimension, index)[0]
     }
 }
@@ -159,7 +160,7 @@ pub(crate) fn stratum(index: u32, bits: u32) -> u32 {
 /// Maps the unit square to the unit disc around 0. The map preserves relative areas and neighbourhoods: it is the concentric map of Shirley
 /// and Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
 #[must_use]
-pub fn disc(square: [f64; 2]) -> [f64; 2] {
+pub(crate) fn disc(square: [f64; 2]) -> [f64; 2] {
     on_disc(square)
 }
 

@@ -27,7 +27,7 @@ pub(crate) fn sum<const COUNT: usize>(terms: [f64; COUNT]) -> Double {
 
 /// Returns a.b, rounded once.
 #[must_use]
-pub fn exact_dot(a: Double3, b: DVec3) -> Double {
+pub(crate) fn exact_dot(a: Double3, b: DVec3) -> Double {
     let mut terms = [0.0; 12];
     for (terms, (a, b)) in terms.chunks_exact_mut(4).zip([(a.x, b.x), (a.y, b.y), (a.z, b.z)]) {
         let ((high, high_error), (low, low_error)) = (two_product(a.high, b), two_product(a.low, b));
@@ -38,7 +38,7 @@ pub fn exact_dot(a: Double3, b: DVec3) -> Double {
 
 /// Returns a.a - b^2, rounded once.
 #[must_use]
-pub fn square_difference(a: Double3, b: f64) -> Double {
+pub(crate) fn square_difference(a: Double3, b: f64) -> Double {
     let mut terms = [0.0; 20];
     for (terms, a) in terms.chunks_exact_mut(6).zip([a.x, a.y, a.z]) {
         let (high, low) = (two_product(a.high, a.high), two_product(a.low, a.low));
@@ -52,7 +52,7 @@ pub fn square_difference(a: Double3, b: f64) -> Double {
 
 /// Returns offset - row.point, rounded once; its sign is exact.
 #[must_use]
-pub fn offset_height(offset: f64, row: DVec3, point: DVec3) -> Double {
+pub(crate) fn offset_height(offset: f64, row: DVec3, point: DVec3) -> Double {
     let mut terms = [0.0; 7];
     for axis in 0..3 {
         let (product, error) = two_product(-row[axis], point[axis]);

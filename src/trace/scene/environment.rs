@@ -64,7 +64,7 @@ impl PreparedBackground {
 
 /// Fog: over a length d, a share exp(-density d) of the light behind is visible, and the rest is `color`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PreparedFog {
+pub(crate) struct PreparedFog {
     /// The colour of the fog.
     pub color: Rgb,
     /// The extinction per unit of length, 0 or more.

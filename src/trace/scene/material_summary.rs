@@ -9,7 +9,7 @@ use crate::trace::rays::ShapeId;
 
 /// The maxima over all materials of a scene, and the shapes with special materials.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct MaterialSummary {
+pub(crate) struct MaterialSummary {
     /// The largest channel of an ambient colour.
     pub ambient: f32,
     /// The largest channel of a diffuse colour.

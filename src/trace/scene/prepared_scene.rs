@@ -42,7 +42,7 @@ pub struct PreparedScene {
     /// The background, seen by rays that hit nothing.
     pub background: PreparedBackground,
     /// The fog between shapes.
-    pub fog: PreparedFog,
+    pub(crate) fog: PreparedFog,
     /// Maximum ray depth: the number of ray bounces that are traced. Camera rays are always traced.
     pub depth: u32,
     /// Maximum loss of a sample's light, in linear light, by not tracing rays of low contribution; 0 traces all rays.
@@ -83,7 +83,7 @@ impl PreparedScene {
 
     /// Rebuilds the scene from other shapes with one material each, and reuses the memory. Everything else stays as it is. `fill` receives
     /// the geometry and the materials empty.
-    pub fn remake(&mut self, fill: impl FnOnce(&mut Geometry, &mut MaterialTable)) {
+    pub(crate) fn remake(&mut self, fill: impl FnOnce(&mut Geometry, &mut MaterialTable)) {
         self.geometry.clear();
         self.materials.clear();
         fill(&mut self.geometry, &mut self.materials);
@@ -142,7 +142,7 @@ impl PreparedScene {
 
     /// Returns the summary of the materials.
     #[must_use]
-    pub fn surfaces(&self) -> &MaterialSummary {
+    pub(crate) fn surfaces(&self) -> &MaterialSummary {
         &self.surfaces
     }
 

@@ -5,7 +5,7 @@ use crate::trace::math::{Double, Real, add, dot, subtract, times};
 
 /// The boundary between two media, given by their refractive indices, which are greater than 0; of one ray, or one per lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Boundary<R = f64> {
+pub(crate) struct Boundary<R = f64> {
     /// Refractive index of the medium from which the light arrives.
     pub from: R,
     /// Refractive index of the medium behind the boundary.
@@ -44,18 +44,19 @@ impl<R: Real> Boundary<R> {
     }
 }
 
+#[cfg(test)]
 impl Boundary {
     /// Returns the cosine of the angle of refraction, for the cosine of the angle of incidence, 0..=1. `None` under total internal
     /// reflection.
     #[must_use]
-    pub fn transmitted_cosine(&self, cosine: f64) -> Option<f64> {
+    pub(super) fn transmitted_cosine(&self, cosine: f64) -> Option<f64> {
         let (transmitted, passes) = self.refraction(cosine);
         passes.then_some(transmitted)
     }
 
     /// Returns the Fresnel reflectance of unpolarised light, 0..=1, for the cosine of the angle of incidence.
     #[must_use]
-    pub fn reflectance(&self, cosine: f64) -> f64 {
+    pub(super) fn reflectance(&self, cosine: f64) -> f64 {
         let (transmitted, passes) = self.refraction(cosine);
         if passes { self.partial_reflectance(cosine, transmitted) } else { 1.0 }
     }

@@ -84,7 +84,7 @@ impl AlignedBox {
     /// Returns the smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
+    pub(crate) fn intersect(&self, ray: &PreparedRay) -> Intersection {
         let (origin, direction) = (ray.origin(), ray.direction());
         if direction.abs().min_element() > SLOWEST {
             return self.intersections(origin.into(), direction.recip().into()).into();
@@ -177,7 +177,7 @@ impl AlignedBox {
 
     /// Returns the exit of a ray that starts on the box and goes inwards. Only faces ahead are considered.
     #[must_use]
-    pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
+    pub(crate) fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         self.exits(&Rays::new(origin, direction)).into()
     }
 

@@ -52,7 +52,7 @@ impl BoxImage {
 
     /// Creates the image from double-double values. Each slab is rounded once.
     #[must_use]
-    pub fn exact(columns: [Double3; 3], translation: Double3, half: Double3) -> Option<Self> {
+    pub(crate) fn exact(columns: [Double3; 3], translation: Double3, half: Double3) -> Option<Self> {
         let [a, b, c] = columns.map(Double3::rounded);
         let forward = DAffine3::from_cols(a, b, c, translation.rounded());
         let mut image = Self {
@@ -133,7 +133,7 @@ impl BoxImage {
     /// Returns the smallest `t >= 0` on the box.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
+    pub(crate) fn intersect(&self, ray: &PreparedRay) -> Intersection {
         self.intersections(&ray.into()).into()
     }
 
@@ -209,7 +209,7 @@ impl BoxImage {
 
     /// Returns the exit of a ray that starts on the box and goes inwards.
     #[must_use]
-    pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
+    pub(crate) fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         self.exits(&Rays::new(origin, direction)).into()
     }
 

@@ -8,7 +8,7 @@ use crate::trace::rays::PreparedRay;
 
 /// A hit accurate to the last bit of `f64`, with the surface point and normal.
 #[derive(Clone, Copy, Debug)]
-pub struct RefinedHit {
+pub(crate) struct RefinedHit {
     /// Ray parameter, accurate to some bits beyond an `f64`.
     pub t: Double,
     /// The point origin + t direction, rounded once.
@@ -43,7 +43,7 @@ impl From<Refined<f64>> for Option<RefinedHit> {
 
 /// Result of an intersection in `f64`.
 #[derive(Clone, Copy, Debug)]
-pub enum Intersection {
+pub(crate) enum Intersection {
     /// The ray hits the shape.
     Hit(BoundedT),
     /// The ray misses the shape.

@@ -31,7 +31,7 @@ pub(crate) use aligned_box::refine_box;
 pub use bounds::Bounds;
 pub use box_image::BoxImage;
 pub(crate) use intersection::{ExactHit, Face, Intersections, Refined, Side};
-pub use intersection::{Intersection, RefinedHit};
+pub(crate) use intersection::{Intersection, RefinedHit};
 pub use plane::Plane;
 pub(crate) use plane::refine_plane;
 pub(crate) use slabs::SLOWEST;

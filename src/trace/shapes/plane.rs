@@ -76,7 +76,7 @@ impl Plane {
     /// Returns the `t >= 0` on the plane. A ray parallel to the plane misses it, even if it lies in the plane.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
+    pub(crate) fn intersect(&self, ray: &PreparedRay) -> Intersection {
         self.intersections(&ray.into()).into()
     }
 
@@ -140,7 +140,7 @@ impl Plane {
 
     /// Always misses: a straight ray never hits the plane again that it starts on.
     #[must_use]
-    pub fn exit(&self, _origin: DVec3, _direction: DVec3) -> Intersection {
+    pub(crate) fn exit(&self, _origin: DVec3, _direction: DVec3) -> Intersection {
         Intersection::Miss
     }
 

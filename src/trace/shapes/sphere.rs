@@ -156,7 +156,7 @@ impl Sphere {
     /// Returns the smallest `t >= 0` on the sphere.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
+    pub(crate) fn intersect(&self, ray: &PreparedRay) -> Intersection {
         self.intersections(&ray.into(), ray.inverse_square()).into()
     }
 
@@ -214,7 +214,7 @@ impl Sphere {
 
     /// Returns the exit of a ray that starts on the sphere and goes inwards. A grazing ray exits at once.
     #[must_use]
-    pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
+    pub(crate) fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         self.exits(&Rays::new(origin, direction)).into()
     }
 

@@ -170,7 +170,7 @@ impl SphereImage {
     /// Returns the smallest `t >= 0` on the ellipsoid.
     #[must_use]
     #[inline]
-    pub fn intersect(&self, ray: &PreparedRay) -> Intersection {
+    pub(crate) fn intersect(&self, ray: &PreparedRay) -> Intersection {
         self.intersections(&ray.into()).into()
     }
 
@@ -247,7 +247,7 @@ impl SphereImage {
 
     /// Returns the exit of a ray that starts on the ellipsoid and goes inwards.
     #[must_use]
-    pub fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
+    pub(crate) fn exit(&self, origin: DVec3, direction: DVec3) -> Intersection {
         self.exits(&Rays::new(origin, direction)).into()
     }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use rayreel::trace::reference::{RayKind, TracedRay};
+use rayreel::trace::{RayKind, TracedRay};
 
 use super::{assert_near, seen, tilted, tree, unit};
 

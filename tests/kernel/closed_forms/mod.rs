@@ -10,7 +10,7 @@ mod surroundings;
 
 use glam::DVec3;
 
-use rayreel::trace::reference::{RayKind, TracedRay};
+use rayreel::trace::{RayKind, TracedRay};
 use rayreel::{Engine, Film, Rgb, Time};
 
 fn engine(body: &str) -> Engine {

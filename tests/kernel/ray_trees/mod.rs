@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use rayreel::color::Transfer;
 use rayreel::components::{FilmSettings, Quality};
-use rayreel::trace::reference::{RayEnd, RayKind};
 use rayreel::trace::{RayCounts, TreeEnds};
+use rayreel::trace::{RayEnd, RayKind};
 use rayreel::{Engine, Film, Time};
 
 use crate::engine;

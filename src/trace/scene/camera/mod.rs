@@ -170,7 +170,6 @@ impl PreparedCamera {
     }
 
     /// Returns the ray through the centre of pixel (i, j). `None` only if the eye or the screen is not finite.
-    #[doc(hidden)]
     #[must_use]
     #[inline(always)]
     pub fn ray(&self, i: u32, j: u32) -> Option<PreparedRay> {
@@ -183,10 +182,15 @@ impl PreparedCamera {
     /// points in the plane of focus that the eye sees through the samples' points on the screen.
     ///
     /// `None` only if the eye or the screen is not finite.
-    #[doc(hidden)]
     #[must_use]
     #[inline]
-    pub fn sample_ray(&self, sampling: PixelSampling, i: u32, j: u32, index: u32) -> Option<PreparedRay> {
+    pub(crate) fn sample_ray(
+        &self,
+        sampling: PixelSampling,
+        i: u32,
+        j: u32,
+        index: u32,
+    ) -> Option<PreparedRay> {
         if sampling.samples <= 1 {
             return self.ray(i, j);
         }
@@ -244,9 +248,8 @@ impl PreparedCamera {
     }
 
     /// Returns whether a ray of the camera may hit something in the box. `false` only if none can.
-    #[doc(hidden)]
     #[must_use]
-    pub fn may_see(&self, bounds: &Bounds) -> bool {
+    pub(crate) fn may_see(&self, bounds: &Bounds) -> bool {
         if self.lens.is_some() || self.distance.is_nan() || self.distance <= 0.0 {
             return true;
         }
