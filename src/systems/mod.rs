@@ -55,7 +55,7 @@ pub(crate) use interrupted::{Interrupted, ScriptFailure};
 pub(crate) use order::order_newcomers;
 pub use plan::{Need, Plan};
 pub use prepare::{
-    ActiveCamera, EffectiveSettings, Preparation, RenderSettings, active_camera, film_settings,
+    ActiveCamera, EffectiveSettings, Preparation, RenderSettings, active_camera,
 };
 pub use propagate::propagate;
 pub use property_access::value;

@@ -35,7 +35,7 @@ pub(super) use camera::{Shutter, Shutters};
 pub(super) use render_settings::FrameSettings;
 use render_settings::LightSettings;
 pub use render_settings::{EffectiveSettings, RenderSettings};
-pub use settings::film_settings;
+use settings::film_settings;
 
 /// The kernel's arrays, and the entity in each of their slots.
 ///

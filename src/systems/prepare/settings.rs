@@ -22,7 +22,7 @@ pub(super) fn first_entity<T: hecs::Component>(world: &World) -> Option<Entity> 
 
 /// Returns the film settings, clamped to their limits.
 #[must_use]
-pub fn film_settings(world: &World) -> FilmSettings {
+pub(super) fn film_settings(world: &World) -> FilmSettings {
     sane_film(first(world))
 }
 
