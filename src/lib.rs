@@ -42,7 +42,8 @@
 //! # Features
 //!
 //! - `script`: scripts in scenes. Without it, each script of a scene is an error at its position.
-//! - `exr`: OpenEXR files. Without it, writing and reading them is an error.
+//! - `image`: GIF and Radiance HDR files, and [`Film::to_image`]. Without it, writing and reading these files is an error.
+//! - `exr`: OpenEXR files. Without it, writing and reading them is an error. Includes `image`.
 //! - `live`: the module `live`, the preview with its file watching, server and page.
 //! - `cli`: the command `rayreel`; includes the other features.
 //!

@@ -3,12 +3,13 @@
 //! An attribute of every file holds the digest of all its bytes, with zeros in place of the digest itself. The format's own checks cover
 //! only part of the bytes, and decoders are not safe from corrupt files, so the digest is verified before decoding.
 
-use std::io::Cursor;
+use std::io::{BufRead, Cursor, Seek};
 
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::meta::header::LayerAttributes;
 use exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, Vec2, WritableImage, read};
+use image::{ImageFormat, ImageReader};
 use rayon::iter::ParallelIterator;
 
 use super::channels::Channels;
@@ -131,6 +132,11 @@ pub(super) fn encode(
     Ok(bytes)
 }
 
+/// Returns the width and height from the beginning of a file.
+pub(super) fn size(file: impl BufRead + Seek) -> Option<(u32, u32)> {
+    ImageReader::with_format(file, ImageFormat::OpenExr).into_dimensions().ok()
+}
+
 /// Decodes a file completely. Returns the reason if the file is not valid.
 pub(super) fn decode(bytes: &[u8], channels: Channels, passes: Passes) -> Result<StoredPicture, String> {
     let layer = layer(bytes)?;
@@ -148,7 +154,7 @@ pub(super) fn decode(bytes: &[u8], channels: Channels, passes: Passes) -> Result
     }
     let provenance = attribute(Provenance::KEYWORD);
     Ok(StoredPicture {
-        size: size(&layer)?,
+        size: layer_size(&layer)?,
         bytes: bytes_of(list.iter().map(|channel| &channel.sample_data)),
         provenance,
     })
@@ -157,7 +163,7 @@ pub(super) fn decode(bytes: &[u8], channels: Channels, passes: Passes) -> Result
 /// Reads the colours and the alpha of a file.
 pub(super) fn channels(bytes: &[u8]) -> Result<FileChannels, String> {
     let layer = layer(bytes)?;
-    let (size, list) = (size(&layer)?, layer.channel_data.list);
+    let (size, list) = (layer_size(&layer)?, layer.channel_data.list);
     let samples = |name: &str| -> Option<Vec<f32>> {
         let channel = list.iter().find(|channel| channel.name == *name)?;
         Some(channel.sample_data.values_as_f32().collect())
@@ -179,7 +185,7 @@ fn layer(bytes: &[u8]) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
 }
 
 /// Returns the width and height of a layer.
-fn size(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<(u32, u32), String> {
+fn layer_size(layer: &Layer<AnyChannels<FlatSamples>>) -> Result<(u32, u32), String> {
     let sides = [layer.size.width(), layer.size.height()].map(u32::try_from);
     let [Ok(width), Ok(height)] = sides else { return Err("it is too large".to_owned()) };
     Ok((width, height))

@@ -1,12 +1,11 @@
 //! Files of single films.
 
 use std::borrow::Cow;
+use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, ImageError};
-use png::BitDepth;
+use png::{BitDepth, ColorType, Compression, Filter};
 
 use super::channels::Channels;
 use super::frame_pixels::{FramePixels, LinearFrame};
@@ -107,9 +106,9 @@ pub enum EncodeError {
     /// The OpenEXR encoder reported an error, or the library was built without the feature `exr`.
     #[error("{0}")]
     Exr(String),
-    /// The encoder of a preview or of Radiance HDR reported an error.
+    /// The Radiance HDR encoder reported an error, or the library was built without the feature `image`.
     #[error(transparent)]
-    Image(#[from] ImageError),
+    Hdr(Box<dyn Error + Send + Sync>),
     /// The format requires linear light, but only output bytes are available.
     #[error("its format is made of linear light, of which only rounded bytes are left")]
     NoLight,
@@ -141,8 +140,14 @@ fn pixels_of(film: &Film, transfer: Transfer, format: FrameFormat) -> FramePixel
 /// If the encoder rejects the film's size.
 pub fn encode_quickly(film: &Film, transfer: Transfer) -> Result<Vec<u8>, EncodeError> {
     let (film, mut bytes) = (film.encoded(transfer), Vec::new());
-    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Sub);
-    encoder.write_image(film.bytes(), film.width(), film.height(), ExtendedColorType::Rgb8)?;
+    let mut encoder = png::Encoder::new(&mut bytes, film.width(), film.height());
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Sub);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(film.bytes())?;
+    writer.finish()?;
     Ok(bytes)
 }
 
@@ -178,7 +183,7 @@ pub(super) fn encode_frame(
             [pfm_file::header(size).into_bytes().into(), bytes.into(), trailer.into_bytes().into()]
         }
         FrameFormat::Hdr => {
-            let body = hdr_file::body(&light()?.film)?;
+            let body = hdr_file::body(&light()?.film).map_err(EncodeError::Hdr)?;
             let comment = hdr_file::comment(provenance(&body).as_ref());
             [hdr_file::SIGNATURE.into(), comment.into_bytes().into(), body.into()]
         }

@@ -1,9 +1,10 @@
 //! Radiance HDR files: linear light in 8 bits per channel with an exponent per pixel, run-length encoded.
 
-use std::io::Cursor;
+use std::error::Error;
+use std::io::{BufRead, Cursor, Seek};
 
 use image::codecs::hdr::{HdrDecoder, HdrEncoder};
-use image::{DynamicImage, ImageResult};
+use image::{DynamicImage, ImageFormat, ImageReader};
 
 use super::picture::{FileChannels, FileColors, StoredPicture};
 use super::provenance::Provenance;
@@ -14,7 +15,7 @@ use crate::trace::Film;
 pub(super) const SIGNATURE: &[u8] = b"#?RADIANCE\n";
 
 /// Returns the bytes of a file after its first line, without comments.
-pub(super) fn body(film: &Film) -> ImageResult<Vec<u8>> {
+pub(super) fn body(film: &Film) -> Result<Vec<u8>, Box<dyn Error + Send + Sync>> {
     let pixels: Vec<_> = film.pixels().iter().map(|pixel| image::Rgb(rounded(*pixel).to_array())).collect();
     let mut file = Vec::new();
     HdrEncoder::new(&mut file).encode(&pixels, film.width() as usize, film.height() as usize)?;
@@ -51,6 +52,11 @@ fn without_comments(mut bytes: &[u8]) -> (Vec<u8>, Vec<&[u8]>) {
     }
     rest.extend(bytes);
     (rest, comments)
+}
+
+/// Returns the width and height from the beginning of a file.
+pub(super) fn size(file: impl BufRead + Seek) -> Option<(u32, u32)> {
+    ImageReader::with_format(file, ImageFormat::Hdr).into_dimensions().ok()
 }
 
 /// Decodes a file completely. Returns the reason if the file is not valid. The stored bytes are all bytes after the first line, except

@@ -11,7 +11,11 @@ mod exr_file;
 mod found_frame;
 mod frame_file;
 mod frame_pixels;
+#[cfg_attr(not(feature = "image"), path = "no_gif_writer.rs")]
+mod gif_writer;
+#[cfg_attr(not(feature = "image"), path = "no_hdr_file.rs")]
 mod hdr_file;
+#[cfg(feature = "image")]
 mod image_conversion;
 mod label;
 mod pfm_file;

@@ -1,5 +1,7 @@
 //! OpenEXR files in builds without the feature `exr`: they are neither written nor read.
 
+use std::io::{BufRead, Seek};
+
 use super::channels::Channels;
 use super::frame_pixels::LinearFrame;
 use super::picture::{FileChannels, StoredPicture};
@@ -14,6 +16,10 @@ pub(super) fn encode(
     _fingerprint: Option<FrameFingerprint>,
 ) -> Result<Vec<u8>, String> {
     Err(REJECTION.to_owned())
+}
+
+pub(super) fn size(_file: impl BufRead + Seek) -> Option<(u32, u32)> {
+    None
 }
 
 pub(super) fn decode(_bytes: &[u8], _channels: Channels, _passes: Passes) -> Result<StoredPicture, String> {

@@ -48,6 +48,11 @@ fn color_type(channels: Channels) -> ColorType {
     }
 }
 
+/// Returns the width and height from the beginning of a file.
+pub(super) fn size(file: impl BufRead + Seek) -> Option<(u32, u32)> {
+    Decoder::new(file).read_info().ok().map(|reader| reader.info().size())
+}
+
 /// Decodes a file completely and verifies all bytes. Returns the reason if the file is not valid.
 pub(super) fn decode(
     file: &mut (impl BufRead + Seek),

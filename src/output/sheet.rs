@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use image::{RgbImage, imageops};
-
 use super::frame_file::write_pixels;
 use super::label;
 use super::{FrameFormat, WriteError};
@@ -17,8 +15,8 @@ const LABEL_GAP: u32 = 5;
 /// Columns of a tile per pixel of the width and height of a label's dot.
 const COLUMNS_PER_DOT: u32 = 400;
 
-const BACKGROUND: image::Rgb<u8> = image::Rgb([28; 3]);
-const INK: image::Rgb<u8> = image::Rgb([200; 3]);
+const BACKGROUND: [u8; 3] = [28; 3];
+const INK: [u8; 3] = [200; 3];
 
 /// Frames in a grid, row by row, with frame number and time below each frame if there is room.
 ///
@@ -27,7 +25,10 @@ const INK: image::Rgb<u8> = image::Rgb([200; 3]);
 pub struct Sheet {
     columns: u32,
     tile: (u32, u32),
-    picture: RgbImage,
+    /// Width and height in pixels.
+    size: (u32, u32),
+    /// Pixels, row by row from the top.
+    pixels: Vec<[u8; 3]>,
     /// Number of tiles so far.
     count: u32,
 }
@@ -73,8 +74,8 @@ impl Sheet {
         let side = |side: u64| u32::try_from(side).ok().filter(|side| *side <= Self::LARGEST_SIDE);
         match (side(width), side(height)) {
             (Some(width), Some(height)) if u64::from(width) * u64::from(height) <= Self::LARGEST_AREA => {
-                let picture = RgbImage::from_pixel(width, height, BACKGROUND);
-                Ok(Self { columns: columns.max(1), tile, picture, count: 0 })
+                let pixels = vec![BACKGROUND; width as usize * height as usize];
+                Ok(Self { columns: columns.max(1), tile, size: (width, height), pixels, count: 0 })
             }
             _ => Err(too_large),
         }
@@ -99,9 +100,13 @@ impl Sheet {
     /// Adds a frame as the next tile. Pixels outside the tile or the sheet are cropped.
     pub fn add(&mut self, film: &EncodedFilm, frame: u32, time: Time) {
         let (left, top) = self.next_corner();
-        let picture = film.to_image();
-        let tile = imageops::crop_imm(&picture, 0, 0, self.tile.0, self.tile.1);
-        imageops::replace(&mut self.picture, &*tile, left.into(), top.into());
+        let columns = self.tile.0.min(film.width()).min(self.width().saturating_sub(left)) as usize;
+        let rows = self.tile.1.min(film.height()).min(self.height().saturating_sub(top)) as usize;
+        let films = film.pixels().chunks(film.width().max(1) as usize);
+        let sheets = self.pixels.chunks_mut(self.size.0 as usize).skip(top as usize);
+        for (sheet, film) in sheets.zip(films).take(rows) {
+            sheet[left as usize..][..columns].copy_from_slice(&film[..columns]);
+        }
         let label = format!("#{frame}  {:.3} s", time.seconds());
         self.label(&label, left, top.saturating_add(self.tile.1 + LABEL_GAP));
     }
@@ -109,13 +114,13 @@ impl Sheet {
     /// Returns the width in pixels.
     #[must_use]
     pub fn width(&self) -> u32 {
-        self.picture.width()
+        self.size.0
     }
 
     /// Returns the height in pixels.
     #[must_use]
     pub fn height(&self) -> u32 {
-        self.picture.height()
+        self.size.1
     }
 
     /// Writes the sheet completely or not at all.
@@ -124,8 +129,7 @@ impl Sheet {
     ///
     /// If the file system or the encoder reports an error. No partial file remains.
     pub fn write(&self, path: &Path, format: FrameFormat) -> Result<(), WriteError> {
-        let film = EncodedFilm::from_bytes(self.width(), self.height(), self.picture.as_raw());
-        let film = film.expect("a picture has three bytes per pixel");
+        let film = EncodedFilm::from_values(self.width(), self.height(), self.pixels.clone());
         write_pixels(path, &film.into(), format)
     }
 
@@ -144,8 +148,9 @@ impl Sheet {
         let fitting = [label, first_word].into_iter().find(|text| dot * label::width(text) <= room);
         for (column, row) in label::dots(fitting.unwrap_or_default()) {
             for (x, y) in (0..dot * dot).map(|index| (column * dot + index % dot, row * dot + index / dot)) {
-                if let Some(pixel) = self.picture.get_pixel_mut_checked(left + x, top.saturating_add(y)) {
-                    *pixel = INK;
+                let (x, y) = (left + x, top.saturating_add(y));
+                if x < self.width() && y < self.height() {
+                    self.pixels[y as usize * self.size.0 as usize + x as usize] = INK;
                 }
             }
         }
@@ -229,22 +234,22 @@ mod tests {
             // The second frame is larger than the tile.
             sheet.add(&film((90 + index % 2, 3 + index % 2), color), index, Time::ZERO);
         }
-        let count = |sheet: &Sheet, bytes| sheet.picture.pixels().filter(|pixel| pixel.0 == bytes).count();
+        let count = |sheet: &Sheet, bytes| sheet.pixels.iter().filter(|pixel| **pixel == bytes).count();
         for bytes in [[255, 0, 0], [0, 255, 0], [0, 0, 255]] {
             assert_eq!(count(&sheet, bytes), 270);
         }
-        let pixel = |x, y| sheet.picture.get_pixel(x, y).0;
+        let pixel = |x: u32, y: u32| sheet.pixels[(y * sheet.width() + x) as usize];
         let (right, below) = (GAP + 90 + GAP, GAP + 3 + LABEL_GAP + label::HEIGHT + GAP);
         assert_eq!(
             [pixel(GAP, GAP), pixel(right, GAP), pixel(GAP, below)],
             [[255, 0, 0], [0, 255, 0], [0, 0, 255]]
         );
-        assert_eq!(pixel(right, below), BACKGROUND.0);
+        assert_eq!(pixel(right, below), BACKGROUND);
 
         sheet.add(&film(tile, Rgb::ONE), 3, Time::ZERO);
         let full = sheet.clone();
         sheet.add(&film(tile, Rgb::X), 4, Time::ZERO);
-        assert!(full.picture == sheet.picture);
+        assert!(full.pixels == sheet.pixels);
     }
 
     #[test]
@@ -261,8 +266,9 @@ mod tests {
     fn inked(columns: u32) -> usize {
         let mut sheet = Sheet::new(1, 1, (columns, 1)).unwrap();
         sheet.add(&film((columns, 1), Rgb::ONE), 17, Time::ZERO);
-        let inked = sheet.picture.enumerate_pixels().filter(|(.., pixel)| **pixel == INK);
+        let inked = (0..).zip(&sheet.pixels).filter(|(_, pixel)| **pixel == INK);
+        let inked = inked.map(|(index, _): (u32, _)| (index % sheet.width(), index / sheet.width()));
         let is_below = |x, y| (GAP..sheet.width() - GAP).contains(&x) && y >= GAP + 1 + LABEL_GAP;
-        inked.inspect(|(x, y, _)| assert!(is_below(*x, *y))).count()
+        inked.inspect(|(x, y)| assert!(is_below(*x, *y))).count()
     }
 }

@@ -54,9 +54,7 @@ pub(crate) use frame::{FrameInstants, NextInstants, PreparedInstant, Simulation}
 pub(crate) use interrupted::{Interrupted, ScriptFailure};
 pub(crate) use order::order_newcomers;
 pub use plan::{Need, Plan};
-pub use prepare::{
-    ActiveCamera, EffectiveSettings, Preparation, RenderSettings, active_camera,
-};
+pub use prepare::{ActiveCamera, EffectiveSettings, Preparation, RenderSettings, active_camera};
 pub use propagate::propagate;
 pub use property_access::value;
 pub use render_request::{OnPause, RenderRequest};
