@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-use super::Demand;
+use super::demand::Demand;
 use crate::trace::{Outlook, RoundPolicy};
 
 /// Controls which pixels of a frame get more samples in each round, so that all frames of a sequence finish in time and have equal errors.
@@ -129,16 +129,24 @@ impl Deadline {
         self.after = seconds;
     }
 
-    /// Records the demand of a frame, estimated from a few of its samples. `first` is the time until the end of its first round and
-    /// `writing` the time for writing it; both are in seconds.
-    pub fn note_demand(&mut self, index: usize, demand: Demand, [first, writing]: [f64; 2]) {
+    /// Records the survey of a frame. `first` is the time until the end of its first round and `writing` the time for writing it; both are
+    /// in seconds.
+    pub fn note_survey(&mut self, index: usize, survey: &FrameSurvey, times: [f64; 2]) {
+        self.note_demand(index, survey.demand, times);
+        if let Some(calibration) = survey.calibration {
+            self.calibrate(calibration);
+        }
+    }
+
+    /// Records the demand of a frame, estimated from a few of its samples, and the times of its survey.
+    fn note_demand(&mut self, index: usize, demand: Demand, [first, writing]: [f64; 2]) {
         self.demands[index] = Some(demand);
         self.setup.add(first);
         self.writing.add(writing);
     }
 
     /// Records the cost of further rounds of a surveyed frame.
-    pub fn calibrate(&mut self, Calibration { samples, predicted, seconds }: Calibration) {
+    fn calibrate(&mut self, Calibration { samples, predicted, seconds }: Calibration) {
         self.rate.add(seconds, samples, 1.0);
         self.excess.add(samples, predicted, 1.0);
     }
@@ -287,7 +295,7 @@ pub struct FrameSurvey {
 
 /// The cost of further rounds of a frame: samples taken, samples predicted for the same error, and seconds.
 #[derive(Clone, Copy, Debug)]
-pub struct Calibration {
+pub(crate) struct Calibration {
     samples: f64,
     predicted: f64,
     seconds: f64,
@@ -304,18 +312,6 @@ impl FrameSurvey {
     #[must_use]
     pub fn first_round(&self) -> Option<Instant> {
         self.first
-    }
-
-    /// Returns the demand of the frame.
-    #[must_use]
-    pub fn demand(&self) -> Demand {
-        self.demand
-    }
-
-    /// Returns the cost of the rounds after the second one; `None` if there were none.
-    #[must_use]
-    pub fn calibration(&self) -> Option<Calibration> {
-        self.calibration
     }
 }
 

@@ -7,7 +7,7 @@ use crate::trace::Outlook;
 /// The number of further samples that one or more frames need for each of a series of errors. Each error is the previous one divided by the
 /// square root of two.
 #[derive(Clone, Copy, Debug)]
-pub struct Demand([f64; LEVELS]);
+pub(crate) struct Demand([f64; LEVELS]);
 
 const LEVELS: usize = 41;
 /// The largest error, in output values. All pictures have a smaller one.

@@ -25,8 +25,7 @@ mod report;
 mod resample;
 mod similarity;
 
-pub use deadline::{Calibration, Deadline, FrameSurvey, survey_order};
-pub use demand::Demand;
+pub use deadline::{Deadline, FrameSurvey, survey_order};
 pub use estimate::{Estimate, estimate};
 pub use film_error::FilmError;
 pub use fit::PowerLaw;

@@ -197,10 +197,7 @@ fn survey(
             return Err(anyhow!(error).into());
         }
         let survey = survey.lock().unwrap_or_else(PoisonError::into_inner);
-        deadline.note_demand(index, survey.demand(), [first, writing]);
-        if let Some(calibration) = survey.calibration() {
-            deadline.calibrate(calibration);
-        }
+        deadline.note_survey(index, &survey, [first, writing]);
         surveyed.quickest = surveyed.quickest.min(first);
         surveyed.files.push(request.file(&sequence));
     }

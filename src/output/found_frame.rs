@@ -9,7 +9,7 @@ use png::BitDepth;
 use super::picture::StoredPicture;
 use super::provenance::{PixelFingerprint, Provenance};
 use super::{FrameFormat, exr_file, hdr_file, pfm_file, png_file, ppm_file};
-use crate::trace::EncodedFilm;
+use crate::trace::{EncodedFilm, FrameFingerprint};
 
 /// The state of a frame's file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,8 +30,8 @@ pub enum FoundFrame {
     },
     /// A complete frame.
     Complete {
-        /// Provenance stored in the file.
-        provenance: Provenance,
+        /// Fingerprint of all that was rendered, as stored in the file.
+        fingerprint: FrameFingerprint,
         /// Width and height in pixels.
         size: (u32, u32),
     },
@@ -74,7 +74,7 @@ impl FoundFrame {
             return Self::Unknown { size };
         };
         if PixelFingerprint::of(&bytes, size) == provenance.pixels {
-            Self::Complete { provenance, size }
+            Self::Complete { fingerprint: provenance.frame, size }
         } else {
             Self::Corrupt("its pixels are not those that were written".to_owned())
         }
@@ -194,10 +194,10 @@ mod tests {
     #[test]
     fn complete_frames_are_recognized() {
         for format in formats() {
-            let FoundFrame::Complete { provenance, size } = FoundFrame::of(&frame(format, 3), format) else {
+            let FoundFrame::Complete { fingerprint, size } = FoundFrame::of(&frame(format, 3), format) else {
                 panic!("{format:?} is not complete: {:?}", FoundFrame::of(&frame(format, 3), format));
             };
-            assert_eq!((size, provenance.frame.to_string()), ((7, 5), format!("{:032x}", 3)));
+            assert_eq!((size, fingerprint.to_string()), ((7, 5), format!("{:032x}", 3)));
         }
         for format in formats().into_iter().filter(|format| format.passes().is_empty()) {
             let film = Film::new(7, 5);

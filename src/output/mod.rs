@@ -39,7 +39,6 @@ pub use frame_file::{
 };
 pub use frame_pixels::{FramePixels, LinearFrame};
 pub use picture_file::PictureFile;
-pub use provenance::{NoProvenance, PixelFingerprint, Provenance};
 pub use sequence::{FrameNames, InvalidPattern, Sequence};
 pub use sheet::{Sheet, SheetTooLarge};
 pub use video_stream::{VideoFormat, VideoStream};

@@ -11,7 +11,7 @@ use crate::trace::FrameFingerprint;
 /// It is stored under [`KEYWORD`](Provenance::KEYWORD): in PNG as a `tEXt` chunk, in PPM and Radiance HDR as a comment, in OpenEXR as
 /// an attribute, and in PFM after the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Provenance {
+pub(crate) struct Provenance {
     /// Fingerprint of all that was rendered.
     pub frame: FrameFingerprint,
     /// Fingerprint of the resulting pixels.
@@ -20,11 +20,11 @@ pub struct Provenance {
 
 /// A fingerprint of a picture's pixel bytes and of its width and height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelFingerprint(u128);
+pub(crate) struct PixelFingerprint(u128);
 
 impl Provenance {
     /// The keyword under which files store the provenance.
-    pub const KEYWORD: &str = "rayreel";
+    pub(super) const KEYWORD: &str = "rayreel";
     const VERSION: &str = "1";
 }
 
@@ -32,7 +32,7 @@ impl PixelFingerprint {
     /// Returns the fingerprint of the pixel bytes of a picture and of its width and height. The bytes of 8-bit formats are red, green and
     /// blue of each pixel, row by row from the top.
     #[must_use]
-    pub fn of(rgb: &[u8], (width, height): (u32, u32)) -> Self {
+    pub(super) fn of(rgb: &[u8], (width, height): (u32, u32)) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&width.to_le_bytes());
         hasher.update(&height.to_le_bytes());
@@ -52,7 +52,7 @@ impl fmt::Display for Provenance {
 /// The error for a string that is not a [`Provenance`] of this version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it is not known what this frame was rendered from")]
-pub struct NoProvenance;
+pub(crate) struct NoProvenance;
 
 impl FromStr for Provenance {
     type Err = NoProvenance;

@@ -125,8 +125,8 @@ pub(super) fn verdict_of(
         FoundFrame::Corrupt(reason) => FrameVerdict::Corrupt(reason),
         FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
         FoundFrame::OtherSize { .. } => FrameVerdict::Stale,
-        FoundFrame::Complete { provenance, .. } => {
-            match engine.plan(request.time)?.fingerprint == Some(provenance.frame) {
+        FoundFrame::Complete { fingerprint, .. } => {
+            match engine.plan(request.time)?.fingerprint == Some(fingerprint) {
                 true => FrameVerdict::UpToDate,
                 false => FrameVerdict::Stale,
             }

@@ -102,7 +102,7 @@ fn mismatches(name: &str, mut engine: Engine, frames: &[u32]) -> Vec<String> {
         let found = FoundFrame::expected_at(&golden, FrameFormat::default(), (film.width(), film.height()));
         let fingerprint = engine.report().fingerprint.unwrap();
         let is_same =
-            matches!(found, FoundFrame::Complete { provenance, .. } if provenance.frame == fingerprint);
+            matches!(found, FoundFrame::Complete { fingerprint: stored, .. } if stored == fingerprint);
         if bless && !is_same {
             let (writer, film) =
                 (FrameWriter::start(), film.encoded(engine.effective_settings().film.transfer));
