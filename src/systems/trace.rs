@@ -111,19 +111,29 @@ fn trace<E: Encoding>(
     report.trace = traced;
     visited?;
     let job = job.take_if(|_| is_complete).ok_or(Interrupted::Cancelled)?;
-    report.rounds = job.rounds().to_vec();
-    report.error = job.estimated_error();
-    let start = Instant::now();
-    let (mut image, stats, job_memory) = job.finish();
-    report.trace += start.elapsed();
-    (report.rays, report.ends, report.escalations) = (stats.rays, stats.ends, stats.escalations);
+    let mut image = finish(job, memory, report);
     report.fingerprint = hashed.map(|hashed| match policy {
         Some(_) => hashed.finish().with_rounds(&report.rounds),
         None => hashed.finish(),
     });
-    *memory = job_memory;
     image.sample_counts = sample_counts.then(|| memory.counts(image.film.size())).flatten();
     Ok(image)
+}
+
+/// Finishes a job, and reports its samples and rays.
+fn finish<E: Encoding>(
+    job: RenderJob<E>,
+    memory: &mut SampleMemory,
+    report: &mut FrameReport,
+) -> RenderedImage<E::Pixel> {
+    report.rounds = job.rounds().to_vec();
+    report.error = job.estimated_error();
+    let start = Instant::now();
+    let (image, stats, job_memory) = job.finish();
+    report.trace += start.elapsed();
+    (report.rays, report.ends, report.escalations) = (stats.rays, stats.ends, stats.escalations);
+    *memory = job_memory;
+    image
 }
 
 /// Renders a frame by the reference path.
