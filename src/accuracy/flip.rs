@@ -15,7 +15,7 @@
 //! ```
 //!
 //! All filters are sums of separable filters: products of a function of the column and a function of the row. Pictures are processed in
-//! bands of rows, each with the surrounding rows that the filters radius, so that little memory is needed.
+//! bands of rows, each with the surrounding rows that the filters reach, so that little memory is needed.
 
 use std::f64::consts::PI;
 use std::ops::Range;

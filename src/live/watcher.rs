@@ -214,7 +214,7 @@ impl WatcherThread {
         true
     }
 
-    /// Returns whether an event is_relevant_event the files.
+    /// Returns whether an event concerns the files.
     fn is_relevant_event(&mut self, event: &notify::Event) -> bool {
         if matches!(event.kind, EventKind::Access(_)) {
             return false;
