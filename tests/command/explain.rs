@@ -215,7 +215,7 @@ fn text_output_is_a_table_of_the_json_values() {
     assert_eq!(blocks.next(), Some("scene.ron: 10 frames of 64x36"));
     let sentences = [
         "Every frame needs ambient light, antialiasing.",
-        "Some need diffuse light, highlights, shadows, clear shadows, reflection, refraction, motion blur.",
+        "Some need diffuse light, highlights, shadows, transparent shadows, reflection, refraction, motion blur.",
         "No frame needs the other 9.",
     ];
     assert_eq!(blocks.next(), Some(sentences.join("\n").as_str()));
@@ -251,7 +251,7 @@ fn text_output_is_a_table_of_the_json_values() {
         "fog                  all     its density is 0",
         "motion blur          0-6     nothing moves while the shutter is open",
     ] {
-        assert!(omitted.lines().any(|report| report == line), "{line}\n{omitted}");
+        assert!(omitted.lines().any(|found| found == line), "{line}\n{omitted}");
     }
     assert_eq!(omitted.lines().count(), 1 + 20);
     assert_eq!(blocks.next(), None);
