@@ -221,12 +221,12 @@ impl RenderedFrameReport {
         let kinds = kinds.map(|(count, name)| format!("{} {name}", in_millions(count as f64)));
         let rays = kinds.collect::<Vec<_>>().join(", ");
         let error = error.map_or_else(String::new, |EstimatedError { value, deviation, hidden }| {
-            let hidden = if hidden > deviation {
+            let unseen = if hidden > deviation {
                 format!(", and {hidden:.2} by features that no sample hit")
             } else {
                 String::new()
             };
-            format!("; off by about {value:.2} (± {deviation:.2}){hidden}")
+            format!("; off by about {value:.2} (± {deviation:.2}){unseen}")
         });
         format!("{phases}; rays: {rays}{error}")
     }

@@ -112,14 +112,14 @@ impl Explanation {
             "frames": self.timeline.count(),
             "spread_over": self.timeline.spread_over(),
             "measured": self.costs.json(),
-            "effects": self.timeline.effects().map(|timeline| json!({
-                "effect": timeline.effect.name(),
-                "spans": timeline.spans.iter().map(|span| json!({
+            "effects": self.timeline.effects().map(|needs| json!({
+                "effect": needs.effect.name(),
+                "spans": needs.spans.iter().map(|span| json!({
                     "frames": span.frames(),
                     "needed": span.need.is_needed(),
                     "why": span.need.reason(),
                 })).collect::<Vec<_>>(),
-                "cost": self.costs.effect_json(timeline.effect, self.measure),
+                "cost": self.costs.effect_json(needs.effect, self.measure),
             })).collect::<Vec<_>>(),
         });
         self.changed.add_to(&mut explanation);

@@ -12,12 +12,12 @@ const TIME: usize = 4;
 /// Formats a table of the needed effects, followed by a table of the effects that are not needed.
 pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> String {
     let (mut needed, mut omitted) = (Vec::new(), Vec::new());
-    for effect in timeline.effects() {
-        for span in &effect.spans {
+    for needs in timeline.effects() {
+        for span in &needs.spans {
             let mut row =
-                vec![effect.effect.name().to_owned(), span.describe(), span.need.reason().to_owned()];
+                vec![needs.effect.name().to_owned(), span.describe(), span.need.reason().to_owned()];
             if span.need.is_needed() {
-                row.extend(cost_cells(effect.effect, costs, measure));
+                row.extend(cost_cells(needs.effect, costs, measure));
                 needed.push(row);
             } else {
                 omitted.push(row);

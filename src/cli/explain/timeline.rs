@@ -45,8 +45,8 @@ impl PlannedTimeline {
             let time = engine.timeline().time_of(frame);
             let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
             let Some(plan) = &engine.plan(request)?.plan else { continue };
-            for effect in &mut effects {
-                effect.add(plan.need(effect.effect), frame, before);
+            for needs in &mut effects {
+                needs.add(plan.need(needs.effect), frame, before);
             }
             frames.push(frame);
         }
