@@ -84,9 +84,9 @@ impl Farm {
             )
             .into());
         }
-        let out = describe(settings.sequence.directory())?;
+        let out = path_text(settings.sequence.directory())?;
         Ok(Self {
-            scene: describe(&arguments.scene)?,
+            scene: path_text(&arguments.scene)?,
             // `verify` would parse a leading hyphen as an option.
             out: if out.starts_with('-') { format!("./{out}") } else { out },
             name: job_name(&arguments.scene)?,
@@ -152,7 +152,7 @@ fn render_arguments(arguments: &FarmArguments) -> anyhow::Result<RenderArguments
 }
 
 /// Returns the text of a path, or an error if it is not UTF-8.
-fn describe(path: &Path) -> anyhow::Result<String> {
+fn path_text(path: &Path) -> anyhow::Result<String> {
     let words = path.to_str();
     words
         .map(str::to_owned)

@@ -5,12 +5,12 @@
 use anyhow::{Context, ensure};
 use serde_json::{Value, json};
 
-use super::{Farm, describe, document, one_line};
+use super::{Farm, document, one_line, path_text};
 
 /// Returns the job template (specification of 2023-09).
 pub(super) fn template(farm: &Farm) -> anyhow::Result<String> {
     let here = std::env::current_dir().context("the working directory is gone")?;
-    let here = literal(&describe(&here)?)?;
+    let here = literal(&path_text(&here)?)?;
     let range = format!("0-{}", farm.shards - 1);
     let mut verify = step("Verify", &here, farm.verify(literal)?);
     verify["dependencies"] = json!([{ "dependsOn": "Render" }]);

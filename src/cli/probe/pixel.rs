@@ -139,25 +139,20 @@ impl PixelExplanation<'_> {
     /// Returns the tree of rays. Subtrees nested deeper than [`NESTED`] become separate trees.
     fn roots(&self) -> Vec<TreeNode> {
         let rays = &self.tree.rays;
-        let mut generations: Vec<usize> = Vec::with_capacity(rays.len());
+        let mut depths: Vec<usize> = Vec::with_capacity(rays.len());
         for traced in rays {
-            generations.push(traced.parent.map_or(0, |parent| generations[parent] + 1));
+            depths.push(traced.parent.map_or(0, |parent| depths[parent] + 1));
         }
         let mut roots = Vec::new();
-        let mut nodes: Vec<TreeNode> = rays
-            .iter()
-            .zip(&generations)
-            .map(|(traced, generation)| self.node(traced, *generation))
-            .collect();
+        let mut nodes: Vec<TreeNode> =
+            rays.iter().zip(&depths).map(|(traced, depth)| self.node(traced, *depth)).collect();
         // Rays are stored after their parents, so the last node already has all its children.
         while let Some(mut node) = nodes.pop() {
             let index = nodes.len();
             if let Some(parent) = rays[index].parent {
-                if generations[index].is_multiple_of(NESTED) {
-                    let below = TreeNode::leaf(format!(
-                        "{} is below",
-                        ray_name(rays[index].kind, generations[index])
-                    ));
+                if depths[index].is_multiple_of(NESTED) {
+                    let below =
+                        TreeNode::leaf(format!("{} is below", ray_name(rays[index].kind, depths[index])));
                     roots.push(std::mem::replace(&mut node, below));
                 }
                 nodes[parent].children.push(node);
@@ -169,15 +164,15 @@ impl PixelExplanation<'_> {
         roots
     }
 
-    fn node(&self, traced: &TracedRay, generation: usize) -> TreeNode {
-        let name = ray_name(traced.kind, generation);
+    fn node(&self, traced: &TracedRay, depth: usize) -> TreeNode {
+        let name = ray_name(traced.kind, depth);
         let light = traced.end.light();
         let mut facts =
             vec![("origin", vector(traced.ray.origin())), ("direction", vector(traced.ray.direction()))];
         let (found, children) = match &traced.end {
             RayEnd::Background(_) => ("sees the background".to_owned(), Vec::new()),
             RayEnd::BeyondDepth(_) => {
-                (format!("is beyond the depth of {generation} and sees the background"), Vec::new())
+                (format!("is beyond the depth of {depth} and sees the background"), Vec::new())
             }
             RayEnd::Surface(lit) => {
                 let surface = &lit.surface;
@@ -311,11 +306,11 @@ impl PixelExplanation<'_> {
     }
 }
 
-fn ray_name(kind: RayKind, generation: usize) -> String {
+fn ray_name(kind: RayKind, depth: usize) -> String {
     match kind {
         RayKind::Camera => "camera ray".to_owned(),
-        RayKind::Reflection => format!("reflection {generation}"),
-        RayKind::Refraction => format!("refraction {generation}"),
+        RayKind::Reflection => format!("reflection {depth}"),
+        RayKind::Refraction => format!("refraction {depth}"),
     }
 }
 
