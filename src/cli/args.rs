@@ -68,7 +68,7 @@ pub(super) enum Command {
     Compare(CompareArguments),
     /// Print the ray tree of a pixel, or the hits of given rays
     Probe(ProbeArguments),
-    /// Check a folder of frames: list missing, corrupt (torn), outdated (stale) and leftover (surplus) files
+    /// Check a folder of frames: list missing, corrupt (torn), outdated (stale) and stray (surplus) files
     Verify(VerifyArguments),
     /// Print job scripts that render a sequence on a render farm
     Farm(FarmArguments),
@@ -329,7 +329,7 @@ pub(super) struct CheckArguments {
   rayreel explain scenes/first_light.ron --json
   rayreel explain scenes/fly_around.ron --path path.svg
 
-Effects that a frame does not need are disabled, and the reason is given: no material has the effect,
+Effects that a frame does not need are omitted, and the reason is given: no material has the effect,
 its coefficient is 0 at this time, the light is off, nothing moves while the shutter is open, or no
 shape with the effect is visible. The picture is the same, bit for bit, as with all effects
 (render --full).
