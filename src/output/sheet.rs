@@ -102,10 +102,10 @@ impl Sheet {
         let (left, top) = self.next_corner();
         let columns = self.tile.0.min(film.width()).min(self.width().saturating_sub(left)) as usize;
         let rows = self.tile.1.min(film.height()).min(self.height().saturating_sub(top)) as usize;
-        let films = film.pixels().chunks(film.width().max(1) as usize);
-        let sheets = self.pixels.chunks_mut(self.size.0 as usize).skip(top as usize);
-        for (sheet, film) in sheets.zip(films).take(rows) {
-            sheet[left as usize..][..columns].copy_from_slice(&film[..columns]);
+        let film_rows = film.pixels().chunks(film.width().max(1) as usize);
+        let sheet_rows = self.pixels.chunks_mut(self.size.0 as usize).skip(top as usize);
+        for (sheet_row, film_row) in sheet_rows.zip(film_rows).take(rows) {
+            sheet_row[left as usize..][..columns].copy_from_slice(&film_row[..columns]);
         }
         let label = format!("#{frame}  {:.3} s", time.seconds());
         self.label(&label, left, top.saturating_add(self.tile.1 + LABEL_GAP));

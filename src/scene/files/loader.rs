@@ -180,7 +180,7 @@ impl Loader {
     fn include(&mut self, path: &Path, written: &Path, from: (usize, usize)) -> Result<usize, ReadFailure> {
         let key = self.try_path(path);
         if let Some(index) = self.known.get(&key) {
-            return match self.include_stack.iter().position(|include_stack| include_stack == index) {
+            return match self.include_stack.iter().position(|file| file == index) {
                 Some(start) => Err(self.ring(start)),
                 None => Ok(*index),
             };
