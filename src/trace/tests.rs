@@ -118,7 +118,7 @@ fn film(scene: &PreparedScene, camera: &PreparedCamera, sampling: PixelSampling)
 
 /// The properties of transparent materials: absorption, refraction, and whether rays branch in two.
 #[derive(Clone, Copy, Debug)]
-struct Clear {
+struct Glass {
     absorbs: bool,
     bends: bool,
     branches: bool,
@@ -126,7 +126,7 @@ struct Clear {
 
 /// Returns a scene with shapes of all kinds above a floor and in front of a wall. Most are transparent. They may be separate, nested, or
 /// around the lights.
-fn clear_scene(places: &[(u8, [f64; 3], f64)], transparent: Clear) -> PreparedScene {
+fn glass_scene(places: &[(u8, [f64; 3], f64)], glass: Glass) -> PreparedScene {
     let floor = PreparedShape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap());
     let wall = PreparedShape::Plane(Plane::new(DVec3::Z * 4.0, DVec3::NEG_Z).unwrap());
     let mut geometry = Geometry::default();
@@ -144,11 +144,10 @@ fn clear_scene(places: &[(u8, [f64; 3], f64)], transparent: Clear) -> PreparedSc
             2 => PreparedShape::SphereImage(SphereImage::new(map, 1.0)),
             _ => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE).unwrap()),
         });
-        let absorption =
-            if transparent.absorbs && kind % 3 != 0 { Rgb::new(0.2, 0.0, 0.9) } else { Rgb::ZERO };
-        let ior = if transparent.bends { 1.4 } else { 1.0 };
-        let refraction = Refraction { transmitted: 0.7, ior, absorption, fresnel: transparent.branches };
-        let reflected = if transparent.branches { 0.1 } else { 0.0 };
+        let absorption = if glass.absorbs && kind % 3 != 0 { Rgb::new(0.2, 0.0, 0.9) } else { Rgb::ZERO };
+        let ior = if glass.bends { 1.4 } else { 1.0 };
+        let refraction = Refraction { transmitted: 0.7, ior, absorption, fresnel: glass.branches };
+        let reflected = if glass.branches { 0.1 } else { 0.0 };
         materials.push(SurfaceMaterial {
             refraction: (index % 5 != 4).then_some(refraction),
             reflected,
@@ -167,7 +166,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
     #[test]
-    fn what_is_clear_has_the_reference_s_bits_at_every_level(
+    fn transparent_scenes_equal_the_reference_at_every_simd_level(
         places in prop::collection::vec(
             (0..12_u8, [-2.0..2.0, 0.2..3.0, -2.0..2.0], prop_oneof![0.1..0.4, 0.4..1.2]),
             1..12,
@@ -176,7 +175,7 @@ proptest! {
         cutoff in prop_oneof![Just(0.0_f32), Just(4e-3), Just(0.1)],
         samples in 1..3_u32,
     ) {
-        let mut scene = clear_scene(&places, Clear { absorbs, bends, branches });
+        let mut scene = glass_scene(&places, Glass { absorbs, bends, branches });
         scene.cutoff = cutoff;
         let resolution = (19, 17);
         let eye = DVec3::new(0.3, 1.6, -6.0);

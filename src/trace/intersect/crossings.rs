@@ -361,7 +361,7 @@ mod tests {
         }
         let inside = PreparedRay::new(DVec3::new(0.1, 0.3, 0.2), DVec3::X).unwrap();
         assert_eq!(crossings(&scene, &inside, &ShadowLimit::NONE), (Some(1), 1));
-        let unbounded = PreparedRay::new(DVec3::new(-5.0, 1.3, 0.2), DVec3::X).unwrap();
-        assert_eq!(crossings(&scene, &unbounded, &ShadowLimit::NONE), (Some(0), 0));
+        let missing = PreparedRay::new(DVec3::new(-5.0, 1.3, 0.2), DVec3::X).unwrap();
+        assert_eq!(crossings(&scene, &missing, &ShadowLimit::NONE), (Some(0), 0));
     }
 }

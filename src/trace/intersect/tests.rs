@@ -68,14 +68,14 @@ pub(super) fn scene(shapes: &[PreparedShape]) -> PreparedScene {
     scene_of(shapes, |_| false)
 }
 
-pub(super) fn scene_of(shapes: &[PreparedShape], is_unoccluded: impl Fn(usize) -> bool) -> PreparedScene {
+pub(super) fn scene_of(shapes: &[PreparedShape], is_transparent: impl Fn(usize) -> bool) -> PreparedScene {
     let mut geometry = Geometry::default();
     for shape in shapes {
         let _ = geometry.push(*shape);
     }
     let glass = Refraction { transmitted: 0.5, ior: 1.5, absorption: Rgb::ZERO, fresnel: false };
     let material = |index| SurfaceMaterial {
-        refraction: is_unoccluded(index).then_some(glass),
+        refraction: is_transparent(index).then_some(glass),
         ..SurfaceMaterial::default()
     };
     PreparedScene::new(geometry, (0..shapes.len()).map(material).collect::<Vec<_>>())
@@ -291,15 +291,15 @@ proptest! {
             for (packet, (rays, limits)) in shadows.iter().enumerate() {
                 let lists = [0, 1].map(|half| if listed { candidates.of(packet, half) } else { None });
                 let all_lists = [0, 1].map(|half| if all_listed { all_candidates.of(packet, half) } else { None });
-                let all_beside = if all_listed { all_candidates.unbounded() } else { &scene.unbounded };
+                let all_unbounded = if all_listed { all_candidates.unbounded() } else { &scene.unbounded };
                 let covered = if listed { candidates.occluded(packet) } else { 0 };
-                let listed_beside = if listed { candidates.unbounded() } else { &scene.unbounded };
-                let clear_ways = if listed && candidates.is_unoccluded(packet) { rays.lanes & !rays.tied & !covered } else { 0 };
+                let listed_unbounded = if listed { candidates.unbounded() } else { &scene.unbounded };
+                let unoccluded = if listed && candidates.is_unoccluded(packet) { rays.lanes & !rays.tied & !covered } else { 0 };
                 let searches = [
                     ([None; 2], None, &*scene.unbounded),
                     ([None; 2], Some(light), &scene.unbounded),
-                    (lists, Some(light), listed_beside),
-                    (all_lists, None, all_beside),
+                    (lists, Some(light), listed_unbounded),
+                    (all_lists, None, all_unbounded),
                 ];
                 for (candidates, lit_from, unbounded) in searches {
                     let shadow = ShadowPacket { rays, limits, light: lit_from, occluders, unbounded, candidates };
@@ -311,7 +311,7 @@ proptest! {
                         let (in_tree, crossed) = occluded_ray(&scene, &ray, &limit, (except, None), transparent, &mut scratch);
                         prop_assert_eq!(single.0, in_tree, "{} {:?}", name, ray);
                         prop_assert!(in_tree || covered & (1 << lane) == 0, "{} {:?}", name, ray);
-                        prop_assert!(!in_tree || clear_ways & (1 << lane) == 0, "{} {:?}", name, ray);
+                        prop_assert!(!in_tree || unoccluded & (1 << lane) == 0, "{} {:?}", name, ray);
                         if found.undecided & (1 << lane) == 0 {
                             let occluded = found.occluded & (1 << lane) != 0;
                             prop_assert_eq!(occluded, in_tree, "{} {:?}", name, ray);
