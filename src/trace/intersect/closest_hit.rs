@@ -240,8 +240,8 @@ impl ClosestHitSearch<'_> {
             if half_of(lanes, half) == 0 {
                 continue;
             }
-            if let Some(answer) = self.intersector.intersect(simd, shape, half, lanes) {
-                nearer |= consider(simd, self.hits, half, shape.id, &answer);
+            if let Some(found) = self.intersector.intersect(simd, shape, half, lanes) {
+                nearer |= consider(simd, self.hits, half, shape.id, &found);
             }
         }
         nearer
@@ -270,8 +270,8 @@ pub(super) fn latest<S: Simd>(simd: S, hits: &HitPacket, half: usize) -> F64s<S>
 /// Updates the closest hits of half of the rays with their hits of a shape. If a hit may coincide with the closest hit so far, its lane is
 /// marked as undecided. Returns whether any hit is nearer than the closest hit before.
 #[inline(always)]
-fn consider<S: Simd>(simd: S, hits: &mut HitPacket, half: usize, id: ShapeId, answer: &PacketHit<S>) -> bool {
-    let PacketHit { intersection, far } = answer;
+fn consider<S: Simd>(simd: S, hits: &mut HitPacket, half: usize, id: ShapeId, found: &PacketHit<S>) -> bool {
+    let PacketHit { intersection, far } = found;
     let root = intersection.root;
     let best = BoundedT::within(hits.ts.load(simd, half), hits.errors.load(simd, half));
     let is_near = root.t().simd_lt(splat(simd, FAR));

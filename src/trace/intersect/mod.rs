@@ -10,7 +10,7 @@
 //! - [`mod@refine`]: refinement of a packet's hits to surface points; [`hit`]: hits and surface points.
 //! - [`occlusion`]: occlusion of a light at surface points; [`candidates`]: possible occluders for all packets of a tile.
 //! - [`crossings`]: crossings of shadow rays with transparent shapes; [`certain_crossings`]: their number, where a fast count is certain.
-//! - [`cast`]: closest hits of rays that users ask for.
+//! - [`cast`]: closest hits of rays given by users.
 //! - [`reciprocals`]: reciprocals of ray directions, computed once per packet; [`scratch`]: memory reused between queries.
 
 mod bundle;
