@@ -433,9 +433,9 @@ fn reach(
         let Some(LightSample { color, shadow }) = sample_light(context.effects, light, lit, sample) else {
             continue;
         };
-        let share = shadow.map_or(Ok(Rgb::ONE), |way| {
+        let share = shadow.map_or(Ok(Rgb::ONE), |segment| {
             traced = true;
-            visibility(context, scratch, &way.ray(seen.0), own_shape, seen)
+            visibility(context, scratch, &segment.ray(seen.0), own_shape, seen)
         });
         match share {
             Ok(share) => sum += (color * share).as_dvec3(),
@@ -462,16 +462,17 @@ fn visibility(
     seen: (&SurfacePoint, MediumStack),
 ) -> Result<Rgb, ShapeId> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
-    let (scene, are_unoccluded) = (context.scene, context.effects.lighting == Lighting::TransparentShadows);
+    let (scene, passes_transparent) =
+        (context.scene, context.effects.lighting == Lighting::TransparentShadows);
     scratch.search.crossed.clear();
-    let hides = |id: &ShapeId| {
+    let occludes = |id: &ShapeId| {
         let Scratch { crossed, intersector, ties, .. } = &mut scratch.search;
         let (ray, detail) = (&RayView::new(ray, ties), CrossingDetail::FirstHit);
         Some(*id) != own_shape
             && (scene.occludes_or_is_crossed(*id, (ray, limit), detail, crossed, intersector)
-                || !are_unoccluded && !crossed.is_empty())
+                || !passes_transparent && !crossed.is_empty())
     };
-    match scene.geometry().ids_in_order().find(hides) {
+    match scene.geometry().ids_in_order().find(occludes) {
         Some(id) => Err(id),
         None => Ok(filtered_and_absorbed(scene, shadow_ray, own_shape, seen, scratch)),
     }

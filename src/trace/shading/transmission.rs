@@ -121,32 +121,32 @@ pub(crate) fn filtered_and_absorbed(
     for crossed in crossed.iter() {
         crossed.cross(scene, (ray, limit), crossings, intersector);
     }
-    let way =
+    let segment =
         ShadowSegment { direction: ray.direction(), limit: *limit, from_behind: shadow_ray.from_behind };
-    absorbed_along(scene, &way, own_shape, (surface, medium), scratch)
+    absorbed_along(scene, &segment, own_shape, (surface, medium), scratch)
 }
 
 /// Computes the transmittance of transparent shapes from the crossings of the ray in `scratch.search.crossings`, in any order.
 pub(crate) fn filtered_along(
     scene: &PreparedScene,
-    way: &ShadowSegment,
+    segment: &ShadowSegment,
     own_shape: Option<ShapeId>,
     (surface, medium): (&SurfacePoint, MediumStack),
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
-    if !way.from_behind && medium == MediumStack::NONE {
+    if !segment.from_behind && medium == MediumStack::NONE {
         match scratch.search.crossings[..] {
             [] => return Rgb::ONE,
             // Fast path: usually the ray crosses a single solid from one side to the other.
             [into, out] if into.id == out.id && into.entering && scene.may_be_medium(into.id) => {
-                let length = (out.t - into.t) * way.direction.length();
+                let length = (out.t - into.t) * segment.direction.length();
                 let filter = Filter { id: into.id, crossings: 2, length: length.max(0.0) };
                 return product(scene, &mut [filter]);
             }
             _ => {}
         }
     }
-    absorbed_along(scene, way, own_shape, (surface, medium), scratch)
+    absorbed_along(scene, segment, own_shape, (surface, medium), scratch)
 }
 
 /// Computes [`filtered_along`] for any number of solids.

@@ -10,8 +10,7 @@ use fearless_simd::{dispatch, f32x16, prelude::*};
 use super::buffers::TileBuffers;
 use super::slots::Sample;
 use crate::color::Rgb;
-use crate::trace::intersect::CrossedPacket;
-use crate::trace::intersect::HitPacket;
+use crate::trace::intersect::{CrossedPacket, HitPacket};
 use crate::trace::math::{lanes, mask16};
 use crate::trace::scene::{PreparedLight, PreparedScene};
 use crate::trace::shading::{LightSamplePacket, MediumStack, PathPacket, filtered_along, transmittances};
@@ -50,8 +49,8 @@ pub(super) fn attenuate_packet(
         let crossings = &mut scratch.search.crossings;
         crossings.clear();
         crossings.extend(crossed.iter().flat_map(|crossed| crossed.of(lane)).flatten());
-        let (way, seen) = (light_samples.segment(light, lane), (&point, paths.media[lane]));
-        let share = filtered_along(scene, &way, light.own_shape, seen, scratch);
+        let (segment, seen) = (light_samples.segment(light, lane), (&point, paths.media[lane]));
+        let share = filtered_along(scene, &segment, light.own_shape, seen, scratch);
         light_samples.colors.set(lane, light_samples.colors.get(lane) * share);
     }
 }
