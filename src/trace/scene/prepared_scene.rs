@@ -43,7 +43,7 @@ pub struct PreparedScene {
     pub background: PreparedBackground,
     /// The fog between shapes.
     pub(crate) fog: PreparedFog,
-    /// Maximum ray depth: the number of ray bounces that are traced. Camera rays are always traced.
+    /// Maximum ray depth: the number of bounces that are traced. Camera rays are the first one, which is always traced.
     pub depth: u32,
     /// Maximum loss of a sample's light, in linear light, by not tracing rays of low contribution; 0 traces all rays.
     pub cutoff: f32,

@@ -43,7 +43,7 @@ impl<'a> RenderContext<'a> {
         Self { scene, camera, sampling, effects, radiance_bound, pixel_centers, lights, start }
     }
 
-    /// Returns the number of ray bounces to trace; camera rays are always traced.
+    /// Returns the number of bounces to trace. Camera rays are the first one, which is always traced.
     pub(crate) fn bounces(&self) -> u32 {
         self.scene.depth.max(1)
     }

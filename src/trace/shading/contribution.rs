@@ -1,6 +1,6 @@
 //! Upper bounds of the contribution of rays to their pixel, used to cut rays of negligible contribution.
 //!
-//! B(n) bounds the radiance, per channel, along any ray with n ray bounces left. B(0) is the bound of the background. A ray with more
+//! B(n) bounds the radiance, per channel, along any ray with n bounces left. B(0) is the bound of the background. A ray with more
 //! bounces left sees the background, fog, or a surface of some material. The radiance of a surface is its own light plus the radiance
 //! along its secondary rays. Its own light is at most the surface's response to all lights together, and the shares of the secondary rays
 //! add up to at most k_r + k_t of its material. So B(n) is the maximum of direct + (k_r + k_t) B(n-1) over all materials. The maximum is
