@@ -36,12 +36,12 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
             }
             let Some(point) = surfaces.get(lane, hits) else { continue };
             let arrived = (rays.directions.get(lane), &paths.get(lane));
-            let queued = secondary_rays(context, scratch, arrived, &point);
+            let spawned = secondary_rays(context, scratch, arrived, &point);
             let (mirrored, refracted) = next.branches_mut(mirrored, refracted);
-            if let Some(ray) = queued.reflected {
+            if let Some(ray) = spawned.reflected {
                 mirrored.set(lane, &ray);
             }
-            if let (Some(ray), Some(refracted)) = (queued.refracted, refracted) {
+            if let (Some(ray), Some(refracted)) = (spawned.refracted, refracted) {
                 refracted.set(lane, &ray);
             }
         }

@@ -198,7 +198,7 @@ fn record_coverage(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
 /// Adds the radiance of each ray to its pixel, ray by ray in the order of the wavefront. Multiplies the throughput of each ray by the
 /// transmittance along it.
 fn add_to_pixels(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
-    buffers.stage_runs.sums += 1;
+    buffers.stage_runs.add_to_pixels += 1;
     dispatch!(context.scene.simd.level(), simd => {
         for packet in 0..buffers.wavefront.count {
             clamp(simd, buffers.wavefront.rays[packet].lanes & buffers.hits[packet].ids.lanes(simd), &mut buffers.radiance[packet]);
@@ -300,12 +300,12 @@ fn add<S: Simd>(
         ]);
         return;
     }
-    let mut brought = Colors::splat(Rgb::ZERO);
-    brought.store(light);
+    let mut added = Colors::splat(Rgb::ZERO);
+    added.store(light);
     for lane in lanes(rays) {
         let slot = wavefront.slots[packet][lane] as usize;
         let (packet, place) = (slot / LANES % PACKETS, slot % LANES);
-        pixels[packet].set(place, pixels[packet].get(place) + brought.get(lane));
+        pixels[packet].set(place, pixels[packet].get(place) + added.get(lane));
     }
 }
 
@@ -378,13 +378,18 @@ mod tests {
 
     #[test]
     fn stages_that_no_effect_needs_are_not_entered() {
-        let one =
-            StageCounts { camera_rays: 1, closest_hits: 1, surfaces: 1, sums: 1, ..StageCounts::default() };
+        let one = StageCounts {
+            camera_rays: 1,
+            closest_hits: 1,
+            surfaces: 1,
+            add_to_pixels: 1,
+            ..StageCounts::default()
+        };
         assert_eq!(stages(Lighting::None, Paths::Straight), one);
         let lit = StageCounts { direct_light: 1, ..one };
         assert_eq!(stages(Lighting::Unshadowed, Paths::Straight), lit);
         assert_eq!(stages(Lighting::Shadows, Paths::Straight), StageCounts { shadows: 1, ..lit });
-        let two = StageCounts { closest_hits: 2, surfaces: 2, sums: 2, next_rays: 2, ..one };
+        let two = StageCounts { closest_hits: 2, surfaces: 2, add_to_pixels: 2, next_rays: 2, ..one };
         assert_eq!(stages(Lighting::None, Paths::Mirrors), two);
         let all = StageCounts { direct_light: 2, shadows: 2, ..two };
         assert_eq!(stages(Lighting::TransparentShadows, Paths::Media), all);

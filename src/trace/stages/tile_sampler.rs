@@ -2,8 +2,7 @@
 
 use super::slots::Slots;
 use super::tile::{PACKETS, Tile};
-use crate::trace::intersect::LensCandidates;
-use crate::trace::intersect::Scratch;
+use crate::trace::intersect::{LensCandidates, Scratch};
 use crate::trace::math::LANES;
 use crate::trace::scene::{PixelKeys, Precision};
 use crate::trace::shading::RenderContext;
