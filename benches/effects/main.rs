@@ -26,10 +26,10 @@ const EFFECTS: &[(&str, &[(&str, &str)])] = &[
     ("falloff", &[("/* lights */", FADING)]),
     ("area lights, 4 samples", &[("/* lights */", BALLS)]),
     ("mirrors", &[("/* metal */", "reflective: (k_r: 0.5),")]),
-    ("clear media", &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5),")]),
-    ("clear media, Fresnel", &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5, fresnel: true),")]),
+    ("transparent media", &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5),")]),
+    ("transparent media, Fresnel", &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5, fresnel: true),")]),
     (
-        "clear media, absorption",
+        "transparent media, absorption",
         &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5, absorption: (1, 0.5, 0.2)),")],
     ),
     ("checker", &[("/* clay */", "checker: (color: (20, 20, 20), size: 1),")]),
