@@ -28,8 +28,15 @@ fn passes_equal_the_reference_path() {
         let (passes, repeated) = (passes.unwrap(), engine.report().clone());
         assert_eq!((&film, passes.pixels().len()), (&plain.film, film.pixels().len()));
         assert_eq!(
-            (repeated.fingerprint, repeated.rays, repeated.plan),
-            (report.fingerprint, report.rays, report.plan)
+            (
+                repeated.fingerprint,
+                repeated.rays,
+                repeated.ends,
+                repeated.error,
+                repeated.rounds,
+                repeated.plan
+            ),
+            (report.fingerprint, report.rays, report.ends, report.error, report.rounds, report.plan)
         );
         let mut hits = 0;
         for (index, pass) in (0..).zip(passes.pixels()) {
