@@ -164,20 +164,20 @@ fn only_selected_frames_are_drawn() {
 fn long_paths_are_sampled_with_the_last_frame() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("long.ron"), AROUND.replace("duration: 4)", "duration: 600)")).unwrap();
-    let stdout_of = |frames: &[&str]| {
+    let described = |frames: &[&str]| {
         let fixed = ["explain", "long.ron", "--path", "path.svg"];
         stdout_of(folder.path(), [&fixed[..], frames].concat())
     };
     // The camera goes around once at constant speed.
-    let all = stdout_of(&[]);
+    let all = described(&[]);
     assert!(
         all.starts_with("path.svg: 4000 of 14400 frames, a path of 31.4 units at 0.05 units a second"),
         "{all}"
     );
     let drawing = fs::read_to_string(folder.path().join("path.svg")).unwrap();
     assert!(drawing.contains(" frames drawn<") || drawing.contains("every frame drawn<"), "{drawing}");
-    assert!(stdout_of(&["--frames", "0-4000"]).starts_with("path.svg: 4000 of 4001 frames, "));
-    assert!(stdout_of(&["--frames", "0-3999"]).starts_with("path.svg: 4000 frames, "));
+    assert!(described(&["--frames", "0-4000"]).starts_with("path.svg: 4000 of 4001 frames, "));
+    assert!(described(&["--frames", "0-3999"]).starts_with("path.svg: 4000 frames, "));
 }
 
 /// Checks that the new drawing replaces the old file. A hard link to the old file keeps its content.

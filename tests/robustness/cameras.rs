@@ -48,8 +48,8 @@ pub(crate) fn camera() -> impl Strategy<Value = String> {
         .prop_map(|(aperture, focus)| format!(", lens: (aperture: {:?}, focus: {focus})", aperture.abs()));
     let lens = prop_oneof![2 => Just(String::new()), 1 => lens];
     (point(), view, up, projection, (lens, shutter()), relations()).prop_map(
-        |(position, view, up, projection, (lens, shutter), bonds)| {
-            format!("position: {position}, {view}, up: {up}{projection}{lens}{shutter}{bonds}")
+        |(position, view, up, projection, (lens, shutter), relations)| {
+            format!("position: {position}, {view}, up: {up}{projection}{lens}{shutter}{relations}")
         },
     )
 }

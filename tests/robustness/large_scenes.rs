@@ -66,7 +66,7 @@ const PATHS: [&str; 12] = [
 /// Generates scenes with up to `most` items.
 pub(crate) fn large_scenes(most: usize) -> impl Strategy<Value = Files> {
     let ring = [false, true];
-    let large_scenes: Vec<Mass> = [
+    let kinds: Vec<Mass> = [
         Mass::Coincident,
         Mass::Namesakes,
         Mass::Missing,
@@ -88,7 +88,7 @@ pub(crate) fn large_scenes(most: usize) -> impl Strategy<Value = Files> {
     .collect();
     // Small numbers are as frequent as large ones.
     let count = (1..=most, 0..=most.ilog2()).prop_map(|(count, halved)| (count >> halved).max(1));
-    (prop::sample::select(large_scenes), count).prop_map(|(scene, count)| files(scene, count))
+    (prop::sample::select(kinds), count).prop_map(|(kind, count)| files(kind, count))
 }
 
 /// Joins items, each made from its index.

@@ -397,8 +397,8 @@ fn commands_report_the_file_of_a_mistake() {
         (&entity["name"], &entity["file"], &entity["line"]),
         (&json!("one/body"), &json!("parts/car.ron"), &json!(11))
     );
-    let stdout = run(&["probe", "scene.ron", "--pixel", "16,14"]);
-    assert!(String::from_utf8(stdout.stdout).unwrap().contains("\"one/body\" (parts/car.ron:11)"));
+    let output = run(&["probe", "scene.ron", "--pixel", "16,14"]);
+    assert!(String::from_utf8(output.stdout).unwrap().contains("\"one/body\" (parts/car.ron:11)"));
 
     fs::write(folder.path().join("parts/pole.ron"), "(entities: [\n  (shape: Sphere(radius: 0)),\n])")
         .unwrap();

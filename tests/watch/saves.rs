@@ -44,13 +44,13 @@ fn saved_often(save: impl Fn(&Stage, &str)) -> (usize, usize) {
 #[test]
 fn continuous_saves_in_place_are_shown_without_mistakes() {
     let (shown, broken) = saved_often(|stage, text| fs::write(stage.path("ball.ron"), text).unwrap());
-    assert!(shown > 6 && broken == 0, "{shown} shown, {broken} told broken");
+    assert!(shown > 6 && broken == 0, "{shown} shown, {broken} reported as mistakes");
 }
 
 #[test]
 fn continuous_renames_are_shown_several_times_a_second() {
     let (shown, broken) = saved_often(Stage::save);
-    assert!(shown > 9 && broken == 0, "{shown} shown, {broken} told broken");
+    assert!(shown > 9 && broken == 0, "{shown} shown, {broken} reported as mistakes");
 }
 
 /// Checks files that are written in pieces of several sizes, with several pauses.

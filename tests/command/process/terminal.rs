@@ -210,7 +210,7 @@ fn check_bad(folder: &Path, scene: &str, text: &str) -> usize {
 }
 
 /// A scene with a mistake, and a scene with a warning.
-const TOLD: [(&str, &str); 2] = [
+const REPORTED: [(&str, &str); 2] = [
     ("wrong.ron", "(camera: (position: (0, 0, -5), target: (0, 0, 0)), ambent: 1)"),
     (
         "lost.ron",
@@ -224,7 +224,7 @@ const TOLD: [(&str, &str); 2] = [
 fn own_messages_are_not_escaped() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    for (name, scene) in TOLD {
+    for (name, scene) in REPORTED {
         fs::write(folder.join(name), scene).unwrap();
         for command in ["check", "render", "explain"] {
             let stderr = text(&rayreel(folder, [command, name]).stderr);
