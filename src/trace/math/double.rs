@@ -22,14 +22,6 @@ impl Double {
 
     /// Returns the short decimal number that was rounded to `number`: the one with at most 15 digits whose nearest `f64` is `number`.
     /// Returns `number` itself if there is none.
-    ///
-    /// ```
-    /// use rayreel::trace::math::Double;
-    /// let decimal = Double::decimal;
-    /// assert_ne!(0.1 + 0.2, 0.3);
-    /// assert_eq!((decimal(0.1) + decimal(0.2)).rounded(), 0.3);
-    /// assert_eq!(decimal(0.1 + 0.2).rest(), 0.0); // 0.30000000000000004 has 17 digits
-    /// ```
     #[must_use]
     #[inline]
     pub fn decimal(number: f64) -> Self {

@@ -1,0 +1,28 @@
+//! Files of other programs, given as scenes.
+
+use std::path::Path;
+
+use crate::scene::Diagnostic;
+
+/// What to do with a scene, or a model, of another program.
+const SCENE: &str = "write the scene in RON, the notation of rayreel: `rayreel new FILE.ron` writes a small one to start from";
+/// What to do with data.
+const DATA: &str = "let a script in the scene's list `spawn` make an entity of each line, or let a program write the entities";
+
+/// Returns the diagnostic for a file that is not a scene, but known to be a file of another program by its extension.
+pub(super) fn foreign_file(path: &Path) -> Option<Diagnostic> {
+    let extension = path.extension()?.to_str()?.to_lowercase();
+    let (what, help) = match extension.as_str() {
+        "pov" | "inc" => ("a scene of POV-Ray", SCENE),
+        "blend" => ("a file of Blender", SCENE),
+        "gltf" | "glb" | "obj" | "fbx" | "stl" | "ply" | "dae" | "usd" | "usda" | "usdc" | "usdz" => {
+            ("a model of triangles", SCENE)
+        }
+        "pbrt" => ("a scene of pbrt", SCENE),
+        "xyz" | "extxyz" | "pdb" | "gro" | "dump" | "lammpstrj" | "xtc" => ("a trajectory", DATA),
+        "csv" | "tsv" | "npy" | "npz" | "json" => ("a file of data", DATA),
+        _ => return None,
+    };
+    let message = format!("`{}` is {what}, not a scene of rayreel", path.display());
+    Some(Diagnostic::new(message, "", Some(help.to_owned()), None))
+}
