@@ -5,10 +5,13 @@
 
 mod encoding;
 mod error_norm;
+mod srgb;
 mod transfer;
 
 pub use encoding::{Encoding, Linear};
 pub use error_norm::ErrorNorm;
+pub(crate) use srgb::hex_channels;
+pub use srgb::{HexError, hex, srgb};
 pub use transfer::Transfer;
 
 /// Linear RGB light: a radiance, an intensity or a reflectance per channel. 1.0 is full, more is brighter. It is never negative and never

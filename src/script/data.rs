@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::animation::limits::{LARGEST, MOST_LIGHT};
 use crate::animation::{Notation, Rotation, Value};
-use crate::color::Transfer;
+use crate::color::{Transfer, hex_channels};
 
 /// A value returned by a script or passed to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,7 +109,10 @@ impl Notation {
             Self::Rotation => Value::Rotation(rotation(data)?.quaternion()),
             Self::Light => Value::Color(light(vector()?)),
             Self::Color => {
-                let channels = data.numbers::<3>().or_else(|| hexadecimal(data))?;
+                let channels = match data {
+                    Data::Text(text) => hex_channels(text)?,
+                    _ => data.numbers()?,
+                };
                 Value::Color(transfer.decode(channels.map(|channel| channel.clamp(0.0, 255.0))))
             }
         })
@@ -159,15 +162,4 @@ fn rotation(data: &Data) -> Option<Rotation> {
 
 fn light(numbers: DVec3) -> Vec3 {
     numbers.clamp(DVec3::ZERO, DVec3::splat(MOST_LIGHT)).as_vec3()
-}
-
-/// Parses a colour in the form `#rrggbb`.
-fn hexadecimal(data: &Data) -> Option<[f64; 3]> {
-    let Data::Text(text) = data else { return None };
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
-    if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
-        return None;
-    }
-    let [_, red, green, blue] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
-    Some([red, green, blue].map(f64::from))
 }

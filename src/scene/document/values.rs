@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use serde::de::{Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
+use crate::color::hex_channels;
 use crate::scene::quote::{Figure, short};
 use crate::scene::suggest;
 
@@ -29,18 +30,12 @@ impl<'de> Deserialize<'de> for ColorDocument {
             }
 
             fn visit_str<E: Error>(self, text: &str) -> Result<ColorDocument, E> {
-                let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii());
-                let channel = |index: usize| {
-                    let pair = digits?.get(2 * index..2 * index + 2)?;
-                    u8::from_str_radix(pair, 16).ok().filter(|_| !pair.starts_with('+')).map(f64::from)
-                };
-                match (channel(0), channel(1), channel(2)) {
-                    (Some(red), Some(green), Some(blue)) => Ok(ColorDocument([red, green, blue])),
-                    _ => Err(E::custom(format!(
+                hex_channels(text).map(ColorDocument).ok_or_else(|| {
+                    E::custom(format!(
                         "`{}` is not a colour\nwrite six hexadecimal digits after a #, as in \"#ff783c\", or (255, 120, 60)",
                         short(text)
-                    ))),
-                }
+                    ))
+                })
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<ColorDocument, A::Error> {
