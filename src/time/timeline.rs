@@ -17,6 +17,13 @@ impl Timeline {
     /// The largest number of frames.
     pub const LARGEST_COUNT: u32 = 100_000_000;
 
+    /// Creates a timeline with a whole number of frames per second, clamped to 1..=[`FrameRate::LARGEST_PART`], and a duration in seconds.
+    #[must_use]
+    pub fn new(per_second: u32, duration: f64) -> Self {
+        let rate = FrameRate::new(per_second.clamp(1, FrameRate::LARGEST_PART), 1).unwrap_or_default();
+        Self { rate, duration }
+    }
+
     /// Returns a timeline of a single frame at time 0.
     #[must_use]
     pub fn still() -> Self {
@@ -26,10 +33,9 @@ impl Timeline {
     /// Returns the number of frames, at least 1 and at most [`Self::LARGEST_COUNT`].
     ///
     /// ```
-    /// use rayreel::time::{FrameRate, Timeline};
-    /// let count = |duration| Timeline { rate: FrameRate::new(24, 1).unwrap(), duration }.frame_count();
-    /// assert_eq!(count(4.0), 96); // the last frame is at 95/24 s; a loop has no doubled frame
-    /// assert_eq!(count(0.0), 1);
+    /// use rayreel::time::Timeline;
+    /// assert_eq!(Timeline::new(24, 4.0).frame_count(), 96); // the last frame is at 95/24 s; a loop has no doubled frame
+    /// assert_eq!(Timeline::still().frame_count(), 1);
     /// ```
     #[must_use]
     #[expect(
@@ -56,8 +62,8 @@ impl Timeline {
     /// before the start are moved to the start.
     ///
     /// ```
-    /// use rayreel::time::{FrameRate, Time, Timeline};
-    /// let timeline = Timeline { rate: FrameRate::new(10, 1).unwrap(), duration: 1.0 };
+    /// use rayreel::time::Timeline;
+    /// let timeline = Timeline::new(10, 1.0);
     /// let instants = timeline.instants(timeline.time_of(1), 0.5, 2);
     /// assert_eq!(instants, ["0.0875", "0.1125"].map(|time| time.parse().unwrap()));
     /// ```
