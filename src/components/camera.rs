@@ -47,6 +47,22 @@ impl Default for Camera {
     }
 }
 
+impl Camera {
+    /// Creates a camera at a point that looks towards another, with y up and a vertical field of view of 45 degrees.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use rayreel::components::{Camera, Projection};
+    /// let projection = Projection::FieldOfView { vertical: 30_f64.to_radians() };
+    /// let camera = Camera { projection, ..Camera::looking_at(DVec3::new(0.0, 2.0, -12.0), DVec3::ZERO) };
+    /// # assert_eq!(camera.up, DVec3::Y);
+    /// ```
+    #[must_use]
+    pub fn looking_at(position: DVec3, target: DVec3) -> Self {
+        Self { position, view: View::Target(target), ..Self::default() }
+    }
+}
+
 /// The entity that the camera follows without rotating. Its world position is added to the camera's position and to the point that the
 /// camera looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

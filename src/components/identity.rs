@@ -4,6 +4,14 @@
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Name(pub String);
 
+impl Name {
+    /// Creates a name.
+    #[must_use]
+    pub fn new(name: impl Into<String>) -> Self {
+        Self(name.into())
+    }
+}
+
 /// An entity's index in document order. Entities spawned later follow in the order in which they were spawned.
 ///
 /// Every order-dependent result uses this index, for example the choice among coincident surfaces and the summation of lights.

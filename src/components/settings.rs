@@ -56,11 +56,18 @@ impl FilmSettings {
     pub const LARGEST_SIDE: u32 = 32_768;
     /// The maximum number of pixels, 2^28: about 3 GB of film.
     pub const LARGEST_AREA: u64 = 1 << 28;
+
+    /// Creates settings for sRGB images of `width` columns and `height` rows.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { width, height, transfer: Transfer::Srgb }
+    }
 }
 
 impl Default for FilmSettings {
+    /// Returns settings for sRGB images of 640 columns and 360 rows.
     fn default() -> Self {
-        Self { width: 640, height: 360, transfer: Transfer::default() }
+        Self::new(640, 360)
     }
 }
 

@@ -25,6 +25,32 @@ impl Transform {
     pub const fn from_translation(translation: DVec3) -> Self {
         Self { translation, ..Self::IDENTITY }
     }
+
+    /// Creates a transform that only translates, by coordinates in scene units.
+    #[must_use]
+    pub const fn at(x: f64, y: f64, z: f64) -> Self {
+        Self::from_translation(DVec3::new(x, y, z))
+    }
+
+    /// Returns the transform with a rotation of the own +z axis towards a point, in the same space as the translation. The own +y axis is
+    /// up: as near to +y of that space as possible, or to +z if the point is straight above or below. The transform is unchanged if the
+    /// translation is at the point.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use rayreel::components::Transform;
+    /// let transform = Transform::at(0.0, 4.0, 3.0).looking_at(DVec3::ZERO);
+    /// let forward = transform.rotation * DVec3::Z;
+    /// assert!(forward.distance(DVec3::new(0.0, -0.8, -0.6)) < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn looking_at(self, point: DVec3) -> Self {
+        let Some(forward) = (point - self.translation).try_normalize() else { return self };
+        let across = |up: DVec3| Some(up.cross(forward)).filter(|right| right.length_squared() > 1e-24);
+        let right = across(DVec3::Y).or_else(|| across(DVec3::Z)).unwrap_or(DVec3::X).normalize();
+        let rotation = DQuat::from_mat3(&DMat3::from_cols(right, forward.cross(right), forward));
+        Self { rotation, ..self }
+    }
 }
 
 impl Default for Transform {
@@ -64,5 +90,29 @@ impl WorldTransform {
 impl Default for WorldTransform {
     fn default() -> Self {
         Self::IDENTITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transforms_look_at_points_in_all_directions() {
+        let start = Transform::at(1.0, -2.0, 3.0);
+        for direction in
+            (0..125).map(|cell| DVec3::from([cell % 5, cell / 5 % 5, cell / 25].map(f64::from)) - 2.0)
+        {
+            let looking = start.looking_at(start.translation + direction);
+            let Some(forward) = direction.try_normalize() else {
+                assert_eq!(looking, start);
+                continue;
+            };
+            let [right, up, ahead] = DVec3::AXES.map(|axis| looking.rotation * axis);
+            assert!(ahead.distance(forward) < 1e-14 && right.cross(up).distance(ahead) < 1e-14);
+            let is_vertical = direction.x == 0.0 && direction.z == 0.0;
+            let (vertical, level) = if is_vertical { (up.z, right.z) } else { (up.y, right.y) };
+            assert!(vertical > 0.0 && level.abs() < 1e-14, "{direction}: {right}, {up}");
+        }
     }
 }
