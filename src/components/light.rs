@@ -34,6 +34,48 @@ impl Light {
     pub const fn new(kind: LightKind, intensity: Rgb) -> Self {
         Self { kind, intensity, casts_shadows: true, falloff: None }
     }
+
+    /// Creates a [point light](LightKind::Point).
+    ///
+    /// ```
+    /// use rayreel::components::{Light, Transform};
+    /// use rayreel::{Rgb, World};
+    /// let mut world = World::new();
+    /// world.spawn((Light::point(Rgb::splat(0.8)), Transform::at(-4.0, 6.0, -4.0)));
+    /// let fill = Light { casts_shadows: false, ..Light::point(Rgb::splat(0.2)) };
+    /// world.spawn((fill, Transform::at(4.0, 3.0, -4.0)));
+    /// ```
+    #[must_use]
+    pub const fn point(intensity: Rgb) -> Self {
+        Self::new(LightKind::Point, intensity)
+    }
+
+    /// Creates a [spot light](LightKind::Spot). `angle` is the full angle of its cone in radians, greater than 0, at most pi. `softness`,
+    /// 0..=1, is the fraction of the angle between rim and axis over which the light fades.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use rayreel::components::{Light, Transform};
+    /// use rayreel::{Rgb, World};
+    /// let lamp = Light::spot(40_f64.to_radians(), 0.2, Rgb::ONE);
+    /// World::new().spawn((lamp, Transform::at(0.0, 5.0, -2.0).looking_at(DVec3::ZERO)));
+    /// ```
+    #[must_use]
+    pub const fn spot(angle: f64, softness: f64, intensity: Rgb) -> Self {
+        Self::new(LightKind::Spot { angle, softness }, intensity)
+    }
+
+    /// Creates a [directional light](LightKind::Directional), such as the sun, that travels in a direction of any nonzero length.
+    #[must_use]
+    pub const fn directional(direction: DVec3, intensity: Rgb) -> Self {
+        Self::new(LightKind::Directional { direction }, intensity)
+    }
+
+    /// Creates an [area light](LightKind::Area) with [`AreaShape::DEFAULT_SAMPLES`] sample points.
+    #[must_use]
+    pub const fn area(shape: AreaShape, intensity: Rgb) -> Self {
+        Self::new(LightKind::Area { shape, samples: AreaShape::DEFAULT_SAMPLES }, intensity)
+    }
 }
 
 /// The kind of a light source, with its position or direction.
@@ -88,6 +130,8 @@ pub enum AreaShape {
 }
 
 impl AreaShape {
+    /// The default number of sample points of an area light per lit point, for soft shadows.
+    pub const DEFAULT_SAMPLES: u32 = 16;
     /// The maximum number of sample points of an area light per lit point.
     pub const LARGEST_SAMPLES: u32 = 4096;
 }

@@ -15,6 +15,38 @@ pub struct Material {
     pub ambient_color: Option<Rgb>,
 }
 
+impl Material {
+    /// Creates a matte material: k_a is 0.3 and k_d is 0.7, so that a surface in white ambient light that faces a light of intensity 1 has
+    /// the material's colour.
+    ///
+    /// ```
+    /// use rayreel::color::srgb;
+    /// use rayreel::components::Material;
+    /// let clay = Material::matte(srgb(230, 100, 50));
+    /// let bright = Material { k_d: 0.9, ..clay };
+    /// # assert_eq!(bright.k_a, 0.3);
+    /// ```
+    #[must_use]
+    pub const fn matte(color: Rgb) -> Self {
+        Self { k_a: 0.3, k_d: 0.7, color, ambient_color: None }
+    }
+}
+
+impl Default for Material {
+    /// Returns a white material with coefficients of 0, for surfaces that only reflect or transmit light.
+    ///
+    /// ```
+    /// use rayreel::World;
+    /// use rayreel::components::{Material, Reflective, Refractive, Shape, Transform};
+    /// let (mut world, ball) = (World::new(), Shape::Sphere { radius: 1.0 });
+    /// world.spawn((ball, Material::default(), Refractive::GLASS, Transform::at(-2.0, 1.0, 0.0)));
+    /// world.spawn((ball, Material::default(), Reflective::MIRROR, Transform::at(2.0, 1.0, 0.0)));
+    /// ```
+    fn default() -> Self {
+        Self { k_a: 0.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None }
+    }
+}
+
 /// Specular highlights of lights on the surface. The presence of this component enables them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specular {
@@ -34,6 +66,11 @@ impl Specular {
 pub struct Reflective {
     /// The weight of the reflected ray's light, 0..=1.
     pub k_r: f32,
+}
+
+impl Reflective {
+    /// A mirror, k_r 0.9. Its [`Material`] may be the default.
+    pub const MIRROR: Self = Self { k_r: 0.9 };
 }
 
 /// Refraction: the surface transmits and bends light. The presence of this component enables refraction rays.
@@ -58,6 +95,8 @@ pub struct Refractive {
 }
 
 impl Refractive {
+    /// Clear glass: k_t 0.97, refractive index 1.5, no absorption, Fresnel reflectance. Its [`Material`] may be the default.
+    pub const GLASS: Self = Self { k_t: 0.97, ior: 1.5, absorption: Rgb::ZERO, fresnel: true };
     /// The smallest refractive index.
     pub const SMALLEST_IOR: f64 = 1e-3;
     /// The largest refractive index.
