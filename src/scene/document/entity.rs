@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::{ColorDocument, ScaleDocument, Triple, whole};
+use crate::components::AreaShape;
 
 /// The response of a surface to light.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -142,7 +143,7 @@ pub(crate) enum LightDocument {
     Area {
         shape: AreaShapeDocument,
         intensity: Triple,
-        #[serde(default = "sixteen", deserialize_with = "whole")]
+        #[serde(default = "default_samples", deserialize_with = "whole")]
         samples: u64,
         #[serde(default = "yes")]
         casts_shadows: bool,
@@ -158,8 +159,8 @@ pub(crate) enum AreaShapeDocument {
     Rectangle { width: f64, height: f64 },
 }
 
-fn sixteen() -> u64 {
-    16
+fn default_samples() -> u64 {
+    AreaShape::DEFAULT_SAMPLES.into()
 }
 
 fn yes() -> bool {

@@ -8,6 +8,7 @@ use super::{
     AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, IncludeDocument,
     MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
 };
+use crate::components::{FilmSettings, Quality, Sampling};
 
 /// A whole scene file.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -95,7 +96,8 @@ pub(crate) struct FilmDocument {
 
 impl Default for FilmDocument {
     fn default() -> Self {
-        Self { width: 640, height: 360, transfer: TransferDocument::default() }
+        let FilmSettings { width, height, .. } = FilmSettings::default();
+        Self { width: width.into(), height: height.into(), transfer: TransferDocument::default() }
     }
 }
 
@@ -119,7 +121,8 @@ pub(crate) struct QualityDocument {
 
 impl Default for QualityDocument {
     fn default() -> Self {
-        Self { depth: 5, cutoff: 0.25 }
+        let Quality { depth, cutoff } = Quality::default();
+        Self { depth: depth.into(), cutoff: cutoff.into() }
     }
 }
 
@@ -142,13 +145,14 @@ pub(crate) struct SamplingDocument {
 
 impl Default for SamplingDocument {
     fn default() -> Self {
+        let Sampling { samples, min_samples, max_error, instants, seed, .. } = Sampling::default();
         Self {
-            samples: 1,
-            min_samples: 1,
-            max_error: 0.0,
+            samples: samples.into(),
+            min_samples: min_samples.into(),
+            max_error: max_error.into(),
             norm: NormDocument::Rms,
-            instants: 16,
-            seed: 0,
+            instants: instants.into(),
+            seed,
             noise: NoiseDocument::Fixed,
         }
     }

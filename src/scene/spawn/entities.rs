@@ -194,27 +194,23 @@ fn shape(document: &ShapeDocument) -> Shape {
 }
 
 fn light(document: &LightDocument) -> Light {
-    match *document {
-        LightDocument::Point { intensity, casts_shadows, falloff } => Light {
-            casts_shadows,
-            falloff: falloff.map(self::falloff),
-            ..Light::new(LightKind::Point, rgb(intensity))
-        },
-        LightDocument::Spot { intensity, angle, softness, casts_shadows, falloff } => Light {
-            casts_shadows,
-            falloff: falloff.map(self::falloff),
-            ..Light::new(LightKind::Spot { angle: radians(angle), softness }, rgb(intensity))
-        },
+    let (light, casts_shadows, falloff) = match *document {
+        LightDocument::Point { intensity, casts_shadows, falloff } => {
+            (Light::point(rgb(intensity)), casts_shadows, falloff)
+        }
+        LightDocument::Spot { intensity, angle, softness, casts_shadows, falloff } => {
+            (Light::spot(radians(angle), softness, rgb(intensity)), casts_shadows, falloff)
+        }
         LightDocument::Directional { intensity, direction, casts_shadows, .. } => {
-            let kind = LightKind::Directional { direction: direction.into() };
-            Light { casts_shadows, ..Light::new(kind, rgb(intensity)) }
+            (Light::directional(direction.into(), rgb(intensity)), casts_shadows, None)
         }
         LightDocument::Area { shape, intensity, samples, casts_shadows, falloff } => {
             let samples = u32::try_from(samples).unwrap_or(u32::MAX);
             let kind = LightKind::Area { shape: area_shape(shape), samples };
-            Light { casts_shadows, falloff: falloff.map(self::falloff), ..Light::new(kind, rgb(intensity)) }
+            (Light::new(kind, rgb(intensity)), casts_shadows, falloff)
         }
-    }
+    };
+    Light { casts_shadows, falloff: falloff.map(self::falloff), ..light }
 }
 
 fn area_shape(document: AreaShapeDocument) -> AreaShape {
