@@ -101,22 +101,46 @@ pub enum SequenceError {
     },
 }
 
+impl Engine {
+    /// Renders all frames of the timeline as PNG files into a folder, which is created if it does not exist. The files are named after the
+    /// folder: `out/ball/ball.0000.png` and so on. Frames that are already complete and up to date are kept, so that the next call
+    /// continues an interrupted sequence. [`render_sequence`] renders a part of the timeline, writes other formats, and reports progress.
+    ///
+    /// ```no_run
+    /// use rayreel::Engine;
+    ///
+    /// let report = Engine::load("scenes/first_light.ron")?.render_to("out/first_light")?;
+    /// println!("{} frames rendered, {} kept", report.written, report.kept);
+    /// # Ok::<(), rayreel::sequence::SequenceError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`], and if the file system reports an error. All files written are complete.
+    pub fn render_to(&mut self, folder: impl AsRef<Path>) -> Result<SequenceReport, SequenceError> {
+        let (folder, count) = (folder.as_ref(), self.timeline().frame_count());
+        let name = folder.file_name().unwrap_or("frame".as_ref());
+        let sequence = Sequence::new(folder.to_owned(), name, count - 1, FrameFormat::default());
+        render_sequence(self, &FrameList::all(count), &sequence, |_| Continue(()))
+    }
+}
+
 /// Renders frames into the folder of a sequence, except for frames that are already complete and up to date. After each frame,
 /// `on_progress` decides whether to continue.
 ///
 /// ```no_run
 /// use std::ops::ControlFlow::Continue;
-/// use rayreel::output::{FrameFormat, Sequence};
+/// use rayreel::output::{Channels, FrameFormat, Sequence};
 /// use rayreel::{Engine, sequence::render_sequence, time::FrameList};
 ///
 /// let mut engine = Engine::load("scenes/first_light.ron")?;
-/// let count = engine.timeline().frame_count();
-/// let sequence = Sequence::new("out".into(), "first_light", count - 1, FrameFormat::default());
-/// let report = render_sequence(&mut engine, &FrameList::all(count), &sequence, |progress| {
+/// let sequence = Sequence::new("out".into(), "first_light", 95, FrameFormat::Png16(Channels::Rgb));
+/// let frames: FrameList = "0-95x5".parse()?;
+/// let report = render_sequence(&mut engine, &frames, &sequence, |progress| {
 ///     println!("{} of {}", progress.done, progress.total);
 ///     Continue(())
 /// })?;
-/// assert_eq!(report.written + report.kept, count as usize);
+/// assert_eq!(report.written + report.kept, 20);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
