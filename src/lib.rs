@@ -39,6 +39,56 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # A film in Rust
+//!
+//! Worlds can also be built in Rust, with custom components and systems. A ball bounces on a floor, in 240 steps per second:
+//!
+//! ```
+//! use rayreel::color::{hex, srgb};
+//! use rayreel::components::{Ambient, Camera, FilmSettings, Light, Material, Shape, Transform};
+//! use rayreel::glam::DVec3;
+//! use rayreel::time::Timeline;
+//! use rayreel::{Context, Engine, Rgb, Step, World};
+//!
+//! #[derive(Clone)]
+//! struct Velocity(DVec3);
+//!
+//! fn bounce(context: &mut Context<'_>) {
+//!     let dt = context.step_seconds();
+//!     for (transform, velocity) in context.world.query_mut::<(&mut Transform, &mut Velocity)>() {
+//!         velocity.0.y -= 9.81 * dt;
+//!         transform.translation += velocity.0 * dt;
+//!         if transform.translation.y < 1.0 {
+//!             transform.translation.y = 2.0 - transform.translation.y;
+//!             velocity.0.y *= -0.8;
+//!         }
+//!     }
+//! }
+//!
+//! let mut world = World::new();
+//! let (ball, clay) = (Shape::Sphere { radius: 1.0 }, Material::matte(hex("#ff783c")?));
+//! world.spawn((ball, clay, Transform::at(-1.0, 4.0, 0.0), Velocity(DVec3::X)));
+//! world.spawn((Shape::Plane { normal: DVec3::Y }, Material::matte(srgb(210, 200, 180))));
+//! world.spawn((Light::point(Rgb::splat(0.9)), Transform::at(-5.0, 9.0, -5.0)));
+//! world.spawn((Camera::looking_at(DVec3::new(0.0, 3.0, -12.0), DVec3::new(0.0, 2.0, 0.0)),));
+//! world.spawn((FilmSettings::new(32, 18), Ambient(Rgb::ONE)));
+//!
+//! let mut engine = Engine::new(world);
+//! engine.set_timeline(Timeline::new(24, 2.0));
+//! engine.register::<Velocity>(); // copied and restored when time goes back
+//! engine.add_stepped_system(Step::per_second(240), bounce);
+//!
+//! # let directory = tempfile::tempdir()?;
+//! # let folder = directory.path().join("ball");
+//! let report = engine.render_to(&folder)?; // ball.0000.png to ball.0047.png
+//! assert_eq!((report.written, report.kept), (48, 0));
+//! assert_eq!(engine.render_to(&folder)?.kept, 48); // complete frames are not rendered again
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`glam`], the crate of vectors and quaternions, and [`hecs`], the crate of the world, are re-exported, so that programs use the same
+//! versions without depending on them.
+//!
 //! # Features
 //!
 //! - `script`: scripts in scenes. Without it, each script of a scene is an error at its position.
@@ -78,8 +128,8 @@
 //! - *Tracer*: `src/systems/trace.rs`, the last system, which renders the prepared world with the kernel.
 //! - *Frame loop*: `src/systems/frame.rs`, which advances the world to the instants of a frame and runs the tracer at each.
 //! - *Timeline*: [`time::Timeline`], the frame rate and the duration; it converts frame indices to exact times.
-//! - *Frame sequence*: [`sequence::render_sequence`], which renders the frames that are missing or out of date; [`output::Sequence`] names
-//!   their files.
+//! - *Frame sequence*: [`Engine::render_to`] and [`sequence::render_sequence`], which render the frames that are missing or out of date;
+//!   [`output::Sequence`] names their files.
 //! - *Reload*: [`Engine::reload`], which replaces the scene after an edit; [`scene::Reader`] parses only the edited parts.
 //!
 //! # Layers
@@ -133,3 +183,4 @@ pub use systems::{
 };
 pub use time::Time;
 pub use trace::{Film, RenderedImage};
+pub use {glam, hecs};

@@ -18,60 +18,28 @@ use crate::trace::{Film, RayTree, RenderedImage, SampleMemory, SharedRoundPolicy
 ///
 /// # Simulation
 ///
-/// Bouncing balls, stepped 240 times per second. Frames may be requested in any order: going back in time replays the steps from the start
-/// and gives the same bits.
+/// Stepped systems simulate motion, as in [a film in Rust](crate#a-film-in-rust). Frames may be requested in any order: going back in time
+/// replays the steps from the start and gives the same bits.
 ///
 /// ```
-/// use glam::DVec3;
-/// use rayreel::components::{Camera, FilmSettings, Light, LightKind, Material, Shape, Transform};
+/// use rayreel::components::{Ambient, FilmSettings, Material, Shape, Transform};
 /// use rayreel::{Context, Engine, Rgb, Step, World};
 ///
-/// #[derive(Clone)]
-/// struct Velocity(DVec3);
-///
-/// fn physics(context: &mut Context<'_>) {
-///     let dt = context.step_seconds();
-///     let mut moved = Vec::new();
-///     for (entity, transform, velocity) in
-///         context.world.query_mut::<(rayreel::Entity, &mut Transform, &mut Velocity)>()
-///     {
-///         velocity.0.y -= 9.81 * dt;
-///         transform.translation += velocity.0 * dt;
-///         if transform.translation.y < 1.0 {
-///             transform.translation.y = 2.0 - transform.translation.y;
-///             velocity.0.y = -0.8 * velocity.0.y;
-///         }
-///         moved.push(entity);
-///     }
-///     for entity in moved {
-///         context.changes.mark_transform(entity); // undeclared entities are not read again
-///     }
-/// }
-///
 /// let mut world = World::new();
-/// let clay = Material { k_a: 0.3, k_d: 0.7, color: Rgb::new(1.0, 0.5, 0.2), ambient_color: None };
-/// let ball = world.spawn((
-///     Shape::Sphere { radius: 1.0 },
-///     clay,
-///     Transform::from_translation(DVec3::new(0.0, 4.0, 0.0)),
-///     Velocity(DVec3::X),
-/// ));
-/// world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
-/// world.spawn((Camera { position: DVec3::new(0.0, 2.0, -12.0), ..Camera::default() },));
-/// world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
-///
+/// let ball = world.spawn((Shape::Sphere { radius: 1.0 }, Material::matte(Rgb::ONE), Transform::IDENTITY));
+/// world.spawn((FilmSettings::new(32, 18), Ambient(Rgb::ONE)));
 /// let mut engine = Engine::new(world);
-/// engine.register::<Velocity>();
-/// engine.add_stepped_system(Step::per_second(240), physics);
+/// engine.add_stepped_system(Step::per_second(240), move |context: &mut Context<'_>| {
+///     let dt = context.step_seconds();
+///     context.world.get::<&mut Transform>(ball).unwrap().translation.y += dt * context.time.seconds();
+///     context.changes.mark_transform(ball); // undeclared entities are not read again
+/// });
 ///
 /// let early = engine.render_frame(12)?;
 /// let late = engine.render_frame(24)?;
-/// let height = engine.world().get::<&Transform>(ball).unwrap().translation.y;
 /// assert_ne!(early, late);
-///
 /// assert_eq!(engine.render_frame(12)?, early); // back in time
 /// assert_eq!(engine.render_frame(24)?, late);
-/// assert_eq!(engine.world().get::<&Transform>(ball).unwrap().translation.y, height);
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```
 pub struct Engine {
@@ -233,7 +201,7 @@ impl Engine {
     /// use rayreel::{Engine, Rgb, Time, World};
     ///
     /// let mut world = World::new();
-    /// let clay = Material { k_a: 0.3, k_d: 0.7, color: Rgb::ONE, ambient_color: None };
+    /// let clay = Material::matte(Rgb::ONE);
     /// let ball = world.spawn((Shape::Sphere { radius: -1.0 }, clay, Transform::IDENTITY));
     /// let mut engine = Engine::new(world);
     /// engine.seek(Time::ZERO)?;

@@ -30,10 +30,10 @@ use crate::trace::{RenderJob, Signals};
 /// use rayreel::{Engine, RenderRequest, Rgb, Time, World};
 ///
 /// let mut world = World::new();
-/// let clay = Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None };
+/// let clay = Material::matte(Rgb::ONE);
 /// world.spawn((Shape::Sphere { radius: 1.0 }, clay, Transform::default()));
 /// world.spawn((Camera::default(),));
-/// world.spawn((FilmSettings { width: 3, height: 3, ..FilmSettings::default() },));
+/// world.spawn((FilmSettings::new(3, 3),));
 /// let request = RenderRequest { passes: true, ..RenderRequest::at(Time::ZERO) };
 /// let centre = Engine::new(world).render(request)?.passes.unwrap().pixel(1, 1);
 /// assert_eq!((centre.depth, centre.normal, centre.id), (4.0, [0.0, 0.0, -1.0], 1));

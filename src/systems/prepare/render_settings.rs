@@ -48,7 +48,7 @@ pub struct EffectiveSettings {
 /// use rayreel::{Engine, World};
 ///
 /// let mut world = World::new();
-/// world.spawn((FilmSettings { width: 8, height: 4, ..FilmSettings::default() },));
+/// world.spawn((FilmSettings::new(8, 4),));
 /// let mut engine = Engine::new(world);
 /// engine.settings.samples = Some(16);
 /// engine.render_frame(0)?;
