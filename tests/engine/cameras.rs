@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use rayreel::components::{Camera, Parent, Transform, View};
+use rayreel::components::{Camera, FilmSettings, Parent, Transform, View};
 use rayreel::systems::{Preparation, animate, propagate};
 use rayreel::{Changes, Effect, Engine, Entity, Film, Scene, Time, World, trace};
 
@@ -168,7 +168,7 @@ fn undefined_views_and_up_directions_have_fixed_fallbacks() {
     let at = |camera: Camera| {
         let mut world = World::new();
         world.spawn((camera,));
-        world.spawn((rayreel::components::FilmSettings { width: 3, height: 3, ..Default::default() },));
+        world.spawn((FilmSettings::new(3, 3),));
         let pose = CameraPose::at(&mut world, time(0));
         assert!(pose.is_upright_frame(), "{camera:?}: {pose:?}");
         pose
@@ -195,7 +195,7 @@ fn undefined_views_and_up_directions_have_fixed_fallbacks() {
 fn missing_and_cyclic_parents_still_render() {
     let mut world = World::new();
     let camera = Camera { position: DVec3::X, view: View::Direction(DVec3::Z), ..Camera::default() };
-    world.spawn((rayreel::components::FilmSettings { width: 3, height: 3, ..Default::default() },));
+    world.spawn((FilmSettings::new(3, 3),));
     let entity = world.spawn((camera,));
     let other = world.spawn((Transform::from_translation(DVec3::Y), Parent(entity)));
     for parent in [other, Entity::DANGLING, entity] {
@@ -216,11 +216,7 @@ fn neighbouring_frames_turn_with_the_path() {
                 let mut world = World::new();
                 let position = place(f64::from(step) / 400.0 * 2.0 - 1.0);
                 world.spawn((Camera { position, view: View::Target(DVec3::ZERO), up, ..Camera::default() },));
-                world.spawn((rayreel::components::FilmSettings {
-                    width: 3,
-                    height: 3,
-                    ..Default::default()
-                },));
+                world.spawn((FilmSettings::new(3, 3),));
                 CameraPose::at(&mut world, time(0))
             })
             .collect();

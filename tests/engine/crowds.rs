@@ -3,8 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use rayreel::components::{
-    Camera, FilmSettings, Light, LightKind, Material, Name, Quality, Reflective, Refractive, Sampling, Shape,
-    Transform,
+    Camera, FilmSettings, Light, Material, Name, Quality, Reflective, Refractive, Sampling, Shape, Transform,
 };
 use rayreel::{Context, Engine, Entity, Ray, RenderRequest, Rgb, Step, World};
 
@@ -22,7 +21,7 @@ fn place(random: &mut Random) -> DVec3 {
 
 fn clay(random: &mut Random) -> Material {
     let color = Rgb::from_array([(); 3].map(|()| if random.once_in(2) { 1.0 } else { 0.3 }));
-    Material { k_a: 0.3, k_d: 0.7, color, ambient_color: None }
+    Material::matte(color)
 }
 
 /// Returns a world of spheres, ellipsoids, axis-aligned and rotated boxes, some of them mirrors or glass, on a plane and in front of a huge
@@ -30,17 +29,17 @@ fn clay(random: &mut Random) -> Material {
 fn crowd(seed: u64) -> (World, Vec<Entity>) {
     let mut random = Random(seed);
     let mut world = World::new();
-    world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
+    world.spawn((Light::point(Rgb::ONE), Transform::at(9.0, 9.0, 9.0)));
     world.spawn((Camera { position: DVec3::new(0.0, 1.0, -12.0), ..Camera::default() },));
-    let film = FilmSettings { width: 28, height: 18, ..FilmSettings::default() };
+    let film = FilmSettings::new(28, 18);
     world.spawn((
         film,
         Quality { depth: 4, ..Quality::default() },
         Sampling { samples: 2, ..Sampling::default() },
     ));
-    let floor = Transform::from_translation(DVec3::NEG_Y * 8.0);
+    let floor = Transform::at(0.0, -8.0, 0.0);
     world.spawn((Shape::Plane { normal: DVec3::Y }, clay(&mut random), floor));
-    let far = Transform::from_translation(DVec3::Z * 3.0e6);
+    let far = Transform::at(0.0, 0.0, 3.0e6);
     world.spawn((Shape::Sphere { radius: 2.9e6 }, clay(&mut random), far));
     let crowd: Vec<Entity> = (0..COUNT)
         .map(|index| {
@@ -95,7 +94,7 @@ fn move_some(context: &mut Context<'_>, crowd: &[Entity]) {
     }
     match random.index(60) {
         0 => {
-            context.spawn((Shape::Sphere { radius: 0.7 }, clay(&mut random), Name("guest".to_owned())));
+            context.spawn((Shape::Sphere { radius: 0.7 }, clay(&mut random), Name::new("guest")));
         }
         1 => {
             let mut guests = context.world.query_mut::<(Entity, &Name)>().into_iter();

@@ -4,12 +4,12 @@ use glam::{DQuat, DVec3};
 
 use rayreel::animation::{Easing, Key, Track};
 use rayreel::components::{
-    Animated, Camera, Channel, FilmSettings, Light, LightKind, Material, Name, Order, Parent, Property,
-    Sampling, Shape, Transform, WorldTransform,
+    Animated, Camera, Channel, FilmSettings, Light, Material, Name, Order, Parent, Property, Sampling, Shape,
+    Transform, WorldTransform,
 };
 use rayreel::{Context, Engine, Entity, Film, RenderRequest, Rgb, Step, Time, World};
 
-const CLAY: Material = Material { k_a: 0.3, k_d: 0.7, color: Rgb::new(1.0, 0.5, 0.2), ambient_color: None };
+const CLAY: Material = Material::matte(Rgb::new(1.0, 0.5, 0.2));
 
 fn ball(place: DVec3) -> (Shape, Material, Transform) {
     (Shape::Sphere { radius: 1.0 }, CLAY, Transform::from_translation(place))
@@ -17,9 +17,9 @@ fn ball(place: DVec3) -> (Shape, Material, Transform) {
 
 fn stage() -> World {
     let mut world = World::new();
-    world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
+    world.spawn((Light::point(Rgb::ONE), Transform::at(9.0, 9.0, 9.0)));
     world.spawn((Camera { position: DVec3::new(0.0, 1.0, -12.0), ..Camera::default() },));
-    world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
+    world.spawn((FilmSettings::new(32, 18),));
     world
 }
 
@@ -187,7 +187,7 @@ fn children_follow_parents_and_only_moved_entities_are_prepared() {
         world.spawn((Transform::IDENTITY, Animated(vec![Channel::new(Property::Translation, track)])));
     let arm = world.spawn((Transform::from_translation(DVec3::Y), Parent(parent)));
     let (shape, material, transform) = ball(DVec3::new(0.0, 1.0, 0.0));
-    let hand = world.spawn((shape, material, transform, Parent(arm), Name("hand".to_owned()), Order(7)));
+    let hand = world.spawn((shape, material, transform, Parent(arm), Name::new("hand"), Order(7)));
     let mut engine = Engine::new(world);
     for tenth in [0, 4, 10] {
         engine.seek(at(tenth)).unwrap();
@@ -308,9 +308,9 @@ fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
     let mut world = World::new();
     let moving = Animated(vec![Channel::new(Property::Translation, track)]);
     world.spawn((Shape::Sphere { radius: 1.0 }, CLAY, Transform::default(), moving));
-    world.spawn((Light::new(LightKind::Point, Rgb::ONE), Transform::from_translation(DVec3::splat(9.0))));
+    world.spawn((Light::point(Rgb::ONE), Transform::at(9.0, 9.0, 9.0)));
     world.spawn((Camera { shutter: Some(0.5), ..Camera::default() },));
-    world.spawn((FilmSettings { width: 32, height: 18, ..FilmSettings::default() },));
+    world.spawn((FilmSettings::new(32, 18),));
     world.spawn((Sampling { samples: 8, ..Sampling::default() },));
     let mut engine = Engine::new(world);
     engine.add_system(|context: &mut Context<'_>| {

@@ -295,7 +295,7 @@ fn world(things: &[Thing], settings: &Settings) -> World {
         settings.fog,
         settings.quality,
         settings.sampling,
-        FilmSettings { width, height, ..FilmSettings::default() },
+        FilmSettings::new(width, height),
     ));
     let active = settings.camera.map_or(removed, |camera| world.spawn((camera,)));
     if let Some(followed) = &settings.follows {
@@ -428,7 +428,7 @@ fn message_of(build: impl FnOnce(&mut World) -> Entity) -> (String, String) {
 fn faults_have_messages_and_remedies() {
     let ball = Shape::Sphere { radius: 1.0 };
     let cube = Shape::Box { size: DVec3::ONE };
-    let at = |x: f64| Transform::from_translation(DVec3::new(x, 0.0, 0.0));
+    let at = |x: f64| Transform::at(x, 0.0, 0.0);
     let scaled = |scale: f64| Transform { scale: DVec3::splat(scale), ..Transform::IDENTITY };
     let message =
         |shape: Shape, transform: Transform| message_of(|world| world.spawn((shape, transform, clay()))).0;
@@ -468,16 +468,10 @@ fn faults_have_messages_and_remedies() {
             "let its parents move and scale it less".to_owned()
         )
     );
-    let dark = message_of(|world| {
-        world.spawn((
-            Light::new(LightKind::Spot { angle: -1.0, softness: 0.0 }, Rgb::ONE),
-            Transform::IDENTITY,
-        ))
-    });
+    let dark = message_of(|world| world.spawn((Light::spot(-1.0, 0.0, Rgb::ONE), Transform::IDENTITY)));
     assert_eq!(dark.0, "gives no light: its angle is -57.295779513");
-    let (bright, remedy) = message_of(|world| {
-        world.spawn((Light::new(LightKind::Point, Rgb::new(1.0, f32::NAN, 0.0)), Transform::IDENTITY))
-    });
+    let (bright, remedy) =
+        message_of(|world| world.spawn((Light::point(Rgb::new(1.0, f32::NAN, 0.0)), Transform::IDENTITY)));
     assert_eq!(bright, "is not as it says: its intensity is NaN, and counts as 0");
     assert_eq!(remedy, "keep it 0 or more, and finite");
     let blind = message_of(|world| world.spawn((Camera { position: DVec3::NAN, ..Camera::default() },)));

@@ -37,7 +37,7 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     world.flush();
     let cameras: Vec<(&str, Entity)> = document
         .named_cameras()
-        .map(|(name, camera)| (name, world.spawn((Name(name.to_owned()), self::camera(camera)))))
+        .map(|(name, camera)| (name, world.spawn((Name::new(name), self::camera(camera)))))
         .collect();
     let settings = spawn_settings(&mut world, document, transfer);
 
@@ -117,7 +117,7 @@ fn link(world: &mut World, entity: Entity, camera: &CameraDocument, names: &Hash
 fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfer) -> Entity {
     let mut builder = EntityBuilder::new();
     builder.add_bundle((
-        Name(SceneDocument::SCENE.to_owned()),
+        Name::new(SceneDocument::SCENE),
         film(&document.film),
         Ambient(rgb(document.ambient)),
         background(document.background, transfer),

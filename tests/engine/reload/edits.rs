@@ -2,10 +2,9 @@
 
 use std::fs;
 
-use glam::DVec3;
 use tempfile::TempDir;
 
-use rayreel::components::{Light, LightKind, Material, Shape, Transform};
+use rayreel::components::{Light, Material, Shape, Transform};
 use rayreel::scene::Reader;
 use rayreel::{Context, Engine, Rgb, Scene, Step, Time};
 
@@ -158,7 +157,7 @@ fn edit_world(engine: &mut Engine, random: &mut Random) {
 
 fn ball(x: f64) -> (Shape, Material, Transform) {
     let material = Material { k_a: 1.0, k_d: 0.5, color: Rgb::new(1.0, 0.5, 0.25), ambient_color: None };
-    (Shape::Sphere { radius: 0.5 }, material, Transform::from_translation(DVec3::new(x, 0.5, 0.0)))
+    (Shape::Sphere { radius: 0.5 }, material, Transform::at(x, 0.5, 0.0))
 }
 
 /// Adds a stepped system that spawns entities, and a system that is a function of time.
@@ -171,8 +170,7 @@ fn add_systems(engine: &mut Engine) {
         for x in [-1.0, 0.0, 0.25] {
             context.world.spawn(ball(x));
         }
-        let light = Light::new(LightKind::Point, Rgb::splat(0.25));
-        context.world.spawn((light, Transform::from_translation(DVec3::new(0.0, 4.0, -4.0))));
+        context.world.spawn((Light::point(Rgb::splat(0.25)), Transform::at(0.0, 4.0, -4.0)));
     });
     engine.add_system(|context: &mut Context<'_>| {
         let sideways = 0.25 * context.time.seconds();
