@@ -18,7 +18,7 @@ use crate::trace::{Film, RayTree, RenderedImage, SampleMemory, SharedRoundPolicy
 ///
 /// # Simulation
 ///
-/// Stepped systems simulate motion, as in [a film in Rust](crate#a-film-in-rust). Frames may be requested in any order: going back in time
+/// Stepped systems simulate motion, as in the film of the [crate documentation](crate). Frames may be requested in any order: going back in time
 /// replays the steps from the start and gives the same bits.
 ///
 /// ```
