@@ -6,6 +6,7 @@ use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::foreign::foreign_file;
 use super::names;
 use super::read::{FileContent, ReadFailure, read, read_included};
 use super::{Files, SceneFile, Scope};
@@ -170,7 +171,7 @@ impl Loader {
     }
 
     /// Parses a text. If it differs little from the previous text of the file, only the difference is parsed.
-    fn parse(&mut self, key: &Path, text: &Arc<String>) -> Result<SceneDocument, Diagnostic> {
+    fn parse(&mut self, key: &Path, text: &Arc<String>) -> Result<SceneDocument, Vec<Diagnostic>> {
         match &mut self.texts {
             Some(texts) => parse(text, texts.entry(key.to_owned()).or_default()),
             None => parse(text, &mut ParsedEntities::default()),
@@ -226,20 +227,27 @@ impl SceneFile {
         path: &Path,
         content: FileContent,
         from: Option<(usize, usize)>,
-        parse: impl FnOnce(&Arc<String>) -> Result<SceneDocument, Diagnostic>,
+        parse: impl FnOnce(&Arc<String>) -> Result<SceneDocument, Vec<Diagnostic>>,
     ) -> Self {
+        let mut problems = Problems::default();
         let (text, document, mistake) = match content {
-            FileContent::Invalid(text, mistake) => (Arc::new(text), None, Some(mistake)),
+            FileContent::Invalid(text, mistake) => {
+                (Arc::new(text), None, Some(foreign_file(path).unwrap_or(mistake)))
+            }
             FileContent::Text(text) => {
                 let text = Arc::new(text);
                 match parse(&text) {
+                    Err(_) if let Some(mistake) = foreign_file(path) => (text, None, Some(mistake)),
                     Ok(document) => (text, Some(document), None),
-                    Err(mistake) => (text, None, Some(mistake)),
+                    Err(mistakes) => {
+                        let mistake = problems.add_located(mistakes);
+                        (text, None, mistake)
+                    }
                 }
             }
         };
         let name = path.display().to_string();
-        let (includes, overridden, problems) = (Vec::new(), Vec::new(), Problems::default());
+        let (includes, overridden) = (Vec::new(), Vec::new());
         Self { name, text, overridden, document, includes, from, mistake, problems }
     }
 }

@@ -8,6 +8,7 @@
 //!
 //! A file can refer to names in its includes, but not to names in the files that include it: every file is self-contained.
 
+mod foreign;
 mod loader;
 mod merge;
 mod names;

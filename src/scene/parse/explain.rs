@@ -9,6 +9,7 @@ use super::characters::{is_known, strange};
 use super::examples;
 use super::expectations::{Expectation, Trail, VariantContent};
 use super::expected::{Expected, counted, is_word};
+use super::foreign::foreign_remedy;
 use super::general_parser::read_general;
 use super::token_context::TokenContext;
 use crate::scene::quote::short;
@@ -219,7 +220,7 @@ impl Case<'_> {
                 format!("unknown field `{}`{}", short(found), of(outer)),
                 "no such field".to_owned(),
                 self.with_names().map_or_else(
-                    || remedy(found, expected, "fields"),
+                    || name_remedy(outer.as_deref(), found, expected, "fields"),
                     |named| format!("write it as {named}"),
                 ),
             ),
@@ -230,7 +231,7 @@ impl Case<'_> {
                     short(found)
                 ),
                 "not known here".to_owned(),
-                remedy(found, expected, "possibilities"),
+                name_remedy(outer.as_deref(), found, expected, "possibilities"),
             ),
             Error::MissingStructField { field, outer } => (
                 format!("missing field `{field}`{}", of(outer)),
@@ -331,6 +332,20 @@ impl Case<'_> {
         Some(error(message, label, help, context.previous.clone()?))
     }
 
+    /// Returns the remedy for values in round brackets in a field that takes a name.
+    fn remedy_in_brackets(&self) -> Option<&'static str> {
+        let before = self.text[..self.context.found.start].trim_end().strip_suffix(':')?.trim_end();
+        let field =
+            before.rfind(|last: char| !(last.is_alphanumeric() || last == '_')).map_or(0, |at| at + 1);
+        match &before[field..] {
+            "look_at" => Some("`look_at` takes an entity's name: write a point as `target: (0, 1, 0)`"),
+            "material" => {
+                Some("write the material in `materials: { \"name\": (..) }`, and `material: \"name\"` here")
+            }
+            _ => None,
+        }
+    }
+
     /// Explains a value of another type than requested.
     fn of_values(&self) -> Diagnostic {
         let context = &self.context;
@@ -344,6 +359,11 @@ impl Case<'_> {
         {
             help = format!("write it as {named}");
         }
+        if context.word() == "("
+            && let Some(in_brackets) = self.remedy_in_brackets()
+        {
+            help = in_brackets.to_owned();
+        }
         let lacks_bracket = matches!(expectation, Expectation::VariantContent { .. })
             && matches!(self.code, Error::ExpectedStructLike);
         match &context.previous {
@@ -351,6 +371,11 @@ impl Case<'_> {
             _ => error(message, format!("found {}", context.describe()), help, context.value()),
         }
     }
+}
+
+/// Returns the remedy for an unknown name among the fields or choices of `owner`.
+fn name_remedy(owner: Option<&str>, found: &str, known: &[&str], kind: &str) -> String {
+    foreign_remedy(owner.unwrap_or_default(), found).map_or_else(|| remedy(found, known, kind), str::to_owned)
 }
 
 fn closing(bracket: &str) -> &'static str {

@@ -6,7 +6,7 @@
 //! The RON parser reports, for example, that it expected an identifier, and the position where it stopped. A useful message names the valid
 //! alternatives, and the position where something is missing. A rejected text is therefore parsed once more with a `Trail`, which records
 //! the requested values. `token_context` finds the tokens at the error, `expected` describes the expected value, with `examples` of its
-//! forms, and `explain` builds the diagnostic.
+//! forms, and `explain` builds the diagnostic, with `foreign` for names from other programs. `recover` goes on to the next mistake.
 
 mod characters;
 mod entities;
@@ -15,8 +15,10 @@ mod expectations;
 mod expected;
 mod explain;
 mod fast_path;
+mod foreign;
 mod general_parser;
 mod read;
+mod recover;
 mod token_context;
 
 pub(super) use entities::ParsedEntities;

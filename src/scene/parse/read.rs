@@ -7,25 +7,25 @@ use serde::Deserialize;
 
 use super::entities::{PART, ParsedEntities};
 use super::expectations::Trail;
-use super::explain::explain;
 use super::general_parser::{options, read_general};
+use super::recover::find_mistakes;
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
 use crate::scene::spans::tokens;
 
-/// Parses a scene's text, given the entities of its previous version or none, which the entities of this one replace. Returns a
-/// diagnostic if it is invalid.
+/// Parses a scene's text, given the entities of its previous version or none, which the entities of this one replace. Returns its mistakes
+/// if it is invalid.
 pub(in crate::scene) fn parse(
     text: &Arc<String>,
     entities: &mut ParsedEntities,
-) -> Result<SceneDocument, Diagnostic> {
+) -> Result<SceneDocument, Vec<Diagnostic>> {
     entities.parse_next(text, PART).map_or_else(|| parse_general(text), Ok)
 }
 
-pub(super) fn parse_general(text: &str) -> Result<SceneDocument, Diagnostic> {
+pub(super) fn parse_general(text: &str) -> Result<SceneDocument, Vec<Diagnostic>> {
     read_general(text).map_err(|error| {
         let holds_nothing = tokens(text).next().is_none() && error.code != ron::Error::UnclosedBlockComment;
-        if holds_nothing { nothing(text) } else { explain(text, &error, &trail(text)) }
+        if holds_nothing { vec![nothing(text)] } else { find_mistakes(text, error) }
     })
 }
 
@@ -37,7 +37,7 @@ fn nothing(text: &str) -> Diagnostic {
 }
 
 /// Returns the trail of parsing a text that is rejected.
-fn trail(text: &str) -> Trail {
+pub(super) fn trail(text: &str) -> Trail {
     let trail = Trail::default();
     // The text is known to be invalid.
     let _ = read_along(&trail, text);

@@ -9,98 +9,137 @@
 //! (                                    )           no mistake
 //! ```
 //!
-//! Parts are fields, items of lists and entries of maps. If the brackets do not match, no part is found, and the first mistake is the last.
+//! What the text says without these parts is not checked further: a name that is missing, for example, can be in one of them.
+//!
+//! Parts are fields, items of lists and entries of maps. If brackets, commas or values are missing, no part is found, and the first mistake
+//! is the last.
 
 use std::ops::Range;
 
 use ron::Error;
 use ron::error::SpannedError;
 
+use super::characters::is_known;
 use super::explain::explain;
 use super::general_parser::read_general;
 use super::read::trail;
 use super::token_context::TokenContext;
 use crate::scene::Diagnostic;
-use crate::scene::document::SceneDocument;
-use crate::scene::spans::{BracketMember, bracket, first_item, root};
-
-/// The mistakes of an invalid text.
-#[derive(Clone, Debug, PartialEq)]
-pub(in crate::scene) struct Mistakes {
-    /// In the order of the text.
-    pub(in crate::scene) diagnostics: Vec<Diagnostic>,
-    /// The document without the removed parts, if these were fields that no scene has: everything else that it says can be checked.
-    pub(in crate::scene) document: Option<Box<SceneDocument>>,
-}
+use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, is_one_value, root};
 
 /// A part of a text that can be removed.
 struct Part {
     span: Range<usize>,
-    /// The closing bracket around it.
-    close: usize,
+    /// The value with the bracket around it.
+    outer: usize,
 }
 
-/// Finds the mistakes of a text that the parser rejects with `error`.
-pub(super) fn find_mistakes(text: &str, mut error: SpannedError) -> Mistakes {
+/// A part that was removed because of a mistake.
+struct RemovedPart<'a> {
+    /// The value with the bracket around it.
+    outer: usize,
+    text: &'a str,
+    /// The remedy of the mistake.
+    help: String,
+}
+
+impl RemovedPart<'_> {
+    /// Returns whether a field is missing because this part was removed: it is the part, or the remedy names it.
+    fn is_about(&self, field: &str) -> bool {
+        self.text.starts_with(field) || self.help.contains(&format!("`{field}"))
+    }
+}
+
+/// Finds the mistakes of a text that the parser rejects with `error`, in the order of the text.
+pub(super) fn find_mistakes(text: &str, mut error: SpannedError) -> Vec<Diagnostic> {
     /// Maximum number of mistakes: more are not listed.
     const MOST: usize = 50;
     /// Maximum number of bytes to parse, which takes about a second. A scene of a million entities thus shows its first mistakes.
     const MOST_BYTES: usize = 1 << 26;
-    let (mut rest, mut diagnostics) = (text.to_owned(), Vec::new());
-    let (mut are_unknown_fields, mut parsed) = (true, 0);
+    let (mut rest, mut mistakes, mut removed) = (text.to_owned(), Vec::new(), Vec::new());
+    let mut parsed = 0;
     loop {
-        diagnostics.push(explain(&rest, &error, &trail(&rest)));
-        are_unknown_fields &= is_superfluous(&error.code);
-        let at = TokenContext::error(&rest, &error).found.start;
-        let mut removed = None;
-        for part in parts_around(&rest, at) {
+        let mistake = explain(&rest, &error, &trail(&rest));
+        let help = mistake.help.clone().unwrap_or_default();
+        mistakes.push(mistake);
+        let context = TokenContext::error(&rest, &error);
+        let (at, is_readable) = (context.found.start, context.word().chars().next().is_none_or(is_known));
+        let mut next = None;
+        for Part { span, outer } in parts_around(&rest, at) {
             parsed += rest.len();
-            if diagnostics.len() == MOST || parsed > MOST_BYTES {
+            if mistakes.len() == MOST || parsed > MOST_BYTES || !is_readable {
                 break;
             }
-            let without = blanked(&rest, part.span.clone());
-            match read_general(&without) {
-                Ok(document) => {
-                    let document = are_unknown_fields.then(|| Box::new(document));
-                    return Mistakes { diagnostics, document };
-                }
-                Err(next) => {
-                    // An error in the same bracket can be a consequence: a missing field, or too few values.
-                    let next_at = TokenContext::error(&without, &next).found.start;
-                    let is_consequence = next_at <= part.close && !is_superfluous(&next.code);
-                    if next_at > part.span.start && !is_consequence {
-                        removed = Some((without, next));
-                        break;
-                    }
-                }
+            let without = blanked(&rest, span.clone());
+            removed.push(RemovedPart { outer, text: &text[span], help: help.clone() });
+            let Err(after) = read_general(&without) else { return mistakes };
+            let next_at = TokenContext::error(&without, &after).found.start;
+            let is_consequence = match missing_field(&after.code) {
+                Some(field) => removed
+                    .iter()
+                    .any(|part| part.is_about(field) && is_in_bracket(&without, part.outer, next_at)),
+                None => !is_superfluous(&after.code) && is_in_bracket(&without, outer, next_at),
+            };
+            if next_at > at && !is_consequence {
+                next = Some((without, after));
+                break;
             }
         }
-        let Some(next) = removed else { return Mistakes { diagnostics, document: None } };
+        let Some(next) = next else { return mistakes };
         (rest, error) = next;
     }
 }
 
-/// Returns whether an error is a field that is unknown or repeated. What remains without it is what the scene says.
+/// Returns whether an error is a field that is unknown or repeated.
 fn is_superfluous(error: &Error) -> bool {
-    matches!(error, Error::NoSuchStructField { .. } | Error::DuplicateStructField { .. })
+    match error {
+        Error::NoSuchStructField { .. } | Error::DuplicateStructField { .. } => true,
+        // Of types that report their fields themselves.
+        Error::Message(message) => message.starts_with("unknown field"),
+        _ => false,
+    }
 }
 
-/// Returns the parts around a byte, the innermost first.
+/// Returns the name of a field that an error says is missing.
+fn missing_field(error: &Error) -> Option<&str> {
+    match error {
+        Error::MissingStructField { field, .. } => Some(field),
+        Error::Message(message) => message.strip_prefix("missing field `")?.split('`').next(),
+        _ => None,
+    }
+}
+
+/// Returns the parts around a byte, the innermost first. There are none in brackets in which a comma or a value is missing: what is written
+/// where is then uncertain.
 fn parts_around(text: &str, at: usize) -> Vec<Part> {
-    let (mut parts, mut value) = (Vec::new(), root(text));
-    while let Some(outer) = bracket(text, value) {
-        let start_of =
-            |member: &BracketMember| member.name.as_ref().map_or(member.value.start, |name| name.start);
-        let around = |member: &&BracketMember| (start_of(member)..member.value.end).contains(&at);
-        let Some(member) = outer.members.iter().find(around) else { break };
-        if member.name.is_some() || outer.opening == b'[' {
-            let close = outer.members.last().map_or(at, |last| after_comma(text, last.value.end));
-            parts.push(Part { span: start_of(member)..after_comma(text, member.value.end), close });
+    let (mut parts, mut outer) = (Vec::new(), root(text));
+    let is_followed =
+        |member: &BracketMember| text[first_item(text, member.value.end)..].starts_with([',', ')', ']', '}']);
+    while let Some(Bracket { opening, members, .. }) = bracket(text, outer) {
+        let Some(member) = members.iter().find(|member| span_of(member).contains(&at)) else { break };
+        if !members.iter().all(is_followed) || !is_one_value(&text[member.value.clone()]) {
+            return Vec::new();
         }
-        value = member.value.start;
+        if member.name.is_some() || opening == b'[' {
+            parts.push(Part { span: span_of(member).start..after_comma(text, member.value.end), outer });
+        }
+        outer = member.value.start;
     }
     parts.reverse();
     parts
+}
+
+/// Returns whether a byte is directly in the bracket of a value: in none of its members, but for their names. An error there can be the
+/// consequence of a removed member.
+fn is_in_bracket(text: &str, value: usize, at: usize) -> bool {
+    let Some(Bracket { members, start, .. }) = bracket(text, value) else { return false };
+    let close = members.last().map_or(first_item(text, start), |last| after_comma(text, last.value.end));
+    at <= close && !members.iter().any(|member| member.value.contains(&at))
+}
+
+/// Returns the span of a member with its name.
+fn span_of(member: &BracketMember) -> Range<usize> {
+    member.name.as_ref().map_or(member.value.start, |name| name.start)..member.value.end
 }
 
 /// Returns the start of the token after a value that ends at a byte, and after its comma, if there is one.
@@ -141,8 +180,8 @@ mod tests {
     }
 
     fn messages(text: &str) -> Vec<String> {
-        let Err(Mistakes { diagnostics, .. }) = parse_general(text) else { return Vec::new() };
-        diagnostics.into_iter().map(|diagnostic| diagnostic.message).collect()
+        let mistakes = parse_general(text).err().unwrap_or_default();
+        mistakes.into_iter().map(|mistake| mistake.message).collect()
     }
 
     proptest! {
@@ -183,11 +222,11 @@ mod tests {
         assert_eq!(
             found,
             [
-                "expected a number",
+                "expected a whole number",
                 "unknown field `heigth` of `Film`",
                 "expected three numbers",
                 "field `fov` of `Camera` is written twice",
-                "expected true or false",
+                "expected a number",
                 "missing field `shininess` of `Specular`",
                 "unknown shape `Torus`",
                 "expected a text",

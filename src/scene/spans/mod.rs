@@ -9,7 +9,7 @@ mod tests;
 
 use std::ops::Range;
 
-pub(super) use bracket::{Bracket, bracket, is_one_value, root};
+pub(super) use bracket::{Bracket, BracketMember, bracket, is_one_value, root};
 
 /// A step from a value to one of its members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -69,6 +69,8 @@ pub(super) enum Named {
 #[derive(Debug)]
 struct Problem {
     path: Vec<PathStep>,
+    /// The span in the file's text, if it is known already.
+    span: Option<Range<usize>>,
     inside: Option<Inside>,
     message: String,
     label: String,
@@ -143,7 +145,17 @@ impl Problems {
             Some(Repeatable { call, .. }) => (call.path(), Some(self.spawned.inside(*call))),
             None => (path, None),
         };
-        self.listed.push(Problem { path, inside, message, label, help, repeatable, times: 1, more: 0 });
+        self.listed.push(Problem {
+            path,
+            span: None,
+            inside,
+            message,
+            label,
+            help,
+            repeatable,
+            times: 1,
+            more: 0,
+        });
     }
 
     /// Counts an error as repeated if it was found before in the same call, or if [`Self::EQUAL`] equal errors are listed. Returns whether
@@ -181,7 +193,44 @@ impl Problems {
         }
         let inside = Some(Inside { source, span: error.span.clone() });
         let (path, help) = (at.index(0).path(), help_for(error));
-        self.listed.push(Problem { path, inside, message, label, help, repeatable: None, times: 1, more: 0 });
+        self.listed.push(Problem {
+            path,
+            span: None,
+            inside,
+            message,
+            label,
+            help,
+            repeatable: None,
+            times: 1,
+            more: 0,
+        });
+    }
+
+    /// Adds errors whose positions in the text are known. Returns the one that has none, if there is one.
+    pub(in crate::scene) fn add_located(&mut self, diagnostics: Vec<Diagnostic>) -> Option<Diagnostic> {
+        let mut without_position = None;
+        for diagnostic in diagnostics {
+            let Diagnostic { message, label, help, span, .. } = &diagnostic;
+            if span.is_none() {
+                without_position = Some(diagnostic);
+            } else if !self.is_repeated(None, message, label) && !self.is_unlisted() {
+                let (message, label, help, span) =
+                    (message.clone(), label.clone(), help.clone(), span.clone());
+                let (path, inside) = (Vec::new(), None);
+                self.listed.push(Problem {
+                    path,
+                    span,
+                    inside,
+                    message,
+                    label,
+                    help,
+                    repeatable: None,
+                    times: 1,
+                    more: 0,
+                });
+            }
+        }
+        without_position
     }
 
     /// Sets the document index of the first entity spawned by a script.
@@ -246,7 +295,8 @@ impl Problems {
         let spans = locate(text, &paths);
         let mut ordered = BTreeMap::new();
         for (index, (problem, span)) in self.listed.into_iter().zip(spans).enumerate() {
-            let Problem { message, mut label, help, inside, times, more, .. } = problem;
+            let Problem { message, mut label, help, inside, times, more, span: known, .. } = problem;
+            let span = known.unwrap_or(span);
             if times > 1 {
                 label += &format!(" ({times} times)");
             }
