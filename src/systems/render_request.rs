@@ -44,7 +44,7 @@ use crate::trace::{RenderJob, Signals};
 ///
 /// At every pause that the signals request, `on_pause` is called and decides whether to continue. If it stops, `resume` keeps the samples
 /// traced so far. A later request with the same `resume` continues and gives the same bits, provided that neither the moment, the settings
-/// nor the world has changed.
+/// nor the world has changed. Passes are computed after the last sample: if that is cancelled, the samples are lost.
 ///
 /// ```
 /// use std::ops::ControlFlow::Break;
