@@ -82,7 +82,7 @@ fn spawned_rays_hit_the_exact_next_surface() {
     let cases = cases();
     let mut random = Random(1971);
     let mut wrong = Vec::new();
-    let mut table = String::from("| category | cases | rays asked | wrong answers |\n|---|---|---|---|\n");
+    let mut table = String::from("| category | cases | rays | wrong answers |\n|---|---|---|---|\n");
     for (name, journey) in journeys::JOURNEYS {
         let mut tally = secondary::Tally::default();
         for _ in 0..cases {
