@@ -4,9 +4,9 @@ use std::path::Path;
 
 use crate::scene::Diagnostic;
 
-/// What to do with a scene, or a model, of another program.
+/// The remedy for a scene, or a model, of another program.
 const SCENE: &str = "write the scene in RON, the notation of rayreel: `rayreel new FILE.ron` writes a small one to start from";
-/// What to do with data.
+/// The remedy for data.
 const DATA: &str = "let a script in the scene's list `spawn` make an entity of each line, or let a program write the entities";
 
 /// Returns the diagnostic for a file that is not a scene, but known to be a file of another program by its extension.

@@ -21,8 +21,7 @@ use ron::error::SpannedError;
 
 use super::characters::is_known;
 use super::explain::explain;
-use super::general_parser::read_general;
-use super::read::trail;
+use super::general_parser::{read_general, trail};
 use super::token_context::TokenContext;
 use crate::scene::Diagnostic;
 use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, is_one_value, root};
