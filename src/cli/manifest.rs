@@ -147,7 +147,7 @@ fn picture_arguments(arguments: &RenderArguments, samples: Option<PathBuf>) -> O
             add("set", value.to_string());
         }
     }
-    for effect in &arguments.overrides.without {
+    for effect in arguments.overrides.without().iter() {
         add("without", effect.name().to_owned());
     }
     let flags = [(arguments.alpha, "--alpha"), (arguments.draft, "--draft")];
@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(again.name, arguments.name);
         assert_eq!((again.format, again.passes, again.alpha), (arguments.format, arguments.passes, true));
         assert_eq!(again.overrides.all(), arguments.overrides.all());
-        assert_eq!(again.overrides.without, arguments.overrides.without);
+        assert_eq!(again.overrides.without(), arguments.overrides.without());
         assert_eq!((again.threads, again.json, again.frames), (None, false, None));
     }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use rayreel::{Effect, Engine, EngineError, RenderSettings, Scene};
+use rayreel::{Effect, EffectSet, Engine, EngineError, RenderSettings, Scene};
 
 use super::args::OverrideArguments;
 
@@ -24,13 +24,13 @@ pub(super) fn load(scene: &Path, overrides: &OverrideArguments) -> Result<Engine
 #[derive(Clone, Debug)]
 pub(super) struct Changed {
     overrides: Vec<String>,
-    without: Vec<Effect>,
+    without: EffectSet,
 }
 
 impl Changed {
     pub(super) fn new(overrides: &OverrideArguments) -> Self {
         let values = overrides.all().iter().map(ToString::to_string).collect();
-        Self { overrides: values, without: overrides.without.clone() }
+        Self { overrides: values, without: overrides.without() }
     }
 
     /// Returns a line that lists the changes, or `None` if there are none.
@@ -43,6 +43,6 @@ impl Changed {
     /// Adds the changes to a report.
     pub(super) fn add_to(&self, report: &mut Value) {
         report["overrides"] = json!(self.overrides);
-        report["without"] = self.without.iter().map(|effect| effect.name()).collect();
+        report["without"] = self.without.iter().map(Effect::name).collect();
     }
 }

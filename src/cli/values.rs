@@ -68,14 +68,35 @@ pub(super) fn parse_count(path: &str, text: &str) -> Result<Override, String> {
     format!("{path}={count}").parse().map_err(|error: OverrideError| error.to_string())
 }
 
+/// Other words for effects.
+const EFFECT_WORDS: [(&str, Effect); 13] = [
+    ("ambient", Effect::Ambient),
+    ("diffuse", Effect::Diffuse),
+    ("specular", Effect::Specular),
+    ("specular-highlights", Effect::Specular),
+    ("reflected", Effect::Reflection),
+    ("reflections", Effect::Reflection),
+    ("mirror", Effect::Reflection),
+    ("refracted", Effect::Refraction),
+    ("refractions", Effect::Refraction),
+    ("soft-shadows", Effect::AreaLights),
+    ("anti-aliasing", Effect::Antialiasing),
+    ("lens", Effect::DepthOfField),
+    ("shutter", Effect::MotionBlur),
+];
+
+/// Parses the name of an effect, or another word for it.
 pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
-    let name = |effect: Effect| effect.name().to_lowercase().replace(' ', "-");
     let named = text.trim().to_lowercase().replace([' ', '_'], "-");
-    let names = || Effect::ALL.map(name).join(", ");
-    Effect::ALL
-        .into_iter()
-        .find(|effect| name(*effect) == named)
-        .ok_or_else(|| format!("the effects are {}", names()))
+    let names = || Effect::ALL.map(effect_name).join(", ");
+    let by_name = Effect::ALL.into_iter().find(|effect| effect_name(*effect) == named);
+    let by_word = || EFFECT_WORDS.into_iter().find(|(word, _)| *word == named).map(|(_, effect)| effect);
+    by_name.or_else(by_word).ok_or_else(|| format!("the effects are {}", names()))
+}
+
+/// Returns the name of an effect in arguments.
+pub(super) fn effect_name(effect: Effect) -> String {
+    effect.name().to_lowercase().replace(' ', "-")
 }
 
 /// Parses two integers separated by one of the given characters.

@@ -65,6 +65,9 @@ fn overridden_value_equals_an_edit() {
             &["--without", "Diffuse_Light", "--without", "ambient-light"],
             ("k_a: 0.4, k_d: 0.8", "k_a: 0, k_d: 0"),
         ),
+        (&["--without", "diffuse,ambient"], ("k_a: 0.4, k_d: 0.8", "k_a: 0, k_d: 0")),
+        (&["--only", "ambient"], ("k_d: 0.8", "k_d: 0")),
+        (&["--only", "diffuse-light,shadows"], ("k_a: 0.4", "k_a: 0")),
     ] {
         write(folder, &[]);
         let plain = frame(folder, &[]);

@@ -28,10 +28,30 @@ pub(in crate::cli) struct OverrideArguments {
     /// Maximum ray depth, 1 for camera rays only; same as --set quality.depth=COUNT
     #[arg(long, value_name = "COUNT", value_parser = parse_depth, allow_hyphen_values = true)]
     depth: Option<Override>,
-    /// Disable an effect that the scene uses, as in --without shadows [can be repeated]
-    #[arg(long, value_name = "EFFECT", value_parser = parse_effect)]
-    pub(in crate::cli) without: Vec<Effect>,
+    /// Disable effects that the scene uses, as in --without shadows,reflection: ambient-light, diffuse-light, highlights, shadows,
+    /// transparent-shadows, area-lights, spot-lights, falloff, reflection, refraction, fresnel, absorption, checker, fog, gradient,
+    /// antialiasing, depth-of-field, motion-blur. Words as specular, reflected and refracted are accepted, too [can be repeated]
+    #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
+    without: Vec<Effect>,
+    /// Of ambient and diffuse light, highlights, shadows, reflection, refraction, absorption and fog, compute only these effects, as
+    /// in --only ambient-light,diffuse-light [can be repeated]
+    #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
+    only: Vec<Effect>,
 }
+
+/// The effects that `--only` disables unless they are named: the terms of a picture's light.
+const LIGHT_TERMS: [Effect; 10] = [
+    Effect::Ambient,
+    Effect::Diffuse,
+    Effect::Specular,
+    Effect::Shadows,
+    Effect::TransparentShadows,
+    Effect::Reflection,
+    Effect::Refraction,
+    Effect::Fresnel,
+    Effect::Absorption,
+    Effect::Fog,
+];
 
 impl OverrideArguments {
     /// Returns the samples per pixel, if an override sets that value itself.
@@ -41,7 +61,8 @@ impl OverrideArguments {
 
     /// Returns the disabled effects.
     pub(in crate::cli) fn without(&self) -> EffectSet {
-        self.without.iter().copied().collect()
+        let is_other = |effect: &Effect| !self.only.is_empty() && !self.only.contains(effect);
+        self.without.iter().copied().chain(LIGHT_TERMS.into_iter().filter(is_other)).collect()
     }
 
     /// Returns the last override of a value, which is the effective one.
@@ -53,5 +74,23 @@ impl OverrideArguments {
     pub(in crate::cli) fn all(&self) -> Vec<Override> {
         let counts = self.samples.iter().chain(&self.min_samples).chain(&self.norm).chain(&self.depth);
         counts.chain(&self.values).cloned().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Args;
+
+    use super::*;
+    use crate::cli::values::effect_name;
+
+    #[test]
+    fn help_lists_all_effects() {
+        let command = OverrideArguments::augment_args(clap::Command::new("test"));
+        let without = command.get_arguments().find(|argument| argument.get_id() == "without").unwrap();
+        let help = without.get_help().unwrap().to_string();
+        for effect in Effect::ALL {
+            assert!(help.contains(&effect_name(effect)), "{effect}");
+        }
     }
 }
