@@ -102,6 +102,7 @@ pub use render::tile_work::Signals;
 pub use render_stats::{RayCounts, TreeEnds};
 pub use scene::{Attenuation, Precision, PreparedCamera};
 pub(crate) use scene::{CheckerPattern, Cone, MaterialTable, PreparedChecker, PreparedFalloff, PreparedFog};
+pub use shading::Unlit;
 
 // The kernel's arrays, for tests and benchmarks; not part of the library's interface.
 #[doc(hidden)]

@@ -18,8 +18,8 @@ use crate::trace::render::visibility::{hidden_images, reference_features};
 use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedScene, SIDE};
 use crate::trace::shading::{
     ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
-    SecondaryRays, ShadingPoint, ShadowRay, TreeRay, ambient, clamped, filtered_and_absorbed, sample_light,
-    secondary_rays,
+    SecondaryRays, ShadingPoint, ShadowRay, TreeRay, Unlit, ambient, clamped, filtered_and_absorbed,
+    sample_light, secondary_rays,
 };
 use crate::trace::stages::{Portion, Tile};
 
@@ -89,9 +89,8 @@ pub struct LitSurface {
 /// The result of a light at a surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightReach {
-    /// The light cannot contribute: it is off, behind the surface or pointed elsewhere, or the surface scatters none of it. No shadow ray is
-    /// traced.
-    NoShadowRay,
+    /// The light cannot contribute, and no shadow ray is traced. Holds the reason, for an area light that of its last sample.
+    NoShadowRay(Unlit),
     /// Nothing of the light arrives, and shadow rays are occluded. Holds the first shape in document order that occludes the first occluded
     /// shadow ray.
     Occluded(ShapeId),
@@ -137,7 +136,7 @@ impl RayEnd {
             Self::Background(color) | Self::BeyondDepth(color) => *color,
             Self::Surface(lit) => clamped(lit.lights.iter().fold(lit.ambient, |sum, reach| match reach {
                 LightReach::Reaches { color, .. } => sum + *color,
-                LightReach::NoShadowRay | LightReach::Occluded(_) => sum,
+                LightReach::NoShadowRay(_) | LightReach::Occluded(_) => sum,
             })),
         }
     }
@@ -426,12 +425,16 @@ fn reach(
     lit: &ShadingPoint<'_>,
     seen: (&SurfacePoint, MediumStack),
 ) -> LightReach {
-    let (mut first, mut occluded, mut traced) = (None, 0, false);
+    let (mut first, mut occluded, mut traced, mut unlit) = (None, 0, false, None);
     let own_shape = light.1.own_shape;
     let mut sum = DVec3::ZERO;
     for sample in 0..light.1.sample_count() {
-        let Some(LightSample { color, shadow }) = sample_light(context.effects, light, lit, sample) else {
-            continue;
+        let LightSample { color, shadow } = match sample_light(context.effects, light, lit, sample) {
+            Ok(light_sample) => light_sample,
+            Err(reason) => {
+                unlit = Some(if light.1.intensity == Rgb::ZERO { Unlit::Off } else { reason });
+                continue;
+            }
         };
         let share = shadow.map_or(Ok(Rgb::ONE), |segment| {
             traced = true;
@@ -446,9 +449,9 @@ fn reach(
         }
     }
     let color = (sum / f64::from(light.1.sample_count())).as_vec3();
-    match first {
-        Some(id) if color == Rgb::ZERO => LightReach::Occluded(id),
-        None if color == Rgb::ZERO && !traced => LightReach::NoShadowRay,
+    match (first, unlit) {
+        (Some(id), _) if color == Rgb::ZERO => LightReach::Occluded(id),
+        (None, Some(reason)) if color == Rgb::ZERO && !traced => LightReach::NoShadowRay(reason),
         _ => LightReach::Reaches { color, occluded },
     }
 }

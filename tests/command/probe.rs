@@ -236,6 +236,7 @@ fn json_and_tree_have_the_same_values() {
         .map(|light| light["outcome"].as_str().unwrap())
         .collect();
     assert_eq!(outcomes, ["reaches", "hidden", "no shadow ray"]);
+    assert_eq!(surface["lights"][2]["reason"], "the light is off");
     assert_eq!(
         surface["lights"][1]["hidden_by"],
         json!({ "name": "curtain", "order": 4, "file": "corner.ron", "line": 17 })

@@ -7,7 +7,7 @@ use rayreel::components::Name;
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::systems::{Preparation, active_camera};
 use rayreel::trace::Attenuation;
-use rayreel::trace::{LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay};
+use rayreel::trace::{LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay, Unlit};
 use rayreel::{Engine, Entity, Rgb, Time};
 
 use super::super::exit::Failure;
@@ -78,7 +78,7 @@ fn met(prepared: &Preparation, traced: &TracedRay) -> Vec<Entity> {
     let RayEnd::Surface(lit) = &traced.end else { return Vec::new() };
     let hiding = lit.lights.iter().filter_map(|reach| match reach {
         LightReach::Occluded(slot) => Some(*slot),
-        LightReach::NoShadowRay | LightReach::Reaches { .. } => None,
+        LightReach::NoShadowRay(_) | LightReach::Reaches { .. } => None,
     });
     let slots = std::iter::once(lit.surface.hit.id).chain(lit.coincident.iter().copied()).chain(hiding);
     slots.map(|slot| prepared.entity(slot)).collect()
@@ -216,9 +216,7 @@ impl PixelExplanation<'_> {
                         let samples = self.prepared.light_samples(index);
                         format!("{} ({occluded} of {samples} samples are hidden)", adds(*color))
                     }
-                    LightReach::NoShadowRay => {
-                        "no shadow ray: off, behind, aimed elsewhere or not scattered".to_owned()
-                    }
+                    LightReach::NoShadowRay(reason) => format!("no shadow ray: {}", reason_text(*reason)),
                     LightReach::Occluded(slot) => {
                         format!("hidden by {}", self.lines.text(self.prepared.entity(*slot)))
                     }
@@ -277,12 +275,14 @@ impl PixelExplanation<'_> {
         let surface = &lit.surface;
         let entity = |slot| self.lines.json(self.prepared.entity(slot));
         let lights = self.prepared.lights().iter().zip(&lit.lights).map(|(light, reach)| {
-            let (outcome, adds, hidden_samples, hidden_by) = match reach {
+            let (outcome, adds, hidden_samples, hidden_by, reason) = match reach {
                 LightReach::Reaches { color, occluded } => {
-                    ("reaches", Some(color.to_array()), Some(*occluded), None)
+                    ("reaches", Some(color.to_array()), Some(*occluded), None, None)
                 }
-                LightReach::NoShadowRay => ("no shadow ray", None, None, None),
-                LightReach::Occluded(slot) => ("hidden", None, None, Some(entity(*slot))),
+                LightReach::NoShadowRay(unlit) => {
+                    ("no shadow ray", None, None, None, Some(reason_text(*unlit)))
+                }
+                LightReach::Occluded(slot) => ("hidden", None, None, Some(entity(*slot)), None),
             };
             json!({
                 "entity": self.lines.json(*light),
@@ -290,6 +290,7 @@ impl PixelExplanation<'_> {
                 "adds": adds,
                 "hidden_samples": hidden_samples,
                 "hidden_by": hidden_by,
+                "reason": reason,
             })
         });
         json!({
@@ -303,6 +304,16 @@ impl PixelExplanation<'_> {
             "ambient": lit.ambient.to_array(),
             "lights": lights.collect::<Vec<_>>(),
         })
+    }
+}
+
+fn reason_text(unlit: Unlit) -> &'static str {
+    match unlit {
+        Unlit::Off => "the light is off",
+        Unlit::Behind => "the light is behind the surface",
+        Unlit::OutOfReach => "the point is outside the light's cone or reach",
+        Unlit::Unscattered => "the surface scatters none of it along the ray",
+        Unlit::NoDirection => "the point is at the light",
     }
 }
 

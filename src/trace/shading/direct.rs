@@ -54,6 +54,21 @@ pub(crate) struct LightSample {
     pub(crate) shadow: Option<ShadowSegment>,
 }
 
+/// The reason why a light contributes nothing to a shading point, before occlusion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unlit {
+    /// The light has no intensity.
+    Off,
+    /// The light is behind the surface.
+    Behind,
+    /// The point is outside the light's cone, or so far away that its falloff leaves nothing.
+    OutOfReach,
+    /// The surface scatters none of the light back along the ray.
+    Unscattered,
+    /// The direction to the light is not defined, as at the light itself.
+    NoDirection,
+}
+
 /// The direction from a shading point to a light, [`scaled`], and its end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadowSegment {
@@ -76,23 +91,24 @@ impl ShadowSegment {
     }
 }
 
-/// Returns the contribution of sample `sample` of light number `index`, before occlusion; `None` if it is zero. Lights other than area
-/// lights have one sample.
+/// Returns the contribution of sample `sample` of light number `index`, before occlusion, or the reason why it is zero. Lights other than
+/// area lights have one sample.
 #[inline(always)]
 pub(crate) fn sample_light(
     effects: Effects,
     (index, light): (usize, &PreparedLight),
     lit: &ShadingPoint<'_>,
     sample: u32,
-) -> Option<LightSample> {
+) -> Result<LightSample, Unlit> {
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => from_place(effects, light, lit, place),
         LightSource::Directional(direction) => {
             // All other lights need no such test: a point that is not finite has no scaled direction to them.
-            let (to_light, _) = lit.point.is_finite().then(|| scaled(direction))??;
+            let to_light = if lit.point.is_finite() { scaled(direction) } else { None };
+            let (to_light, _) = to_light.ok_or(Unlit::NoDirection)?;
             arriving(effects, light, lit, to_light, ShadowLimit::NONE)
         }
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => Err(Unlit::Off),
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
             let place = light_place((index, light), lit.point, (lit.sample_id, lit.path), sample);
             from_place(effects, light, lit, place)
@@ -126,21 +142,19 @@ pub(super) fn light_point(light: &PreparedLight, of_pixel: u32, sample: u32) -> 
     of_pixel.wrapping_mul(light.sample_count()).wrapping_add(sample)
 }
 
-/// Returns the contribution of a light from `place`; `None` if the shading point is at `place`.
+/// Returns the contribution of a light from `place`.
 #[inline(always)]
 fn from_place(
     effects: Effects,
     light: &PreparedLight,
     lit: &ShadingPoint<'_>,
     place: DVec3,
-) -> Option<LightSample> {
-    let (to_light, scale) = scaled(place - lit.point)?;
+) -> Result<LightSample, Unlit> {
+    let (to_light, scale) = scaled(place - lit.point).ok_or(Unlit::NoDirection)?;
     arriving(effects, light, lit, to_light, ShadowLimit::new(scale.recip(), place))
 }
 
 /// Returns the contribution of a light in direction `to_light`, which is [`scaled`]; `limit` is the end of the shadow ray, at the light.
-/// `None`, without a shadow ray, if the light is behind an opaque surface, shines elsewhere, or is not scattered back along the ray that
-/// hit the point.
 #[inline(always)]
 fn arriving(
     effects: Effects,
@@ -148,13 +162,13 @@ fn arriving(
     lit: &ShadingPoint<'_>,
     to_light: DVec3,
     limit: ShadowLimit,
-) -> Option<LightSample> {
+) -> Result<LightSample, Unlit> {
     let ShadingPoint { material, normal, .. } = *lit;
     let length = length::<f64>(to_light.into());
     let cosine = normal.dot(to_light) / length;
     let from_behind = effects.transparent_shadows() && cosine < 0.0 && material.refraction.is_some();
     if !(cosine > 0.0 || from_behind) {
-        return None;
+        return Err(Unlit::Behind);
     }
     let intensity = intensity(effects, light, to_light, length, limit.t());
     let mut color = diffuse(lit.diffuse, intensity, cosine.abs());
@@ -162,12 +176,11 @@ fn arriving(
         color += specular(material, intensity, normal, to_light, -lit.arriving);
     }
     if color == Rgb::ZERO {
-        return None;
+        return Err(if intensity == Rgb::ZERO { Unlit::OutOfReach } else { Unlit::Unscattered });
     }
-    if !(effects.shadows() && light.casts_shadows) {
-        return Some(LightSample { color, shadow: None });
-    }
-    Some(LightSample { color, shadow: Some(ShadowSegment { direction: to_light, limit, from_behind }) })
+    let segment = ShadowSegment { direction: to_light, limit, from_behind };
+    let shadow = (effects.shadows() && light.casts_shadows).then_some(segment);
+    Ok(LightSample { color, shadow })
 }
 
 fn to_u32(index: usize) -> u32 {

@@ -55,7 +55,7 @@ pub(crate) fn sample_light_lanes<S: Simd>(
     for lane in lanes(escalated) {
         let Some(id) = lit.hits.ids.get(lane) else { continue };
         let point = lit_point(lit, lane, scene.material(id), sample_id(lane));
-        if let Some(light_sample) = sample_light(effects, (index, light), &point, sample) {
+        if let Ok(light_sample) = sample_light(effects, (index, light), &point, sample) {
             light_samples.set(lane, &light_sample);
         }
     }

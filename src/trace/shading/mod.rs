@@ -24,6 +24,7 @@ mod transmission;
 pub(crate) use area_light_samples::AreaLightSamples;
 pub(crate) use context::RenderContext;
 pub(crate) use contribution::{ErrorBudget, RadianceBound, most_radiance};
+pub use direct::Unlit;
 pub(crate) use direct::{LightSample, SampleId, ShadingPoint, ShadowRay, sample_light};
 pub(crate) use direct_packet::sample_light_lanes;
 pub(crate) use light_sample_packet::{LightSamplePacket, ShadingPacket};
