@@ -33,8 +33,8 @@ pub(in crate::cli) struct OverrideArguments {
     /// antialiasing, depth-of-field, motion-blur. Words as specular, reflected and refracted are accepted, too [can be repeated]
     #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
     without: Vec<Effect>,
-    /// Of ambient and diffuse light, highlights, shadows, reflection, refraction, absorption and fog, compute only these effects, as
-    /// in --only ambient-light,diffuse-light [can be repeated]
+    /// Disable the other terms of light: ambient and diffuse light, highlights, shadows, reflection, refraction, absorption and fog,
+    /// but for those that are named, as in --only ambient-light,diffuse-light [can be repeated]
     #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
     only: Vec<Effect>,
 }
