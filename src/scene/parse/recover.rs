@@ -53,8 +53,9 @@ impl RemovedPart<'_> {
 pub(super) fn find_mistakes(text: &str, mut error: SpannedError) -> Vec<Diagnostic> {
     /// Maximum number of mistakes: more are not listed.
     const MOST: usize = 50;
-    /// Maximum number of bytes to parse, which takes about a second. A scene of a million entities thus shows its first mistakes.
-    const MOST_BYTES: usize = 1 << 26;
+    /// Maximum number of bytes to parse for further mistakes, which takes about a second: some 20 MB are parsed in one. Of a text that is
+    /// longer, only the first mistake is found.
+    const MOST_BYTES: usize = 1 << 24;
     let (mut rest, mut mistakes, mut removed) = (text.to_owned(), Vec::new(), Vec::new());
     let mut parsed = 0;
     loop {

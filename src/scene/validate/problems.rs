@@ -83,6 +83,13 @@ struct Problem {
     more: usize,
 }
 
+impl Problem {
+    /// Creates a problem at a value of the file.
+    fn new(path: Vec<PathStep>, message: String, label: String, help: Option<String>) -> Self {
+        Self { path, span: None, inside: None, message, label, help, repeatable: None, times: 1, more: 0 }
+    }
+}
+
 /// The path from the scene to a value, kept on the stack while the document is traversed.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct At<'a> {
@@ -145,17 +152,8 @@ impl Problems {
             Some(Repeatable { call, .. }) => (call.path(), Some(self.spawned.inside(*call))),
             None => (path, None),
         };
-        self.listed.push(Problem {
-            path,
-            span: None,
-            inside,
-            message,
-            label,
-            help,
-            repeatable,
-            times: 1,
-            more: 0,
-        });
+        let problem = Problem::new(path, message, label, help);
+        self.listed.push(Problem { inside, repeatable, ..problem });
     }
 
     /// Counts an error as repeated if it was found before in the same call, or if [`Self::EQUAL`] equal errors are listed. Returns whether
@@ -193,41 +191,20 @@ impl Problems {
         }
         let inside = Some(Inside { source, span: error.span.clone() });
         let (path, help) = (at.index(0).path(), help_for(error));
-        self.listed.push(Problem {
-            path,
-            span: None,
-            inside,
-            message,
-            label,
-            help,
-            repeatable: None,
-            times: 1,
-            more: 0,
-        });
+        self.listed.push(Problem { inside, ..Problem::new(path, message, label, help) });
     }
 
     /// Adds errors whose positions in the text are known. Returns the one that has none, if there is one.
     pub(in crate::scene) fn add_located(&mut self, diagnostics: Vec<Diagnostic>) -> Option<Diagnostic> {
         let mut without_position = None;
         for diagnostic in diagnostics {
-            let Diagnostic { message, label, help, span, .. } = &diagnostic;
-            if span.is_none() {
+            if diagnostic.span.is_none() {
                 without_position = Some(diagnostic);
-            } else if !self.is_repeated(None, message, label) && !self.is_unlisted() {
-                let (message, label, help, span) =
-                    (message.clone(), label.clone(), help.clone(), span.clone());
-                let (path, inside) = (Vec::new(), None);
-                self.listed.push(Problem {
-                    path,
-                    span,
-                    inside,
-                    message,
-                    label,
-                    help,
-                    repeatable: None,
-                    times: 1,
-                    more: 0,
-                });
+                continue;
+            }
+            let Diagnostic { message, label, help, span, .. } = diagnostic;
+            if !self.is_repeated(None, &message, &label) && !self.is_unlisted() {
+                self.listed.push(Problem { span, ..Problem::new(Vec::new(), message, label, help) });
             }
         }
         without_position
