@@ -68,9 +68,19 @@ impl Camera {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Follow(pub Entity);
 
-/// The entity whose world position the camera looks at. Overrides the camera's [`View`].
+/// The entity whose world position a camera looks at, or to which the +z axis of another entity points. Overrides the camera's [`View`],
+/// or the entity's [`Target`] and the rotation of its [`Transform`](super::Transform).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LookAt(pub Entity);
+
+/// The point to which the +z axis of an entity without a camera points, in the space of its parent. Overrides the rotation of its
+/// [`Transform`](super::Transform).
+///
+/// The entity's +y axis is up: as near to +y of the parent's space as possible, or to +z if the point is straight above or below. If the
+/// point is at the entity's own position, the +z axis points along the world's +z. Points that an entity looks at by [`LookAt`] are treated
+/// alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target(pub DVec3);
 
 /// The cuts between cameras. A world has at most one `Shots`. Without it, the first camera in document order is always active.
 #[derive(Clone, Debug, Default, PartialEq)]

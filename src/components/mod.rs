@@ -10,7 +10,8 @@
 //! | [`Checker`] | a surface with squares of two colours |
 //! | [`Light`] | a light source |
 //! | [`Camera`], [`FilmSettings`] | the view, and the size and encoding of the image |
-//! | [`Follow`], [`LookAt`], [`Shots`] | the entities that a camera follows and looks at, and the active camera over time |
+//! | [`LookAt`], [`Target`] | the entity that a camera looks at, or the entity or point that another entity points to |
+//! | [`Follow`], [`Shots`] | the entity that a camera follows, and the active camera over time |
 //! | [`Ambient`], [`Background`], [`Fog`], [`Quality`], [`Sampling`] | settings of the whole scene; at most one of each in a world |
 //! | [`Animated`] | motions of the values above, each a [`Property`] and a [`Motion`] |
 //! | [`Name`], [`Order`] | the name of an entity and its index in document order |
@@ -31,7 +32,7 @@ mod table;
 mod transform;
 
 pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn};
-pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, View};
+pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, View};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub(crate) use list::with_components;

@@ -18,6 +18,8 @@ use crate::animation::{Notation, ValueKind};
 pub(crate) enum Requirement {
     /// No requirement: every entity has a transform.
     Transform,
+    /// An entity that points neither to an entity ([`LookAt`](super::LookAt)) nor to a point ([`Target`](super::Target)).
+    Rotation,
     /// A shape that is a sphere.
     Sphere,
     /// A shape that is a box.
@@ -48,7 +50,10 @@ pub(crate) enum Requirement {
     RectangleLight,
     /// Any camera.
     Camera,
-    /// A camera that does not look at an entity ([`LookAt`](super::LookAt)).
+    /// A camera that does not look at an entity ([`LookAt`](super::LookAt)), or another entity that points to a point
+    /// ([`Target`](super::Target)).
+    Target,
+    /// A camera that does not look at an entity.
     View,
     /// A camera with a field of view.
     FieldOfView,
@@ -75,7 +80,7 @@ table! {
         /// [`Transform::translation`](super::Transform::translation).
         Translation => (Requirement::Transform, Quantity::Point),
         /// [`Transform::rotation`](super::Transform::rotation).
-        Rotation => (Requirement::Transform, Quantity::Rotation),
+        Rotation => (Requirement::Rotation, Quantity::Rotation),
         /// [`Transform::scale`](super::Transform::scale).
         Scale => (Requirement::Transform, Quantity::Factors),
         /// The radius of a [`Shape::Sphere`](super::Shape).
@@ -126,8 +131,8 @@ table! {
         LightHeight => (Requirement::RectangleLight, Quantity::Length),
         /// [`Camera::position`](super::Camera::position).
         Position => (Requirement::Camera, Quantity::Point),
-        /// [`View::Target`](super::View::Target).
-        Target => (Requirement::View, Quantity::Point),
+        /// [`View::Target`](super::View::Target), or [`Target`](super::Target) of an entity without a camera.
+        Target => (Requirement::Target, Quantity::Point),
         /// [`View::Direction`](super::View::Direction).
         View => (Requirement::View, Quantity::Direction),
         /// [`Camera::up`](super::Camera::up).

@@ -33,8 +33,8 @@ impl Transform {
     }
 
     /// Returns the transform with a rotation of the own +z axis towards a point, in the same space as the translation. The own +y axis is
-    /// up: as near to +y of that space as possible, or to +z if the point is straight above or below. The transform is unchanged if the
-    /// translation is at the point.
+    /// up: as near to +y of that space as possible, or to +z if the point is straight above or below. Axes with negative scale factors are
+    /// turned too, so that the mirrored axes point there. The transform is unchanged if the translation is at the point.
     ///
     /// ```
     /// use glam::DVec3;
@@ -45,11 +45,20 @@ impl Transform {
     /// ```
     #[must_use]
     pub fn looking_at(self, point: DVec3) -> Self {
-        let Some(forward) = (point - self.translation).try_normalize() else { return self };
+        self.facing(point - self.translation).unwrap_or(self)
+    }
+
+    /// Returns the transform of [`looking_at`](Self::looking_at) for the direction to the point, of any length. `None` if it is zero or not
+    /// finite.
+    pub(crate) fn facing(self, direction: DVec3) -> Option<Self> {
+        // Scaled first, so that the squares neither underflow nor overflow.
+        let forward = (direction / direction.abs().max_element()).try_normalize()?;
         let across = |up: DVec3| Some(up.cross(forward)).filter(|right| right.length_squared() > 1e-24);
         let right = across(DVec3::Y).or_else(|| across(DVec3::Z)).unwrap_or(DVec3::X).normalize();
-        let rotation = DQuat::from_mat3(&DMat3::from_cols(right, forward.cross(right), forward));
-        Self { rotation, ..self }
+        let DVec3 { y, z, .. } = self.scale.signum();
+        let axes = DMat3::from_cols(right * (y * z), forward.cross(right) * y, forward * z);
+        let rotation = DQuat::from_mat3(&axes);
+        Some(Self { rotation, ..self })
     }
 }
 

@@ -26,7 +26,7 @@ pub fn animate(world: &mut World, time: Time, changes: &mut Changes) {
                 let differs =
                     channel.motion.at(seconds).is_some_and(|value| parts.set(channel.property, value));
                 if differs {
-                    declare(channel.property, entity, &mut changes);
+                    declare(channel.property, entity, parts.camera.is_some(), &mut changes);
                 }
             }
         }

@@ -28,7 +28,8 @@ impl Changes {
         self.declared = true;
     }
 
-    /// Declares a write to an entity's [`Transform`](crate::components::Transform).
+    /// Declares a write to an entity's [`Transform`](crate::components::Transform), [`LookAt`](crate::components::LookAt) or
+    /// [`Target`](crate::components::Target).
     pub fn mark_transform(&mut self, entity: Entity) {
         self.declared = true;
         self.transforms.push(entity);

@@ -46,7 +46,7 @@ pub enum Fallback {
     Number(f64),
     /// No replacement: the part is ignored.
     Nothing,
-    /// The world's +z as the view direction of a camera.
+    /// The world's +z as the view direction of a camera, or as the direction to which another entity points.
     AlongZ,
 }
 
@@ -85,6 +85,8 @@ pub enum FaultCause {
     },
     /// The entity at the end of the named link ("follows", for example) does not exist or has no position.
     Missing(&'static str),
+    /// The entity looks at an entity whose position depends on where it looks.
+    CircularAim,
     /// Two neighbouring rotation keys are written more than half a turn apart.
     ShortTurn(ShortTurn),
     /// The path of a camera's target ends before the path of its position.
@@ -120,6 +122,7 @@ impl Fault {
             ),
             FaultCause::OutOfRange { error, .. } => format!("keep it {}", error.requirement()),
             FaultCause::Missing(_) => "refer to an entity that exists".to_owned(),
+            FaultCause::CircularAim => "let it look at an entity that does not turn with it".to_owned(),
             FaultCause::TargetEnds { .. } => {
                 "end both paths at the same time: the view turns fast where a camera passes a resting target"
                     .to_owned()
@@ -196,6 +199,7 @@ impl fmt::Display for FaultCause {
                 brief(*target),
                 brief(*position)
             ),
+            Self::CircularAim => write!(formatter, "it looks at an entity that turns with it"),
             Self::Missing(what) => write!(formatter, "the entity that it {what} does not exist"),
         }
     }

@@ -20,6 +20,7 @@
 //!
 //! hecs does not track changes, so systems declare their writes: see [`Changes`].
 
+mod aim;
 mod animate;
 mod batches;
 mod changes;

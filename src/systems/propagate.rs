@@ -1,15 +1,16 @@
-//! Propagates world transforms, parents before children.
+//! Propagates world transforms, parents before children, and then turns the entities that look at something.
 
 use std::collections::HashMap;
 
 use hecs::{Entity, World};
 
+use super::aim::aim;
 use super::batches::{BATCH, in_batches};
 use super::{Changes, world_transform};
 use crate::components::{Light, Parent, Shape, Transform, WorldTransform};
 
 /// Updates [`WorldTransform`]s, and returns the entities whose world transforms may have changed: those whose transforms were written, and
-/// all that have a parent. If everything may have changed, the list is not needed and is empty.
+/// all that have a parent or look at something. If everything may have changed, the list is not needed and is empty.
 ///
 /// An entity whose parent does not exist, or that is its own ancestor, counts as a root.
 pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
@@ -17,6 +18,7 @@ pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
         complete(world);
         propagate_roots(world);
         propagate_children(world);
+        aim(world);
         return Vec::new();
     }
     if changes.transforms().is_empty() {
@@ -34,6 +36,7 @@ pub fn propagate(world: &mut World, changes: &Changes) -> Vec<Entity> {
         }
     }
     moved.extend(propagate_children(world));
+    moved.extend(aim(world));
     moved
 }
 

@@ -20,7 +20,9 @@ impl Stored {
     /// Returns a value as it is stored. `None` if the entity does not have the value.
     pub(super) fn of(world: &World, entity: Entity, property: Property) -> Option<Self> {
         Some(match property {
-            Property::Target | Property::View => Self::View(world.get::<&Camera>(entity).ok()?.view),
+            Property::Target | Property::View if world.satisfies::<&Camera>(entity) => {
+                Self::View(world.get::<&Camera>(entity).ok()?.view)
+            }
             Property::AmbientColor => Self::AmbientColor(world.get::<&Material>(entity).ok()?.ambient_color),
             _ => Self::Value(value(world, entity, property)?),
         })
@@ -76,10 +78,12 @@ impl Parts<'_> {
     }
 }
 
-/// Declares that a property of an entity has changed. Lights, cameras and settings of the whole scene are read at every moment anyway.
-pub(super) fn declare(property: Property, entity: Entity, changes: &mut Changes) {
+/// Declares that a property of an entity, with or without a camera, has changed. Lights, cameras and settings of the whole scene are read at
+/// every moment anyway.
+pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, changes: &mut Changes) {
     match property.part() {
-        Requirement::Transform => changes.mark_transform(entity),
+        Requirement::Transform | Requirement::Rotation => changes.mark_transform(entity),
+        Requirement::Target if !has_camera => changes.mark_transform(entity),
         Requirement::Sphere | Requirement::Box | Requirement::Plane => changes.mark_shape(entity),
         Requirement::Material
         | Requirement::Specular
@@ -95,6 +99,7 @@ pub(super) fn declare(property: Property, entity: Entity, changes: &mut Changes)
         | Requirement::SphereLight
         | Requirement::RectangleLight
         | Requirement::Camera
+        | Requirement::Target
         | Requirement::View
         | Requirement::FieldOfView
         | Requirement::Screen

@@ -8,7 +8,7 @@ use crate::animation::limits::SMALLEST;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Material, Projection,
-    Property, Quantity, Reflective, Refractive, Shape, Specular, Transform, View,
+    Property, Quantity, Reflective, Refractive, Shape, Specular, Target, Transform, View,
 };
 
 /// Defines from a list of the components that hold properties: the query for these components of an entity, the result of the query, and a
@@ -53,6 +53,7 @@ parts! {
     checker: Checker,
     light: Light,
     camera: Camera,
+    target: Target,
     ambient: Ambient,
     background: Background,
     fog: Fog,
@@ -192,12 +193,13 @@ impl Parts<'_> {
         })
     }
 
-    /// Returns a reference to a value of the camera.
+    /// Returns a reference to a value of the camera, or the target of an entity without one.
     fn camera_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
         use Projection::{FieldOfView, Screen};
         use ValueMut::{Number, Vector};
         Some(match property {
             Property::Position => Vector(&mut self.camera.as_mut()?.position),
+            Property::Target if self.camera.is_none() => Vector(&mut self.target.as_mut()?.0),
             Property::Target => Vector(target(self.camera.as_mut()?)),
             Property::View => Vector(view(self.camera.as_mut()?)),
             Property::Up => Vector(&mut self.camera.as_mut()?.up),

@@ -291,10 +291,10 @@ impl Evaluation<'_> {
     }
 
     fn write(&mut self, channel: &ScriptChannel, value: Value) {
-        if let Ok(parts) = self.world.query_one_mut::<PartsQuery<'_>>(channel.entity)
-            && Parts::new(parts).set(channel.property, value)
-        {
-            declare(channel.property, channel.entity, self.changes);
+        let Ok(parts) = self.world.query_one_mut::<PartsQuery<'_>>(channel.entity) else { return };
+        let mut parts = Parts::new(parts);
+        if parts.set(channel.property, value) {
+            declare(channel.property, channel.entity, parts.camera.is_some(), self.changes);
         }
     }
 

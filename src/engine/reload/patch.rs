@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::matching::{Counterparts, Matching, shape_bits, transform_bits};
 use crate::components::{
-    self, Checker, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots, Specular,
+    self, Checker, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots, Specular, Target,
     Transform, with_components,
 };
 use crate::systems::Changes;
@@ -152,6 +152,7 @@ trait Put: Component + PartialEq + Sized {
 }
 
 impl Put for Parent {}
+impl Put for LookAt {}
 impl Put for Material {}
 impl Put for Specular {}
 impl Put for Reflective {}
@@ -162,6 +163,13 @@ impl Put for Checker {}
 impl Put for Transform {
     fn put(&mut self, new: &mut Self) -> bool {
         put_bits(self, new, transform_bits)
+    }
+}
+
+/// Compares bits, like the implementation for transforms.
+impl Put for Target {
+    fn put(&mut self, new: &mut Self) -> bool {
+        put_bits(self, new, |target| target.0.to_array().map(f64::to_bits))
     }
 }
 

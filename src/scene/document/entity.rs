@@ -73,6 +73,9 @@ pub(crate) struct EntityDocument {
     pub(crate) material: Option<String>,
     /// Boxed because it is large and few entities have one.
     pub(crate) light: Option<Box<LightDocument>>,
+    /// Boxed because few entities have one.
+    pub(crate) target: Option<Box<Triple>>,
+    pub(crate) look_at: Option<String>,
 }
 
 /// The placement of an entity.

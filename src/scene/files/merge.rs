@@ -143,6 +143,7 @@ impl<'a> Merger<'a> {
                 name: prefixed(&entity.name),
                 parent: prefixed(&entity.parent),
                 material: prefixed(&entity.material),
+                look_at: prefixed(&entity.look_at),
                 ..EntityDocument::clone(entity)
             };
             self.add_entity(renamed, parent.filter(|_| entity.parent.is_none()));

@@ -36,6 +36,10 @@ pub(in crate::scene) struct KnownEntity<'a> {
     pub(in crate::scene) shape: Option<&'a ShapeDocument>,
     pub(in crate::scene) light: Option<&'a LightDocument>,
     pub(in crate::scene) material: Option<&'a MaterialDocument>,
+    /// True if it points to a point.
+    pub(in crate::scene) has_target: bool,
+    /// True if it points to an entity.
+    pub(in crate::scene) looks_at: bool,
 }
 
 /// The names visible in one file. A name in a named include is written `part/name`.
@@ -62,7 +66,8 @@ impl<'a> Scope<'a> {
                 let material = entity.material.as_deref();
                 let material = material.and_then(|name| self.of(*file).material(name).found());
                 let (shape, light) = (entity.shape.as_ref(), entity.light.as_deref());
-                Lookup::Found(KnownEntity { shape, light, material })
+                let (has_target, looks_at) = (entity.target.is_some(), entity.look_at.is_some());
+                Lookup::Found(KnownEntity { shape, light, material, has_target, looks_at })
             }
             Some(Meaning::Part(_)) => Lookup::Found(KnownEntity::default()),
             None => self.in_part(name, Self::entity),

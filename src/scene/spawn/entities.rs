@@ -9,8 +9,8 @@ use hecs::{ColumnBatchBuilder, ColumnBatchType, Component, Entity, World};
 use super::{radians, rgb, rotation, scale, single};
 use crate::color::Transfer;
 use crate::components::{
-    Animated, AreaShape, Channel, Checker, Falloff, Light, LightKind, Material, Name, Order, Parent,
-    Reflective, Refractive, Shape, Specular, Transform, WorldTransform,
+    Animated, AreaShape, Channel, Checker, Falloff, Light, LightKind, LookAt, Material, Name, Order, Parent,
+    Reflective, Refractive, Shape, Specular, Target, Transform, WorldTransform,
 };
 use crate::scene::document::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, ShapeDocument, TransformDocument,
@@ -27,10 +27,12 @@ pub(super) struct MaterialComponents {
     checker: Option<Checker>,
 }
 
-/// The parents, channels and surfaces of entities.
+/// The parents, the entities looked at, the channels and the surfaces of entities.
 pub(super) struct Links<'a> {
     /// The parents, by the document index of the child.
     pub(super) parents: HashMap<usize, Entity>,
+    /// The entities looked at, by the document index of the entity that looks.
+    pub(super) looking: HashMap<usize, Entity>,
     pub(super) channels: HashMap<Entity, Vec<Channel>>,
     /// The surfaces, by material name.
     pub(super) surfaces: HashMap<&'a str, MaterialComponents>,
@@ -47,6 +49,8 @@ struct Member<'a> {
 struct Types {
     name: bool,
     parent: bool,
+    looking: bool,
+    target: bool,
     animated: bool,
     shape: bool,
     light: bool,
@@ -62,7 +66,7 @@ pub(super) fn spawn(
     world: &mut World,
     entities: &[Entity],
     documents: &[Arc<EntityDocument>],
-    Links { parents, mut channels, surfaces }: Links<'_>,
+    Links { parents, looking, mut channels, surfaces }: Links<'_>,
 ) {
     let mut groups: BTreeMap<Types, Vec<Member<'_>>> = BTreeMap::new();
     for (place, document) in documents.iter().enumerate() {
@@ -70,6 +74,8 @@ pub(super) fn spawn(
         let types = Types {
             name: document.name.is_some(),
             parent: parents.contains_key(&place),
+            looking: looking.contains_key(&place),
+            target: document.target.is_some(),
             animated: channels.contains_key(&entities[place]),
             shape: document.shape.is_some(),
             light: document.light.is_some(),
@@ -95,6 +101,8 @@ pub(super) fn spawn(
                 fill(&batch, places().map(|_| origin));
                 fill(&batch, places().map(|place| Order(place as u64)));
                 fill(&batch, places().filter_map(|place| parents.get(&place).copied()).map(Parent));
+                fill(&batch, places().filter_map(|place| looking.get(&place).copied()).map(LookAt));
+                fill(&batch, places().filter_map(|place| of(place).target.as_deref()).map(target));
                 fill(&batch, surfaces().map(|surface| surface.material));
                 fill(&batch, surfaces().filter_map(|surface| surface.specular));
                 fill(&batch, surfaces().filter_map(|surface| surface.reflective));
@@ -142,6 +150,8 @@ impl Types {
         };
         add(self.name, ColumnBatchType::add::<Name>);
         add(self.parent, ColumnBatchType::add::<Parent>);
+        add(self.looking, ColumnBatchType::add::<LookAt>);
+        add(self.target, ColumnBatchType::add::<Target>);
         add(self.animated, ColumnBatchType::add::<Animated>);
         add(self.shape, ColumnBatchType::add::<Shape>);
         add(self.light, ColumnBatchType::add::<Light>);
@@ -183,6 +193,10 @@ fn transform(document: &TransformDocument) -> Transform {
         rotation: rotation(document.rotation),
         scale: scale(document.scale),
     }
+}
+
+fn target(document: &Triple) -> Target {
+    Target((*document).into())
 }
 
 fn shape(document: &ShapeDocument) -> Shape {

@@ -71,20 +71,27 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     let named = named.enumerate().filter_map(|(entity, parent)| Some((entity, parent?)));
     let unnamed = parents.iter().map(|(entity, parent)| (*entity, entities[*parent]));
     let parents: HashMap<usize, Entity> = named.chain(unnamed).collect();
+    let looking = document.entities.iter().map(|entity| names.get(entity.look_at.as_deref()?).copied());
+    let looking = looking.enumerate().filter_map(|(entity, looked_at)| Some((entity, looked_at?))).collect();
     let surfaces: HashMap<&str, MaterialComponents> = document
         .materials
         .0
         .iter()
         .map(|(name, material)| (name.as_str(), surface(material, transfer)))
         .collect();
-    entities::spawn(&mut world, &entities, &document.entities, Links { parents, channels, surfaces });
+    entities::spawn(
+        &mut world,
+        &entities,
+        &document.entities,
+        Links { parents, looking, channels, surfaces },
+    );
     (world, timeline)
 }
 
 /// Returns the entities that are referred to by name.
 fn referred_to<'a>(document: &'a SceneDocument, entities: &[Entity]) -> HashMap<&'a str, Entity> {
     let links = |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at];
-    let parents = document.entities.iter().map(|entity| &entity.parent);
+    let parents = document.entities.iter().flat_map(|entity| [&entity.parent, &entity.look_at]);
     let targets = document.animate.iter().map(|animation| &animation.target);
     let cameras = document.named_cameras().flat_map(|(_, camera)| links(camera));
     let names = parents.chain(targets).chain(cameras).flatten();

@@ -102,7 +102,7 @@ fn lack_of_camera(camera: &CameraDocument, part: Requirement) -> Option<&'static
     let screen = camera.screen.as_ref();
     let (fits, otherwise) = match part {
         Requirement::Camera => return None,
-        Requirement::View => (camera.look_at.is_none(), "a camera with `look_at`"),
+        Requirement::Target | Requirement::View => (camera.look_at.is_none(), "a camera with `look_at`"),
         Requirement::FieldOfView => (screen.is_none(), "a camera with a `screen`"),
         Requirement::Screen => (screen.is_some(), "a camera without a `screen`"),
         Requirement::ScreenWidth if screen.is_none() => (false, "a camera without a `screen`"),
@@ -121,6 +121,9 @@ fn lack_of_entity(entity: KnownEntity<'_>, part: Requirement) -> Option<&'static
     let lacks = |material: Option<&MaterialDocument>| material.is_none_or(|material| lacks(material, part));
     let (fits, otherwise) = match part {
         Requirement::Transform => return None,
+        Requirement::Rotation | Requirement::Target if entity.looks_at => (false, "an entity with `look_at`"),
+        Requirement::Rotation => (!entity.has_target, "an entity with a `target`"),
+        Requirement::Target => (entity.has_target, "an entity without a `target`"),
         Requirement::Sphere => (matches!(entity.shape, Some(Sphere { .. })), "an entity that is no sphere"),
         Requirement::Box => (matches!(entity.shape, Some(Box { .. })), "an entity that is no box"),
         Requirement::Plane => (matches!(entity.shape, Some(Plane { .. })), "an entity that is no plane"),
@@ -216,6 +219,10 @@ fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
 fn home(part: Requirement) -> &'static str {
     match part {
         Requirement::Transform => "entities have it; cameras have Position and Target",
+        Requirement::Rotation => {
+            "entities have it that have neither `target` nor `look_at`; cameras have Position and Target"
+        }
+        Requirement::Target => "cameras have it: `target: \"camera\"`; and entities with a `target`",
         Requirement::Sphere => "entities with the shape Sphere have it",
         Requirement::Box => "entities with the shape Box have it",
         Requirement::Plane => "entities with the shape Plane have it",

@@ -25,6 +25,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
         if let Some(light) = &entity.light {
             super::lights::validate(light, &at.field("light"), problems);
         }
+        aim(entity, scope, &at, problems);
         look(entity, &at, problems);
         material(entity, scope, &at, problems);
         if let Some(parent) = &entity.parent
@@ -34,6 +35,42 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
         }
     }
     cycles(&document.entities, &names, &at, problems);
+}
+
+/// Checks the point or the entity that an entity looks at.
+fn aim(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
+    let EntityDocument { transform, target, look_at, .. } = entity;
+    let field = match (target, look_at) {
+        (None, None) => return,
+        (Some(_), None) => "target",
+        (None, Some(_)) => "look_at",
+        (Some(_), Some(_)) => {
+            let help = "keep `look_at` to look at an entity, or `target` at a point";
+            let message = "the entity has both `look_at` and `target`";
+            problems.add(&at.field("target"), message, "one too many", help);
+            return;
+        }
+    };
+    if transform.rotation != TransformDocument::default().rotation {
+        let message = format!("the entity has both a rotation and `{field}`");
+        let help = format!("keep one of the two: `{field}` turns the entity's own +z axis");
+        problems.add(&at.field("transform").field("rotation"), message, "one too many", help);
+    }
+    let at = at.field(field);
+    if let Some(target) = target.as_deref()
+        && check::vector(*target, &at, problems)
+        && *target == transform.translation
+    {
+        let help = "move one of the two: the entity's own +z axis points from its translation to the target";
+        problems.add(&at, "the entity's target is where it stands", "the same as its translation", help);
+    }
+    if let Some(name) = look_at {
+        if scope.entity(name).is_missing() {
+            problems.add_unknown(&at, Named::Entity, name, || scope.entity_names());
+        } else if entity.name.as_ref() == Some(name) {
+            problems.add(&at, "an entity looks at itself", "its own name", "name another entity");
+        }
+    }
 }
 
 /// Reports a shape without a material, a material without a shape, and errors in the shape.
@@ -123,56 +160,72 @@ pub(super) fn name(name: &str, at: &At<'_>, problems: &mut Problems) -> bool {
     false
 }
 
-/// Reports each cycle of parents once.
+/// Reports each cycle of parents once, and entities that look at a part of themselves, so that what they look at turns with them.
 fn cycles(
     entities: &[Arc<EntityDocument>],
     names: &HashMap<&str, usize>,
     at: &At<'_>,
     problems: &mut Problems,
 ) {
-    #[derive(Clone, Copy, PartialEq)]
-    enum Visit {
-        Unseen,
-        Underway,
-        Done,
-    }
-    let parent = |index: usize| entities[index].parent.as_deref().and_then(|name| names.get(name).copied());
-    let mut states = vec![Visit::Unseen; entities.len()];
-    let children = (0..entities.len()).filter(|index| entities[*index].parent.is_some());
-    for start in children {
-        let mut chain = Vec::new();
-        let mut current = Some(start);
-        while let Some(index) = current.filter(|index| states[*index] == Visit::Unseen) {
-            states[index] = Visit::Underway;
-            chain.push(index);
-            current = parent(index);
-        }
-        if let Some(index) = current
-            && states[index] == Visit::Underway
-        {
-            let ring = &chain[chain.iter().position(|member| *member == index).unwrap_or(0)..];
-            let name = |index: &usize| {
-                let name = entities[*index].name.as_deref();
-                format!("\"{}\"", short(name.unwrap_or("?")))
-            };
-            let mut path: Vec<String> = ring.iter().map(name).collect();
-            path.push(name(&index));
-            let message = if ring.len() == 1 {
-                "an entity is its own parent"
-            } else {
-                "entities are each other's parents"
-            };
-            problems.add(
-                &at.index(index).field("parent"),
-                message,
-                linked(&path, " -> "),
-                "remove one of the parents",
-            );
-        }
-        for index in chain {
-            states[index] = Visit::Done;
+    let named = |name: &Option<String>| names.get(name.as_deref()?).copied();
+    let parent = |index: usize| named(&entities[index].parent);
+    // The position of an entity depends on its parent, and its rotation on the position of the entity that it looks at.
+    let needed = |index: usize| [parent(index), named(&entities[index].look_at).and_then(parent)];
+    let mut finished = vec![false; entities.len()];
+    let mut positions: HashMap<usize, usize> = HashMap::new();
+    for start in (0..entities.len()).filter(|index| needed(*index) != [None; 2]) {
+        // Entities on the way, each with the number of its links that were followed.
+        let mut way = vec![(start, 0)];
+        positions.clear();
+        while let Some((index, followed)) = way.last_mut() {
+            let (index, link) = (*index, *followed);
+            *followed += 1;
+            if link == 0 && !finished[index] {
+                positions.insert(index, way.len() - 1);
+            }
+            match needed(index).get(link) {
+                _ if finished[index] => _ = way.pop(),
+                None => {
+                    finished[index] = true;
+                    positions.remove(&index);
+                    way.pop();
+                }
+                Some(Some(next)) => match positions.get(next) {
+                    Some(first) => cycle(&way[*first..], entities, at, problems),
+                    None => way.push((*next, 0)),
+                },
+                Some(None) => {}
+            }
         }
     }
+}
+
+/// Reports a cycle of entities, given with the numbers of their links that were followed: 1 for the parent, 2 for the entity looked at.
+fn cycle(ring: &[(usize, usize)], entities: &[Arc<EntityDocument>], at: &At<'_>, problems: &mut Problems) {
+    let name = |index: usize| {
+        let name = entities[index].name.as_deref();
+        format!("\"{}\"", short(name.unwrap_or("?")))
+    };
+    if let Some((looking, _)) = ring.iter().rfind(|(_, followed)| *followed == 2) {
+        let target = entities[*looking].look_at.as_deref().unwrap_or_default();
+        problems.add(
+            &at.index(*looking).field("look_at"),
+            "an entity looks at another that turns with it",
+            format!("the place of \"{}\" depends on where {} looks", short(target), name(*looking)),
+            "let it look at an entity that is not a part of it",
+        );
+        return;
+    }
+    let mut path: Vec<String> = ring.iter().map(|(index, _)| name(*index)).collect();
+    path.push(name(ring[0].0));
+    let message =
+        if ring.len() == 1 { "an entity is its own parent" } else { "entities are each other's parents" };
+    problems.add(
+        &at.index(ring[0].0).field("parent"),
+        message,
+        linked(&path, " -> "),
+        "remove one of the parents",
+    );
 }
 
 pub(super) fn transform(transform: &TransformDocument, at: &At<'_>, problems: &mut Problems) {

@@ -16,8 +16,9 @@ use crate::color::Rgb;
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
     Material, Motion, Order, Projection, Property, Quality, Quantity, Refractive, Sampling, Shape, Shots,
-    Specular, Transform, ValidRange, View, WorldTransform,
+    Specular, Target, Transform, ValidRange, View, WorldTransform,
 };
+use crate::systems::aim::circular_aims;
 use crate::systems::{Consequence, Fallback, Fault, FaultCause};
 use crate::trace::LightSource;
 
@@ -34,6 +35,7 @@ impl Preparation {
             surface_fault(*entity, query.get().ok()?)
         }));
         light_faults(world, &mut faults);
+        aim_faults(world, &mut faults);
         camera_faults(world, self, &mut faults);
         setting_faults(world, &mut faults);
         turn_faults(world, &mut faults);
@@ -199,6 +201,22 @@ fn light_faults(world: &World, faults: &mut Vec<Fault>) {
         }
         faults.extend(checked.fault);
     }
+}
+
+/// Finds the faults of entities without a camera that look at something.
+fn aim_faults(world: &World, faults: &mut Vec<Fault>) {
+    let mut linked = world.query::<hecs::Without<(Entity, &LookAt), &Camera>>();
+    let missing = linked.iter().filter(|(_, LookAt(target))| position_of(world, Some(*target)).is_none());
+    faults.extend(
+        missing.map(|(entity, _)| instead(entity, FaultCause::Missing("looks at"), Fallback::Nothing)),
+    );
+    let circular = circular_aims(world).into_iter();
+    faults.extend(circular.map(|entity| instead(entity, FaultCause::CircularAim, Fallback::Nothing)));
+    let mut pointed = world.query::<hecs::Without<(Entity, &Target), hecs::Or<&Camera, &LookAt>>>();
+    let undefined = pointed.iter().filter(|(_, Target(point))| !point.is_finite());
+    faults.extend(
+        undefined.map(|(entity, _)| instead(entity, FaultCause::NotFinite("target"), Fallback::AlongZ)),
+    );
 }
 
 /// Finds the faults of the active camera.

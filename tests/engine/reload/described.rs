@@ -5,8 +5,8 @@ use std::fmt::Debug;
 
 use rayreel::components::{
     Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
-    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Transform,
-    WorldTransform,
+    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Target,
+    Transform, WorldTransform,
 };
 use rayreel::{Entity, Film, World};
 
@@ -41,6 +41,7 @@ impl Words<'_> {
             self.one::<Name>(),
             self.one::<Order>(),
             self.one::<Transform>(),
+            self.one::<Target>(),
             self.one::<Shape>(),
             self.one::<Material>(),
             self.one::<Specular>(),

@@ -28,8 +28,8 @@ struct Document {
 #[derive(Clone, Default)]
 struct Thing {
     name: Option<String>,
-    /// Texts of the fields transform, parent, shape with material, and light.
-    fields: [String; 4],
+    /// Texts of the fields transform, parent, shape with material, light, and target or `look_at`.
+    fields: [String; 5],
 }
 
 const SETTINGS: [&str; 8] =
@@ -92,7 +92,7 @@ impl Model {
         let name = (!random.once_in(3)).then(|| self.fresh_name());
         let document = if in_part { &mut self.part } else { &mut self.scene };
         let names = document.names();
-        let fields = [0, 1, 2, 3].map(|which| field(which, &names, random));
+        let fields = [0, 1, 2, 3, 4].map(|which| field(which, &names, random));
         let at = random.index(document.things.len() + 1);
         document.things.insert(at, Thing { name, fields });
     }
@@ -174,8 +174,10 @@ impl Document {
         if let Some(name) = removed.name {
             self.animate.retain(|animation| !animation.contains(&name));
             for thing in &mut self.things {
-                if thing.fields[1].contains(&name) {
-                    thing.fields[1].clear();
+                for link in [1, 4] {
+                    if thing.fields[link].contains(&name) {
+                        thing.fields[link].clear();
+                    }
                 }
             }
         }
@@ -191,7 +193,7 @@ impl Document {
 
     fn change(&mut self, random: &mut Random) {
         if !self.things.is_empty() {
-            let (at, which) = (random.index(self.things.len()), random.index(4));
+            let (at, which) = (random.index(self.things.len()), random.index(5));
             self.things[at].fields[which] = field(which, &self.names(), random);
         }
     }
@@ -372,6 +374,11 @@ fn field(which: usize, names: &[String], random: &mut Random) -> String {
             };
             format!("shape: {shape}, material: \"m{}\"", random.index(3))
         }
+        4 => match random.index(12) {
+            0 => format!("target: {}", random.triple()),
+            1 | 2 if !names.is_empty() => format!("look_at: \"{}\"", names[random.index(names.len())]),
+            _ => String::new(),
+        },
         _ => {
             let intensity = random.light();
             match random.index(10) {
