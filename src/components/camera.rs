@@ -133,4 +133,9 @@ pub enum Projection {
         /// The vertical angle in radians, between 0 and pi.
         vertical: f64,
     },
+    /// Square pixels whose outer borders span the horizontal angle.
+    HorizontalFieldOfView {
+        /// The horizontal angle in radians, between 0 and pi.
+        horizontal: f64,
+    },
 }

@@ -55,8 +55,10 @@ pub(crate) enum Requirement {
     Target,
     /// A camera that does not look at an entity.
     View,
-    /// A camera with a field of view.
+    /// A camera with a vertical field of view.
     FieldOfView,
+    /// A camera with a horizontal field of view.
+    HorizontalFieldOfView,
     /// A camera with a screen.
     Screen,
     /// A camera with a screen whose width is given.
@@ -141,6 +143,8 @@ table! {
         Roll => (Requirement::Camera, Quantity::Turn),
         /// The angle of a [`Projection::FieldOfView`](super::Projection).
         Fov => (Requirement::FieldOfView, Quantity::FieldOfView),
+        /// The angle of a [`Projection::HorizontalFieldOfView`](super::Projection).
+        HorizontalFov => (Requirement::HorizontalFieldOfView, Quantity::FieldOfView),
         /// The distance of a [`Projection::Screen`](super::Projection).
         ScreenDistance => (Requirement::Screen, Quantity::Length),
         /// The width of a [`Projection::Screen`](super::Projection), if given.

@@ -102,6 +102,7 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
         | Requirement::Target
         | Requirement::View
         | Requirement::FieldOfView
+        | Requirement::HorizontalFieldOfView
         | Requirement::Screen
         | Requirement::ScreenWidth
         | Requirement::Lens

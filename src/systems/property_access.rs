@@ -123,6 +123,7 @@ impl Parts<'_> {
             | P::Up
             | P::Roll
             | P::Fov
+            | P::HorizontalFov
             | P::ScreenDistance
             | P::ScreenWidth
             | P::ScreenHeight
@@ -195,7 +196,7 @@ impl Parts<'_> {
 
     /// Returns a reference to a value of the camera, or the target of an entity without one.
     fn camera_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
-        use Projection::{FieldOfView, Screen};
+        use Projection::{FieldOfView, HorizontalFieldOfView, Screen};
         use ValueMut::{Number, Vector};
         Some(match property {
             Property::Position => Vector(&mut self.camera.as_mut()?.position),
@@ -205,6 +206,9 @@ impl Parts<'_> {
             Property::Up => Vector(&mut self.camera.as_mut()?.up),
             Property::Roll => Number(&mut self.camera.as_mut()?.roll),
             Property::Fov => within!(self.projection()?, FieldOfView { vertical } => Number(vertical)),
+            Property::HorizontalFov => {
+                within!(self.projection()?, HorizontalFieldOfView { horizontal } => Number(horizontal))
+            }
             Property::ScreenDistance => {
                 within!(self.projection()?, Screen { distance, .. } => Number(distance))
             }

@@ -2,9 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use rayreel::components::{
-    FilmSettings, Light, LookAt, Parent, Property, Target, Transform, WorldTransform,
-};
+use rayreel::components::{FilmSettings, Light, LookAt, Parent, Property, Target, Transform, WorldTransform};
 use rayreel::systems::{Consequence, Fallback, Fault, FaultCause, propagate};
 use rayreel::{Changes, Engine, Entity, Film, Rgb, Scene, Time, World};
 
@@ -79,7 +77,9 @@ fn z_axes_point_to_targets_with_y_up_in_all_parents() {
         let world = engine.world();
         for entity in entities {
             let own = *world.get::<&Transform>(entity).unwrap();
-            let outer = world.get::<&Parent>(entity).map_or_else(|_| WorldTransform::IDENTITY, |parent| place(world, parent.0));
+            let outer = world
+                .get::<&Parent>(entity)
+                .map_or_else(|_| WorldTransform::IDENTITY, |parent| place(world, parent.0));
             let found = place(world, entity).affine;
             let target = match (world.get::<&Target>(entity), world.get::<&LookAt>(entity)) {
                 (_, Ok(target)) => place(world, target.0).affine.translation,
@@ -158,7 +158,8 @@ fn undefined_aims_have_fixed_fallbacks_and_faults() {
     for entity in [lost, owner] {
         close(z(entity), turn * DVec3::Z);
     }
-    let fault = |entity, cause, fallback| Fault { entity, consequence: Consequence::Fallback(fallback), cause };
+    let fault =
+        |entity, cause, fallback| Fault { entity, consequence: Consequence::Fallback(fallback), cause };
     assert_eq!(
         engine.faults(),
         [
@@ -209,7 +210,8 @@ fn lights_that_look_shine_as_rotated_ones() {
         "transform: (translation: (5, 0, 0)), target: (0, 0, 0)",
         "",
     );
-    let straight = text("transform: (translation: (0, 5, 0))", "transform: (translation: (-4, 0, 0))", "", "");
+    let straight =
+        text("transform: (translation: (0, 5, 0))", "transform: (translation: (-4, 0, 0))", "", "");
     assert!(film(&rotated, 0) == film(&looking, 0));
     assert!(film(&rotated, 0) != film(&straight, 0));
 }

@@ -163,6 +163,32 @@ fn first_camera_renders_without_shots() {
     assert!(film(more) == alone(CAMERAS, "side", time(4)));
 }
 
+/// Checks the angle between the outer borders of the pixels, which are square, and that the same view can be written either way.
+#[test]
+fn fields_of_view_span_the_borders_of_the_pixels() {
+    for (width, height) in [(3, 3), (8, 3), (3, 8), (1, 5)] {
+        let camera = |projection: &str| {
+            let text = format!(
+                "(film: (width: {width}, height: {height}), camera: (position: (0, 0, 0), view: (0, 0, 1), {projection}))"
+            );
+            *Preparation::of(&mut read(&text).world, time(0)).camera()
+        };
+        let wide = camera("horizontal_fov: 80");
+        let steps =
+            [wide.towards(width.min(2) - 1, 1) - wide.towards(0, 1), wide.towards(0, 0) - wide.towards(0, 1)];
+        let pitch = steps[1].y;
+        assert!(width == 1 || (steps[0].x - pitch).abs() < 1e-15);
+        let right = wide.towards(width - 1, 0).x + 0.5 * pitch;
+        assert!((libm::atan(right).to_degrees() - 40.0).abs() < 1e-13, "{right}");
+        // The vertical angle of the same view.
+        let vertical = 2.0 * libm::atan(f64::from(height) / f64::from(width) * libm::tan(40f64.to_radians()));
+        let high = camera(&format!("fov: {:?}", vertical.to_degrees()));
+        for (i, j) in [(0, 0), (width - 1, height - 1)] {
+            assert!(high.towards(i, j).distance(wide.towards(i, j)) < 1e-14);
+        }
+    }
+}
+
 #[test]
 fn undefined_views_and_up_directions_have_fixed_fallbacks() {
     let at = |camera: Camera| {

@@ -168,6 +168,9 @@ fn case(property: Property) -> Case {
         Property::Up => entity("camera", "up", ["(0.1, 1, 0)", "(-0.5, 1, 0)"]),
         Property::Roll => entity("camera", "roll", ["10", "-100"]),
         Property::Fov => written("fov: {}", entity("camera", "projection", ["30", "60"])),
+        Property::HorizontalFov => {
+            written("horizontal_fov: {}", entity("camera", "projection", ["40", "80"]))
+        }
         Property::ScreenDistance => {
             let written_so = "screen: (distance: {}, width: 1.6, height: 1)";
             written(written_so, entity("camera", "projection", ["1", "1.5"]))
@@ -307,6 +310,7 @@ fn swinging_curves_stay_in_range() {
         (Property::Angle, "spot", "", "", ["90", "1"], 1e-60),
         (Property::LightRadius, "globe", "", "", ["1", "0.01"], 1e-60),
         (Property::Fov, "camera", "", "", ["90", "1"], 1e-60),
+        (Property::HorizontalFov, "camera", "projection", "horizontal_fov: 90", ["90", "1"], 1e-60),
         (
             Property::ScreenDistance,
             "camera",

@@ -188,6 +188,7 @@ struct Settings {
 fn camera() -> impl Strategy<Value = Camera> {
     let projection = prop_oneof![
         number().prop_map(|vertical| Projection::FieldOfView { vertical }),
+        number().prop_map(|horizontal| Projection::HorizontalFieldOfView { horizontal }),
         (number(), prop::option::of(number()), number())
             .prop_map(|(distance, width, height)| Projection::Screen { distance, width, height }),
     ];

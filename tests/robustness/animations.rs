@@ -173,6 +173,7 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
         ("Up", triples(point())),
         ("Roll", numbers(any())),
         ("Fov", numbers(angle())),
+        ("HorizontalFov", numbers(angle())),
         ("ScreenDistance", numbers(size())),
         ("ScreenWidth", numbers(size())),
         ("ScreenHeight", numbers(size())),

@@ -188,6 +188,7 @@ pub(crate) struct CameraDocument {
     pub(crate) roll: f64,
     pub(crate) screen: Option<ScreenDocument>,
     pub(crate) fov: Option<f64>,
+    pub(crate) horizontal_fov: Option<f64>,
     pub(crate) lens: Option<LensDocument>,
     pub(crate) shutter: Option<f64>,
     pub(crate) parent: Option<String>,

@@ -200,12 +200,13 @@ fn camera(document: &CameraDocument) -> Camera {
         (None, Some(view)) => View::Direction(view.into()),
         (None, None) => defaults.view,
     };
-    let projection = match (&document.screen, document.fov) {
-        (Some(screen), _) => {
+    let projection = match (&document.screen, document.fov, document.horizontal_fov) {
+        (Some(screen), ..) => {
             Projection::Screen { distance: screen.distance, width: screen.width, height: screen.height }
         }
-        (None, Some(degrees)) => Projection::FieldOfView { vertical: radians(degrees) },
-        (None, None) => defaults.projection,
+        (None, Some(degrees), _) => Projection::FieldOfView { vertical: radians(degrees) },
+        (None, None, Some(degrees)) => Projection::HorizontalFieldOfView { horizontal: radians(degrees) },
+        (None, None, None) => defaults.projection,
     };
     let lens = document.lens.as_ref().map(|lens| Lens { aperture: lens.aperture, focus: lens.focus });
     Camera {

@@ -100,7 +100,10 @@ fn number(property: Property, value: f64, at: &At<'_>, problems: &mut Problems) 
         Quantity::RefractiveIndex => check::ior(value, at, problems),
         Quantity::SpotAngle => lights::angle(value, at, problems),
         Quantity::Softness => lights::softness(value, at, problems),
-        Quantity::FieldOfView => cameras::field_of_view(value, at, problems),
+        Quantity::FieldOfView => {
+            let axis = if property == Property::HorizontalFov { "horizontal" } else { "vertical" };
+            cameras::field_of_view(value, axis, at, problems);
+        }
         Quantity::Aperture => cameras::aperture(value, at, problems),
         Quantity::Density => settings::density(value, at, problems),
         _ => {

@@ -204,9 +204,10 @@ pub(super) fn aperture(aperture: f64, at: &At<'_>, problems: &mut Problems) {
     check::range(aperture, Quantity::Aperture.range(), "the lens's aperture", help, at, problems);
 }
 
-pub(super) fn field_of_view(fov: f64, at: &At<'_>, problems: &mut Problems) {
-    let help = "write the vertical angle, as 45";
-    check::range(fov, Quantity::FieldOfView.range(), "the field of view", help, at, problems);
+/// Checks a field of view; `axis` is "vertical" or "horizontal".
+pub(super) fn field_of_view(fov: f64, axis: &str, at: &At<'_>, problems: &mut Problems) {
+    let help = format!("write the {axis} angle, as 45");
+    check::range(fov, Quantity::FieldOfView.range(), "the field of view", &help, at, problems);
 }
 
 fn projection(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
@@ -218,17 +219,22 @@ fn projection(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
             check::size(width, "the screen's width", &at.field("width"), problems);
         }
     }
-    if let Some(fov) = document.fov {
-        let at = at.field("fov");
-        if document.screen.is_some() {
+    let mut first = document.screen.as_ref().map(|_| "screen");
+    let angles =
+        [("fov", "vertical", document.fov), ("horizontal_fov", "horizontal", document.horizontal_fov)];
+    for (field, axis, angle) in angles {
+        let Some(angle) = angle else { continue };
+        let at = at.field(field);
+        if let Some(first) = first {
             problems.add(
                 &at,
-                "the camera has both `screen` and `fov`",
+                format!("the camera has both `{first}` and `{field}`"),
                 "one too many",
                 "keep one: both say how wide the view is",
             );
         } else {
-            field_of_view(fov, &at, problems);
+            first = Some(field);
+            field_of_view(angle, axis, &at, problems);
         }
     }
 }

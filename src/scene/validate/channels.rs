@@ -103,7 +103,11 @@ fn lack_of_camera(camera: &CameraDocument, part: Requirement) -> Option<&'static
     let (fits, otherwise) = match part {
         Requirement::Camera => return None,
         Requirement::Target | Requirement::View => (camera.look_at.is_none(), "a camera with `look_at`"),
-        Requirement::FieldOfView => (screen.is_none(), "a camera with a `screen`"),
+        Requirement::FieldOfView if screen.is_some() => (false, "a camera with a `screen`"),
+        Requirement::FieldOfView => (camera.horizontal_fov.is_none(), "a camera with `horizontal_fov`"),
+        Requirement::HorizontalFieldOfView => {
+            (camera.horizontal_fov.is_some(), "a camera without `horizontal_fov`")
+        }
         Requirement::Screen => (screen.is_some(), "a camera without a `screen`"),
         Requirement::ScreenWidth if screen.is_none() => (false, "a camera without a `screen`"),
         Requirement::ScreenWidth => {
@@ -238,7 +242,8 @@ fn home(part: Requirement) -> &'static str {
         Requirement::Camera | Requirement::View => {
             "cameras have it: `target: \"camera\"`; entities have Translation"
         }
-        Requirement::FieldOfView => "the camera has it where it has no `screen`",
+        Requirement::FieldOfView => "the camera has it where it has neither `screen` nor `horizontal_fov`",
+        Requirement::HorizontalFieldOfView => "the camera has it where it has `horizontal_fov`",
         Requirement::Screen => "the camera has it where it has a `screen`",
         Requirement::ScreenWidth => "the camera has it where its `screen` has a `width`",
         Requirement::Lens => "the camera has it where it has a `lens`",

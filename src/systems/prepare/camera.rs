@@ -24,8 +24,11 @@ pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -
         Projection::Screen { distance, width, height } => {
             (distance, (width.unwrap_or(height / down * across), height))
         }
-        Projection::FieldOfView { vertical } => {
-            let pitch = 2.0 * libm::tan(0.5 * vertical) / f64::from(film.height);
+        Projection::FieldOfView { vertical: angle }
+        | Projection::HorizontalFieldOfView { horizontal: angle } => {
+            let is_vertical = matches!(camera.projection, Projection::FieldOfView { .. });
+            let pixels = if is_vertical { film.height } else { film.width };
+            let pitch = 2.0 * libm::tan(0.5 * angle) / f64::from(pixels);
             (1.0, (pitch * across, pitch * down))
         }
     };

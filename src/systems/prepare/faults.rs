@@ -301,8 +301,9 @@ fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
         Projection::Screen { distance, width, height } => length("screen's distance", distance)
             .or_else(|| length("screen's height", height))
             .or_else(|| length("screen's width", width?)),
-        Projection::FieldOfView { vertical } => {
-            cause("field of view", vertical, ValidRange::FieldOfView, vertical > 0.0 && vertical < PI)
+        Projection::FieldOfView { vertical: angle }
+        | Projection::HorizontalFieldOfView { horizontal: angle } => {
+            cause("field of view", angle, ValidRange::FieldOfView, angle > 0.0 && angle < PI)
         }
     }
 }

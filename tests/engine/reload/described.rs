@@ -5,8 +5,8 @@ use std::fmt::Debug;
 
 use rayreel::components::{
     Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
-    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Target,
-    Transform, WorldTransform,
+    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Target, Transform,
+    WorldTransform,
 };
 use rayreel::{Entity, Film, World};
 

@@ -309,8 +309,9 @@ fn camera(names: &[String], random: &mut Random) -> String {
             text += &format!(", {link}: \"{name}\"");
         }
     }
-    match random.index(3) {
+    match random.index(4) {
         0 => text += ", screen: (distance: 1, height: 1)",
+        2 => text += &format!(", horizontal_fov: {}", 50 + random.index(60)),
         1 => text += &format!(", fov: {}", 30 + random.index(40)),
         _ => {}
     }
