@@ -138,4 +138,10 @@ pub enum Projection {
         /// The horizontal angle in radians, between 0 and pi.
         horizontal: f64,
     },
+    /// Parallel rays from the plane through the camera's position, perpendicular to the view: the size of objects in the image does not
+    /// depend on their distance. Square pixels.
+    Orthographic {
+        /// The height of the view in scene units, between the outer borders of the pixels, > 0.
+        height: f64,
+    },
 }

@@ -59,6 +59,8 @@ pub(crate) enum Requirement {
     FieldOfView,
     /// A camera with a horizontal field of view.
     HorizontalFieldOfView,
+    /// A camera with an orthographic view.
+    Orthographic,
     /// A camera with a screen.
     Screen,
     /// A camera with a screen whose width is given.
@@ -145,6 +147,8 @@ table! {
         Fov => (Requirement::FieldOfView, Quantity::FieldOfView),
         /// The angle of a [`Projection::HorizontalFieldOfView`](super::Projection).
         HorizontalFov => (Requirement::HorizontalFieldOfView, Quantity::FieldOfView),
+        /// The height of a [`Projection::Orthographic`](super::Projection).
+        Orthographic => (Requirement::Orthographic, Quantity::Length),
         /// The distance of a [`Projection::Screen`](super::Projection).
         ScreenDistance => (Requirement::Screen, Quantity::Length),
         /// The width of a [`Projection::Screen`](super::Projection), if given.

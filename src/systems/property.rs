@@ -103,6 +103,7 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
         | Requirement::View
         | Requirement::FieldOfView
         | Requirement::HorizontalFieldOfView
+        | Requirement::Orthographic
         | Requirement::Screen
         | Requirement::ScreenWidth
         | Requirement::Lens

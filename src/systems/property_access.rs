@@ -124,6 +124,7 @@ impl Parts<'_> {
             | P::Roll
             | P::Fov
             | P::HorizontalFov
+            | P::Orthographic
             | P::ScreenDistance
             | P::ScreenWidth
             | P::ScreenHeight
@@ -196,7 +197,7 @@ impl Parts<'_> {
 
     /// Returns a reference to a value of the camera, or the target of an entity without one.
     fn camera_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
-        use Projection::{FieldOfView, HorizontalFieldOfView, Screen};
+        use Projection::{FieldOfView, HorizontalFieldOfView, Orthographic, Screen};
         use ValueMut::{Number, Vector};
         Some(match property {
             Property::Position => Vector(&mut self.camera.as_mut()?.position),
@@ -209,6 +210,7 @@ impl Parts<'_> {
             Property::HorizontalFov => {
                 within!(self.projection()?, HorizontalFieldOfView { horizontal } => Number(horizontal))
             }
+            Property::Orthographic => within!(self.projection()?, Orthographic { height } => Number(height)),
             Property::ScreenDistance => {
                 within!(self.projection()?, Screen { distance, .. } => Number(distance))
             }

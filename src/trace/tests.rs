@@ -98,7 +98,14 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
     let resolution = (27, 18);
     let (eye, view) = (DVec3::new(0.3, 1.6, -6.0), DVec3::new(0.0, -0.1, 1.0));
     let camera = PreparedCamera::new(eye, view, DVec3::Y, 1.0, (0.9, 0.6), resolution);
-    for (camera, samples) in [(camera, 1), (camera.with_lens(0.2, 6.0), 3)] {
+    let parallel = PreparedCamera::new(eye, view, DVec3::Y, 1.0, (9.0, 6.0), resolution).orthographic();
+    for (camera, samples) in [
+        (camera, 1),
+        (camera.with_lens(0.2, 6.0), 3),
+        (parallel, 1),
+        (parallel, 3),
+        (parallel.with_lens(0.2, 6.0), 3),
+    ] {
         let sampling = PixelSampling { samples, seed: 9 };
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {

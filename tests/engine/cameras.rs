@@ -268,29 +268,3 @@ fn neighbouring_frames_turn_with_the_path() {
     let turned = steps(DVec3::Y, &through).into_iter().filter(|(_, turn)| *turn > 1e-6).count();
     assert_eq!(turned, 2);
 }
-
-/// Checks the example of the scene manual: without perspective, balls of one size have the same size in the picture at any depth, in the
-/// units of the screen.
-#[test]
-fn distant_camera_with_a_near_screen_is_orthographic() {
-    const SIDE: u32 = 81;
-    let example = "camera: (position: (0, 0, -1e9), view: (0, 0, 1), screen: (distance: 1e9, height: 4))";
-    assert!(include_str!("../../src/scene/manual.md").contains(example));
-    let scene = read(&format!(
-        r#"Scene(film: (width: {SIDE}, height: {SIDE}), {example}, ambient: (1, 1, 1),
-        materials: {{ "m": (k_a: 1) }}, entities: [
-            (shape: Sphere(radius: 0.73), material: "m", transform: (translation: (-1, 1, 0))),
-            (shape: Sphere(radius: 0.73), material: "m", transform: (translation: (1, 1, 10))),
-            (shape: Sphere(radius: 0.73), material: "m", transform: (translation: (-1, -1, 1000))),
-            (shape: Box(size: (1.21, 0.87, 1000)), material: "m", transform: (translation: (1, -1, 500))),
-        ])"#
-    ));
-    let film = Engine::from_scene(scene).render_frame(0).unwrap();
-    for (i, j) in (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j))) {
-        let step = 4.0 / f64::from(SIDE - 1);
-        let (x, y) = (-2.0 + step * f64::from(i), 2.0 - step * f64::from(j));
-        let ball = [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)].iter().any(|(a, b)| (x - a).hypot(y - b) < 0.73);
-        let in_box = (x - 1.0).abs() < 0.605 && (y + 1.0).abs() < 0.435;
-        assert_eq!(film.pixel(i, j).x > 0.0, ball || in_box, "{x}, {y}");
-    }
-}

@@ -168,6 +168,7 @@ fn case(property: Property) -> Case {
         Property::Up => entity("camera", "up", ["(0.1, 1, 0)", "(-0.5, 1, 0)"]),
         Property::Roll => entity("camera", "roll", ["10", "-100"]),
         Property::Fov => written("fov: {}", entity("camera", "projection", ["30", "60"])),
+        Property::Orthographic => written("orthographic: {}", entity("camera", "projection", ["4", "6"])),
         Property::HorizontalFov => {
             written("horizontal_fov: {}", entity("camera", "projection", ["40", "80"]))
         }

@@ -187,8 +187,11 @@ struct Settings {
 
 fn camera() -> impl Strategy<Value = Camera> {
     let projection = prop_oneof![
-        number().prop_map(|vertical| Projection::FieldOfView { vertical }),
-        number().prop_map(|horizontal| Projection::HorizontalFieldOfView { horizontal }),
+        (number(), 0..3).prop_map(|(value, kind)| match kind {
+            0 => Projection::FieldOfView { vertical: value },
+            1 => Projection::HorizontalFieldOfView { horizontal: value },
+            _ => Projection::Orthographic { height: value },
+        }),
         (number(), prop::option::of(number()), number())
             .prop_map(|(distance, width, height)| Projection::Screen { distance, width, height }),
     ];

@@ -28,6 +28,7 @@ struct Effects {
     fog: bool,
     gradient: bool,
     motion: bool,
+    orthographic: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -111,18 +112,10 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
 
 fn effects() -> impl Strategy<Value = Effects> {
     let some = prop::bool::weighted;
-    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), some(0.25), some(0.3), some(0.25)).prop_map(
-        |(lights, mirrors, glass, checker, area_lights, fog, gradient, motion)| Effects {
-            lights,
-            mirrors,
-            glass,
-            checker,
-            area_lights,
-            fog,
-            gradient,
-            motion,
-        },
-    )
+    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), some(0.25), some(0.3), some(0.25), some(0.2))
+        .prop_map(|(lights, mirrors, glass, checker, area_lights, fog, gradient, motion, orthographic)| {
+            Effects { lights, mirrors, glass, checker, area_lights, fog, gradient, motion, orthographic }
+        })
 }
 
 /// Generates a light and its transform.
@@ -186,7 +179,10 @@ fn world(
             world.spawn((*light, *transform));
         }
     }
-    let projection = Projection::FieldOfView { vertical: 1.2 };
+    let projection = match effects.orthographic {
+        true => Projection::Orthographic { height: 6.0 },
+        false => Projection::FieldOfView { vertical: 1.2 },
+    };
     world.spawn((Camera {
         position: eye,
         view: View::Target(DVec3::new(0.0, 0.5, 0.0)),

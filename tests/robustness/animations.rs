@@ -174,6 +174,7 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
         ("Roll", numbers(any())),
         ("Fov", numbers(angle())),
         ("HorizontalFov", numbers(angle())),
+        ("Orthographic", numbers(size())),
         ("ScreenDistance", numbers(size())),
         ("ScreenWidth", numbers(size())),
         ("ScreenHeight", numbers(size())),

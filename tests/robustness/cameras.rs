@@ -41,6 +41,7 @@ pub(crate) fn camera() -> impl Strategy<Value = String> {
         2 => Just(String::new()),
         1 => prop_oneof![1.0..179.0f64, number()].prop_map(|fov| format!(", fov: {fov:?}")),
         1 => prop_oneof![1.0..179.0f64, number()].prop_map(|fov| format!(", horizontal_fov: {fov:?}")),
+        1 => size().prop_map(|height| format!(", orthographic: {height}")),
         1 => (size(), size(), size()).prop_map(|(distance, width, height)| {
             format!(", screen: (distance: {distance}, width: {width}, height: {height})")
         }),

@@ -189,6 +189,7 @@ pub(crate) struct CameraDocument {
     pub(crate) screen: Option<ScreenDocument>,
     pub(crate) fov: Option<f64>,
     pub(crate) horizontal_fov: Option<f64>,
+    pub(crate) orthographic: Option<f64>,
     pub(crate) lens: Option<LensDocument>,
     pub(crate) shutter: Option<f64>,
     pub(crate) parent: Option<String>,

@@ -200,14 +200,17 @@ fn camera(document: &CameraDocument) -> Camera {
         (None, Some(view)) => View::Direction(view.into()),
         (None, None) => defaults.view,
     };
-    let projection = match (&document.screen, document.fov, document.horizontal_fov) {
-        (Some(screen), ..) => {
-            Projection::Screen { distance: screen.distance, width: screen.width, height: screen.height }
-        }
-        (None, Some(degrees), _) => Projection::FieldOfView { vertical: radians(degrees) },
-        (None, None, Some(degrees)) => Projection::HorizontalFieldOfView { horizontal: radians(degrees) },
-        (None, None, None) => defaults.projection,
-    };
+    let screen = document.screen.as_ref().map(|screen| Projection::Screen {
+        distance: screen.distance,
+        width: screen.width,
+        height: screen.height,
+    });
+    let vertical = document.fov.map(|degrees| Projection::FieldOfView { vertical: radians(degrees) });
+    let horizontal = document
+        .horizontal_fov
+        .map(|degrees| Projection::HorizontalFieldOfView { horizontal: radians(degrees) });
+    let orthographic = document.orthographic.map(|height| Projection::Orthographic { height });
+    let projection = screen.or(vertical).or(horizontal).or(orthographic).unwrap_or(defaults.projection);
     let lens = document.lens.as_ref().map(|lens| Lens { aperture: lens.aperture, focus: lens.focus });
     Camera {
         position: document.position.into(),

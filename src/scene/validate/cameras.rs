@@ -219,22 +219,20 @@ fn projection(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
             check::size(width, "the screen's width", &at.field("width"), problems);
         }
     }
+    let CameraDocument { fov, horizontal_fov, orthographic, .. } = *document;
     let mut first = document.screen.as_ref().map(|_| "screen");
-    let angles =
-        [("fov", "vertical", document.fov), ("horizontal_fov", "horizontal", document.horizontal_fov)];
-    for (field, axis, angle) in angles {
-        let Some(angle) = angle else { continue };
+    for (field, value) in [("fov", fov), ("horizontal_fov", horizontal_fov), ("orthographic", orthographic)] {
+        let Some(value) = value else { continue };
         let at = at.field(field);
-        if let Some(first) = first {
-            problems.add(
-                &at,
-                format!("the camera has both `{first}` and `{field}`"),
-                "one too many",
-                "keep one: both say how wide the view is",
-            );
-        } else {
-            first = Some(field);
-            field_of_view(angle, axis, &at, problems);
+        match (first, field) {
+            (Some(first), _) => {
+                let message = format!("the camera has both `{first}` and `{field}`");
+                problems.add(&at, message, "one too many", "keep one: both say how wide the view is");
+            }
+            (None, "orthographic") => _ = check::size(value, "the height of the view", &at, problems),
+            (None, "fov") => field_of_view(value, "vertical", &at, problems),
+            (None, _) => field_of_view(value, "horizontal", &at, problems),
         }
+        first.get_or_insert(field);
     }
 }

@@ -104,7 +104,11 @@ fn lack_of_camera(camera: &CameraDocument, part: Requirement) -> Option<&'static
         Requirement::Camera => return None,
         Requirement::Target | Requirement::View => (camera.look_at.is_none(), "a camera with `look_at`"),
         Requirement::FieldOfView if screen.is_some() => (false, "a camera with a `screen`"),
-        Requirement::FieldOfView => (camera.horizontal_fov.is_none(), "a camera with `horizontal_fov`"),
+        Requirement::FieldOfView if camera.horizontal_fov.is_some() => {
+            (false, "a camera with `horizontal_fov`")
+        }
+        Requirement::FieldOfView => (camera.orthographic.is_none(), "an `orthographic` camera"),
+        Requirement::Orthographic => (camera.orthographic.is_some(), "a camera that is not `orthographic`"),
         Requirement::HorizontalFieldOfView => {
             (camera.horizontal_fov.is_some(), "a camera without `horizontal_fov`")
         }
@@ -242,7 +246,10 @@ fn home(part: Requirement) -> &'static str {
         Requirement::Camera | Requirement::View => {
             "cameras have it: `target: \"camera\"`; entities have Translation"
         }
-        Requirement::FieldOfView => "the camera has it where it has neither `screen` nor `horizontal_fov`",
+        Requirement::FieldOfView => {
+            "the camera has it where it has no `screen`, `horizontal_fov` or `orthographic`"
+        }
+        Requirement::Orthographic => "the camera has it where it has `orthographic`",
         Requirement::HorizontalFieldOfView => "the camera has it where it has `horizontal_fov`",
         Requirement::Screen => "the camera has it where it has a `screen`",
         Requirement::ScreenWidth => "the camera has it where its `screen` has a `width`",

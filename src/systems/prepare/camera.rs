@@ -20,20 +20,22 @@ pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -
     // pixels.
     let gaps = |pixels: u32| f64::from(pixels.saturating_sub(1).max(1));
     let (across, down) = (gaps(film.width), gaps(film.height));
+    let square = |pitch: f64| (pitch * across, pitch * down);
+    let pitch = |angle: f64, pixels: u32| 2.0 * libm::tan(0.5 * angle) / f64::from(pixels);
     let (distance, size) = match camera.projection {
         Projection::Screen { distance, width, height } => {
             (distance, (width.unwrap_or(height / down * across), height))
         }
-        Projection::FieldOfView { vertical: angle }
-        | Projection::HorizontalFieldOfView { horizontal: angle } => {
-            let is_vertical = matches!(camera.projection, Projection::FieldOfView { .. });
-            let pixels = if is_vertical { film.height } else { film.width };
-            let pitch = 2.0 * libm::tan(0.5 * angle) / f64::from(pixels);
-            (1.0, (pitch * across, pitch * down))
-        }
+        Projection::FieldOfView { vertical } => (1.0, square(pitch(vertical, film.height))),
+        Projection::HorizontalFieldOfView { horizontal } => (1.0, square(pitch(horizontal, film.width))),
+        Projection::Orthographic { height } => (1.0, square(height / f64::from(film.height))),
     };
     let resolution = (film.width, film.height);
     let pinhole = trace::PreparedCamera::new(eye, view, up, distance, size, resolution).rolled(camera.roll);
+    let pinhole = match camera.projection {
+        Projection::Orthographic { .. } => pinhole.orthographic(),
+        _ => pinhole,
+    };
     camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
 }
 

@@ -301,6 +301,7 @@ fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
         Projection::Screen { distance, width, height } => length("screen's distance", distance)
             .or_else(|| length("screen's height", height))
             .or_else(|| length("screen's width", width?)),
+        Projection::Orthographic { height } => length("height of the view", height),
         Projection::FieldOfView { vertical: angle }
         | Projection::HorizontalFieldOfView { horizontal: angle } => {
             cause("field of view", angle, ValidRange::FieldOfView, angle > 0.0 && angle < PI)

@@ -1,12 +1,12 @@
-//! Closest hits of camera rays through a lens.
+//! Closest hits of camera rays through a lens, and of parallel camera rays.
 //!
-//! The rays of a tile's samples start anywhere on the lens, and reach about the same region. The shapes that any of them may hit are
-//! therefore collected once per tile, by part, which is half a packet:
+//! The rays of a tile's samples start anywhere on the lens, or in a rectangle of the camera's plane if they are parallel, and reach about the
+//! same region. The shapes that any of them may hit are therefore collected once per tile, by part, which is half a packet:
 //!
 //! ```text
 //! find, once per tile:
 //!     for each part: bound the points, behind all shapes of the tree, that its samples reach
-//!     beam = bundle of all rays between the lens and these bounds
+//!     beam = bundle of all rays between the bounds of their starts and these bounds
 //!     for each shape of the tree that the frustum of the beam may hit: store it with the parts that may hit it
 //!     with more than MOST shapes: give up
 //!     sort the shapes by their least depth
@@ -70,7 +70,7 @@ impl LensCandidates {
         let points = places.iter().map(|(points, lanes)| (points, *lanes));
         let Scratch { stack, cancelled, .. } = scratch;
         dispatch!(scene.simd.level(), simd => {
-            let (middle, reach) = (camera.position(), camera.lens_reach());
+            let (middle, reach) = camera.starts(squares);
             let Some((beam, limits)) = scene.tree.beam(simd, middle, reach, points) else { return };
             self.gather(simd, scene, (beam, limits), (stack, cancelled));
         });
@@ -110,12 +110,13 @@ fn places_beyond(
     squares: &[Option<Square>; PACKETS],
 ) -> Option<[(Vectors, u32); PACKETS]> {
     let [.., view] = camera.axes();
-    let beyond = scene.tree.beyond(camera.position(), view);
+    let (middle, _) = camera.starts(squares);
+    let (axis, far) = scene.tree.beyond(middle, view);
     let mut places = [const { (Vectors::splat(DVec3::ZERO), 0) }; PACKETS];
     for ((corners, lanes), square) in places.iter_mut().zip(squares) {
         let Some(square) = square else { continue };
         for half in 0..2 {
-            let [low, high] = camera.places_at(beyond, square, half)?;
+            let [low, high] = camera.places_at((middle, axis, far), square, half)?;
             let first = half * LANES / 2;
             corners.set(first, low);
             corners.set(first + 1, high);
@@ -248,8 +249,11 @@ mod tests {
             (aperture, focus) in (prop_oneof![Just(0.01), 0.1..2.0], prop_oneof![0.2..20.0, Just(1e3)]),
             wide in prop_oneof![Just(1.0), Just(0.01), Just(3.0)],
             far in prop_oneof![4 => Just(1.0), 1 => Just(50.0)],
+            (is_orthographic, has_lens) in prop_oneof![3 => Just((false, true)), 1 => Just((true, true)), 2 => Just((true, false))],
         ) {
-            let camera = camera(eye * far, looking(view), wide).with_lens(aperture, focus);
+            let camera = camera(eye * far, looking(view), wide);
+            let camera = if is_orthographic { camera.orthographic() } else { camera };
+            let camera = if has_lens { camera.with_lens(aperture, focus) } else { camera };
             decided_through_lens(&mut scene(&shapes), &camera)?;
         }
     }
@@ -257,8 +261,11 @@ mod tests {
     /// Checks that packets decide most rays. Otherwise the comparison of lens samples with single rays could not fail.
     #[test]
     fn nearly_all_samples_through_a_lens_are_decided_at_once() {
-        let camera = camera(DVec3::new(0.3, 2.0, -6.1), DVec3::new(0.01, -0.2, 1.0), 0.5).with_lens(0.3, 8.0);
-        let (decided, all) = decided_through_lens(&mut crowd(), &camera).unwrap();
-        assert!(all == 3 * 256 && decided + 8 >= all, "{decided} of {all}");
+        let (eye, view) = (DVec3::new(0.3, 2.0, -6.1), DVec3::new(0.01, -0.2, 1.0));
+        let through_lens = camera(eye, view, 0.5).with_lens(0.3, 8.0);
+        for camera in [through_lens, camera(eye, view, 2.0).orthographic()] {
+            let (decided, all) = decided_through_lens(&mut crowd(), &camera).unwrap();
+            assert!(all == 3 * 256 && decided + 8 >= all, "{decided} of {all}");
+        }
     }
 }

@@ -45,6 +45,7 @@ pub(super) fn fill_empty_tile(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>
 fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
     let scene = context.scene;
     let alike = context.sampling.samples <= 1
+        && !context.camera.is_orthographic()
         && scene.precision == Precision::Robust
         && scene.unbounded.is_empty()
         && scene.fog.density == 0.0

@@ -80,9 +80,15 @@ fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { wavefront, tile_sampler, scratch, .. } = &mut *buffers;
     // A single sample passes through the centre of the lens.
     let pinhole = context.sampling.samples <= 1 || !context.camera.has_lens();
-    wavefront.start = if pinhole { RayOrigin::Eye(context.camera.position()) } else { RayOrigin::Lens };
+    let is_orthographic = context.camera.is_orthographic();
+    wavefront.start = match pinhole && !is_orthographic {
+        true => RayOrigin::Eye(context.camera.position()),
+        false => RayOrigin::Lens,
+    };
     if context.sampling.samples > 1 {
         tile_sampler.prepare(context, (tile, slots), &mut scratch.search);
+    } else if is_orthographic {
+        tile_sampler.find_candidates(context, tile, &mut scratch.search);
     }
     (wavefront.count, *wavefront.slots) = (slots.count, PIXELS);
     dispatch!(context.scene.simd.level(), simd => make_rays(simd, sample, tile_sampler, wavefront));
@@ -137,7 +143,7 @@ fn start(sample: &Sample<'_>, packet: usize, buffers: &mut TileBuffers<'_>) {
     }
 }
 
-/// Finds the closest hits of the wavefront. Rays that start at one point or on a lens are traced together, others packet by packet. Lanes that
+/// Finds the closest hits of the wavefront. Rays that start at one point, on a lens or in the camera's plane are traced together, others packet by packet. Lanes that
 /// remain undecided are traced as single rays, with the same result.
 fn closest_hits(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.closest_hits += 1;

@@ -13,7 +13,7 @@ pub(super) struct TileSampler {
     known: Option<KnownSlots>,
     /// By packet: the sampling keys of its slots.
     pub(super) keys: Box<[PixelKeys; PACKETS]>,
-    /// The shapes that rays through the lens can hit.
+    /// The shapes that rays can hit through the lens, or in an orthographic view.
     pub(super) candidates: LensCandidates,
 }
 
@@ -49,14 +49,27 @@ impl TileSampler {
         for (keys, (pixels, lanes)) in self.keys.iter_mut().zip(packets) {
             keys.find(seed, (&pixels.map(|pixel| tile.pixel(pixel)), lanes), has_lens);
         }
-        if has_lens && context.scene.precision == Precision::Robust {
-            let squares = std::array::from_fn(|packet| tile.square(packet));
-            self.candidates.find(context.scene, context.camera, &squares, search);
+        if has_lens || context.camera.is_orthographic() {
+            self.find_candidates(context, tile, search);
             if !slots.in_place {
                 self.candidates.mix_packets();
             }
         }
         self.known = Some(KnownSlots { tile, pixels: *slots.pixels, lanes: slots.lanes });
+    }
+
+    /// Collects the shapes that rays of a tile's pixels can hit.
+    pub(super) fn find_candidates(
+        &mut self,
+        context: &RenderContext<'_>,
+        tile: Tile,
+        search: &mut Scratch<'_>,
+    ) {
+        self.known = None;
+        if context.scene.precision == Precision::Robust {
+            let squares = std::array::from_fn(|packet| tile.square(packet));
+            self.candidates.find(context.scene, context.camera, &squares, search);
+        }
     }
 }
 

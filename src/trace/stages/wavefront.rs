@@ -26,7 +26,7 @@ pub(super) struct Wavefront {
 pub(super) enum RayOrigin {
     /// A single point.
     Eye(DVec3),
-    /// The camera's lens.
+    /// The camera's lens, or its plane if its rays are parallel.
     Lens,
     Anywhere,
 }

@@ -309,7 +309,8 @@ fn camera(names: &[String], random: &mut Random) -> String {
             text += &format!(", {link}: \"{name}\"");
         }
     }
-    match random.index(4) {
+    match random.index(5) {
+        3 => text += &format!(", orthographic: {}", 3 + random.index(9)),
         0 => text += ", screen: (distance: 1, height: 1)",
         2 => text += &format!(", horizontal_fov: {}", 50 + random.index(60)),
         1 => text += &format!(", fov: {}", 30 + random.index(40)),

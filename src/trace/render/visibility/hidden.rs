@@ -45,12 +45,12 @@ pub(crate) fn hidden_images(scene: &PreparedScene, camera: &PreparedCamera) -> V
             let radius = match &around {
                 Some(mirror) => {
                     let (near, far) = (
-                        mirror.middle.distance(camera.position()),
+                        camera.reduction(mirror.middle),
                         mirror.middle.distance(ball.middle).max(mirror.radius),
                     );
                     ball.radius * (mirror.radius / (2.0 * far)).min(1.0) / near
                 }
-                None => ball.radius / ball.middle.distance(camera.position()),
+                None => ball.radius / camera.reduction(ball.middle),
             };
             let area = std::f64::consts::PI * (pixels * radius) * (pixels * radius);
             if area > 0.0 && area < LARGEST {

@@ -176,17 +176,14 @@ fn unknown() -> TileFeatures {
     TileFeatures { features: [Feature::EDGE; TILE_PIXELS], covers: [CoverPacket::all(UNCOVERED); PACKETS] }
 }
 
-/// Returns the rays of a tile; `None` if they are not finite.
+/// Returns the rays of a tile; `None` if they are not finite, or parallel, since outlines are perspective images.
 fn tile_rays(camera: &PreparedCamera, tile: &Tile) -> Option<TileRays> {
     let first = camera.through(f64::from(tile.i), f64::from(tile.j));
     let steps = camera.steps();
     let middle = first + (steps[0] + steps[1]) * MIDDLE;
     let eye = camera.position();
-    (eye.is_finite() && middle.is_finite() && middle.length_squared() > 0.0).then_some(TileRays {
-        eye,
-        middle,
-        steps,
-    })
+    let is_known = eye.is_finite() && middle.is_finite() && middle.length_squared() > 0.0;
+    (is_known && !camera.is_orthographic()).then_some(TileRays { eye, middle, steps })
 }
 
 /// Distance from the centre of a tile's first pixel to the middle of the tile along either axis, in pixels.

@@ -18,6 +18,9 @@ use crate::trace::shapes::Bounds;
 /// `eye + (-W/2 + W i/(columns-1)) u + (H/2 - H j/(rows-1)) v + d n`: i counts columns to the right, j counts rows downwards, and the
 /// outermost pixels lie on the screen's edges. With a resolution of 1, the pixel lies in the middle. Coordinates are left-handed: x right,
 /// y up, z forward.
+///
+/// The rays of an [orthographic](Self::orthographic) camera are parallel: they start at the pixels' points in the plane of the eye, at
+/// `eye + (-W/2 + W i/(columns-1)) u + (H/2 - H j/(rows-1)) v`, and go along n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreparedCamera {
     eye: DVec3,
@@ -29,6 +32,7 @@ pub struct PreparedCamera {
     distance: f64,
     columns: u32,
     rows: u32,
+    is_orthographic: bool,
     lens: Option<PreparedLens>,
 }
 
@@ -74,8 +78,15 @@ impl PreparedCamera {
             distance,
             columns: resolution.0,
             rows: resolution.1,
+            is_orthographic: false,
             lens: None,
         }
+    }
+
+    /// Returns the camera with parallel rays, for a screen at distance 1.
+    #[must_use]
+    pub fn orthographic(self) -> Self {
+        Self { is_orthographic: true, ..self }
     }
 
     /// Returns the camera rotated about its view direction by `angle`, in radians: a quarter turn moves its up direction to its former
@@ -90,7 +101,7 @@ impl PreparedCamera {
         Self { right: right * cosine + up * sine, up: up * cosine - right * sine, ..self }
     }
 
-    /// Returns the camera with a thin lens of diameter `aperture` around the eye. Points at distance `focus` from the eye along the view
+    /// Returns the camera with a thin lens of diameter `aperture` around the eye, or around the starts of all rays if they are parallel. Points at distance `focus` from the eye along the view
     /// direction are sharp; at distance z the blur is as large as a disc of diameter aperture |focus - z| / focus would appear there.
     /// Without an aperture, or with numbers that are not finite or not positive, there is no lens.
     ///
@@ -104,9 +115,11 @@ impl PreparedCamera {
 
     /// Writes the bytes of everything that pictures depend on.
     pub(crate) fn write(&self, bytes: &mut Bytes) {
-        let Self { eye, right, up, forward, width, height, distance, columns, rows, lens } = self;
+        let Self { eye, right, up, forward, width, height, columns, rows, lens, .. } = self;
         bytes.vectors([*eye, *right, *up, *forward]);
-        [width, height, distance].into_iter().for_each(|number| bytes.number(*number));
+        // An orthographic view is the limit of perspective views from infinitely far.
+        let distance = if self.is_orthographic { f64::INFINITY } else { self.distance };
+        [*width, *height, distance].into_iter().for_each(|number| bytes.number(number));
         [columns, rows].into_iter().for_each(|count| bytes.count(*count));
         let PreparedLens { radius, focus } = lens.unwrap_or(PreparedLens { radius: 0.0, focus: 0.0 });
         [radius, focus].into_iter().for_each(|number| bytes.number(number));
@@ -128,27 +141,29 @@ impl PreparedCamera {
     /// Returns the vector from the eye to a point on the screen, given in columns and rows from the centre of the first pixel.
     #[inline]
     pub(crate) fn through(&self, column: f64, row: f64) -> DVec3 {
-        self.on_screen(column, row).into()
+        DVec3::from(self.on_screen(column, row)) + self.forward
     }
 
     /// Returns the rays through points on the screen, given like those of [`PreparedCamera::through`], and through points on the lens, given
     /// on the unit disc, if there is a lens. Directions have any length.
     #[inline(always)]
     fn rays_through<R: Real>(&self, column: R, row: R, on_lens: Option<[R; 2]>) -> Rays<R> {
-        let (eye, towards) = (spread(column, self.eye), self.on_screen(column, row));
+        let (eye, forward) = (spread(column, self.eye), spread(column, self.forward));
+        let Rays { origin, direction } =
+            pinhole(eye, self.on_screen(column, row), forward, self.is_orthographic);
         let (Some(PreparedLens { radius, focus }), Some([right, up])) = (self.lens, on_lens) else {
-            return Rays { origin: eye, direction: towards };
+            return Rays { origin, direction };
         };
         let place = times(spread(column, self.right), right * radius);
         let place = add(place, times(spread(column, self.up), up * radius));
-        Rays { origin: add(eye, place), direction: subtract(times(towards, column.of(focus)), place) }
+        Rays { origin: add(origin, place), direction: subtract(times(direction, column.of(focus)), place) }
     }
 
+    /// Returns the vector from the middle of the screen to a point on it.
     #[inline(always)]
     fn on_screen<R: Real>(&self, column: R, row: R) -> [R; 3] {
         let right = times(spread(column, self.right), self.across(column));
-        let on_screen = add(right, times(spread(column, self.up), self.upwards(row)));
-        add(on_screen, spread(column, self.forward))
+        add(right, times(spread(column, self.up), self.upwards(row)))
     }
 
     #[inline(always)]
@@ -173,7 +188,8 @@ impl PreparedCamera {
     #[must_use]
     #[inline(always)]
     pub fn ray(&self, i: u32, j: u32) -> Option<PreparedRay> {
-        PreparedRay::new(self.eye, self.towards(i, j))
+        let Rays { origin, direction } = self.rays_through(f64::from(i), f64::from(j), None);
+        PreparedRay::new(origin.into(), direction.into())
     }
 
     /// Returns the ray of sample `index` of pixel (i, j). A single sample is at the pixel's centre; several are spread evenly over the
@@ -227,18 +243,36 @@ impl PreparedCamera {
         radius * apart[0].max(apart[1]) / pitch
     }
 
-    /// Returns the eye, on which rays converge, and the maximum distance from it at which they start.
+    /// Returns the eye, and the maximum distance from it at which rays start.
     pub(crate) fn eye(&self) -> (DVec3, f64) {
-        (self.eye, self.lens.map_or(0.0, |lens| lens.radius))
+        let on_lens = self.lens.map_or(0.0, |lens| lens.radius);
+        let [right, down] = self.steps().map(DVec3::length);
+        // Samples extend beyond the screen's edges by half a pitch, and by less than another half through rounding.
+        let on_screen = 0.5 * (self.width.abs() + self.height.abs()) + right + down;
+        (self.eye, if self.is_orthographic { on_screen + on_lens } else { on_lens })
     }
 
-    /// Returns upper bounds of the half-extents of the lens along each axis.
-    pub(crate) fn lens_reach(&self) -> DVec3 {
+    /// Returns the centre and upper bounds of the half-extents of a box that contains the starts of all rays of pixels, given by squares.
+    pub(crate) fn starts(&self, squares: &[Option<Square>]) -> (DVec3, DVec3) {
         /// 2^-40, more than rounding shifts points by.
         const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
         let radius = self.lens.map_or(0.0, |lens| lens.radius);
-        let reach = (self.right.abs() + self.up.abs()) * radius;
-        reach + (reach + self.eye.abs()) * ROUNDING
+        let (mut middle, mut reach) = (self.eye, (self.right.abs() + self.up.abs()) * radius);
+        if self.is_orthographic {
+            let corners = squares.iter().flatten().flat_map(Square::corners);
+            let starts = corners.map(|(column, row)| DVec3::from(self.on_screen(column, row)));
+            let (low, high) = starts.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), start| {
+                (low.min(start), high.max(start))
+            });
+            middle += 0.5 * (low + high);
+            reach += 0.5 * (high - low) + (low.abs() + high.abs()) * ROUNDING;
+        }
+        (middle, reach + (reach + self.eye.abs()) * ROUNDING)
+    }
+
+    /// Returns whether all rays are parallel, unless they pass through a lens.
+    pub(crate) fn is_orthographic(&self) -> bool {
+        self.is_orthographic
     }
 
     /// Returns whether it has a lens, so that shapes out of focus may be blurred.
@@ -259,19 +293,29 @@ impl PreparedCamera {
         let across = 0.5 * width + pitch(width, self.columns);
         let upwards = 0.5 * height + pitch(height, self.rows);
         let ahead = self.forward / self.distance;
-        let normals = [
-            ahead,
-            ahead * across + self.right * self.distance,
-            ahead * across - self.right * self.distance,
-            ahead * upwards + self.up * self.distance,
-            ahead * upwards - self.up * self.distance,
-        ];
-        let beyond = |normal: DVec3| {
-            let farthest = DVec3::select(normal.cmpgt(DVec3::ZERO), bounds.max, bounds.min) - self.eye;
-            let height = farthest.dot(normal);
-            height < -1e-9 * normal.length() * (farthest.length() + self.eye.length())
+        // The planes that bound the view: a normal, which points into it, and minus the height of the eye above the plane.
+        let side = |across: f64, side: DVec3| match self.is_orthographic {
+            true => (side, across),
+            false => (ahead * across + side * self.distance, 0.0),
         };
-        !normals.into_iter().any(beyond)
+        let planes = [
+            (ahead, 0.0),
+            side(across, self.right),
+            side(across, -self.right),
+            side(upwards, self.up),
+            side(upwards, -self.up),
+        ];
+        let beyond = |(normal, eye): (DVec3, f64)| {
+            let farthest = DVec3::select(normal.cmpgt(DVec3::ZERO), bounds.max, bounds.min) - self.eye;
+            let height = farthest.dot(normal) + eye;
+            height < -1e-9 * (normal.length() * (farthest.length() + self.eye.length()) + eye)
+        };
+        !planes.into_iter().any(beyond)
+    }
+
+    /// Returns the distance by which the images of shapes at a place are reduced: from the eye, or from the screen for parallel rays.
+    pub(crate) fn reduction(&self, place: DVec3) -> f64 {
+        if self.is_orthographic { self.distance } else { place.distance(self.eye) }
     }
 
     /// Returns the eye, P0.
@@ -296,6 +340,16 @@ impl PreparedCamera {
     #[must_use]
     pub fn resolution(&self) -> (u32, u32) {
         (self.columns, self.rows)
+    }
+}
+
+/// Returns the rays through points of the screen, given by their vectors from its middle: from the eye or, if orthographic, forward.
+#[inline(always)]
+fn pinhole<R: Real>(eye: [R; 3], on_screen: [R; 3], forward: [R; 3], is_orthographic: bool) -> Rays<R> {
+    if is_orthographic {
+        Rays { origin: add(eye, on_screen), direction: forward }
+    } else {
+        Rays { origin: eye, direction: add(on_screen, forward) }
     }
 }
 

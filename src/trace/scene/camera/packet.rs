@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::{PreparedCamera, PreparedLens};
+use super::{PreparedCamera, pinhole};
 use crate::trace::math::{
     Dimension, LANES, Numbers, PixelSamples, PixelSampling, SampleKeys, Scaled, Vectors, add, bits, finite3,
     half_lanes, lanes, on_disc, scaled_lanes, splat3,
@@ -36,6 +36,13 @@ impl Square {
         (0..LANES).filter(|lane| self.has(*lane)).fold(0, |mask, lane| mask | 1 << lane)
     }
 
+    /// Returns the corners of the area of its samples, by column and row, as if it were full.
+    pub(super) fn corners(&self) -> [(f64, f64); 4] {
+        let (column, row) = (f64::from(self.first.0) - 0.5, f64::from(self.first.1) - 0.5);
+        let side = f64::from(SIDE);
+        [(column, row), (column + side, row), (column, row + side), (column + side, row + side)]
+    }
+
     fn has(&self, lane: usize) -> bool {
         COLUMN[lane] < self.size.0 && ROW[lane] < self.size.1
     }
@@ -52,6 +59,7 @@ impl Square {
 pub(crate) struct PixelCenters {
     eye: DVec3,
     forward: DVec3,
+    is_orthographic: bool,
     /// The vectors of four columns per entry, in the lanes of a packet; `rows` holds the vectors of four rows per entry.
     columns: Vec<Vectors>,
     rows: Vec<Vectors>,
@@ -70,7 +78,8 @@ impl PixelCenters {
         };
         let columns = groups(camera.columns).map(|i| spread(&|lane| column(i + COLUMN[lane]))).collect();
         let rows = groups(camera.rows).map(|j| spread(&|lane| row(j + ROW[lane]))).collect();
-        Self { eye: camera.eye, forward: camera.forward, columns, rows }
+        let PreparedCamera { eye, forward, is_orthographic, .. } = *camera;
+        Self { eye, forward, is_orthographic, columns, rows }
     }
 
     /// Stores the rays through the centres of pixels in the lanes, row by row. Each is the [`PreparedCamera::ray`] of its pixel.
@@ -82,20 +91,23 @@ impl PixelCenters {
         }
         let (i, j) = square.first;
         let (across, upwards) = (&self.columns[(i / SIDE) as usize], &self.rows[(j / SIDE) as usize]);
-        rays.origins = Vectors::splat(self.eye);
-        let forward = splat3(simd, self.forward);
+        let (eye, forward) = (splat3(simd, self.eye), splat3(simd, self.forward));
         let active = square.lanes();
         let mut escalated = 0;
         for half in 0..2 {
-            let towards = add(add(across.load(simd, half), upwards.load(simd, half)), forward);
-            let Scaled { direction, in_range, .. } = scaled_lanes(simd, towards);
-            escalated |= active & bits(!in_range, half);
+            let on_screen = add(across.load(simd, half), upwards.load(simd, half));
+            let Rays { origin, direction } = pinhole(eye, on_screen, forward, self.is_orthographic);
+            let Scaled { direction, in_range, .. } = scaled_lanes(simd, direction);
+            escalated |= active & bits(!(in_range & finite3(simd, origin)), half);
+            rays.origins.store(half, origin);
             rays.directions.store(half, direction);
         }
         rays.lanes = active & !escalated;
         for lane in lanes(escalated) {
-            let towards = across.get(lane) + upwards.get(lane) + self.forward;
-            if let Some(ray) = PreparedRay::new(self.eye, towards) {
+            let on_screen = (across.get(lane) + upwards.get(lane)).to_array();
+            let (eye, forward) = (self.eye.to_array(), self.forward.to_array());
+            let Rays { origin, direction } = pinhole(eye, on_screen, forward, self.is_orthographic);
+            if let Some(ray) = PreparedRay::new(origin.into(), direction.into()) {
                 rays.set(lane, &ray);
             }
         }
@@ -190,26 +202,24 @@ impl PreparedCamera {
         }
     }
 
-    /// Returns the corners of a box around the points that the samples of half of a packet's pixels reach at a signed distance from the eye
+    /// Returns the corners of a box around the points that the samples of half of a packet's pixels reach at a signed distance from a point
     /// along an axis. `None` if some do not reach it. The points of one sample for the whole lens, and of all samples for one point of the
     /// lens, are perspective images, so that the corners are outermost.
     pub(crate) fn places_at(
         &self,
-        (axis, far): (usize, f64),
+        (point, axis, far): (DVec3, usize, f64),
         square: &Square,
         half: usize,
     ) -> Option<[DVec3; 2]> {
-        let PreparedLens { radius, focus } = self.lens?;
         let (column, row) = (f64::from(square.first.0), f64::from(square.first.1));
         let first = if half == 0 { -0.5 } else { 1.5 };
         let [mut low, mut high] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         for (i, j) in [(-0.5, first), (3.5, first), (-0.5, first + 2.0), (3.5, first + 2.0)] {
-            let in_focus = self.through(column + i, row + j) * focus;
-            for (right, up) in [(-radius, -radius), (radius, -radius), (-radius, radius), (radius, radius)] {
-                let on_lens = self.right * right + self.up * up;
-                let towards = in_focus - on_lens;
-                let t = (far - on_lens[axis]) / towards[axis];
-                let place = self.eye + on_lens + towards * t;
+            for on_lens in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+                let Rays { origin, direction } = self.rays_through(column + i, row + j, Some(on_lens));
+                let (start, towards) = (DVec3::from(origin), DVec3::from(direction));
+                let t = (far - (start - point)[axis]) / towards[axis];
+                let place = start + towards * t;
                 if !(t > 0.0 && towards[axis] * far > 0.0 && place.is_finite()) {
                     return None;
                 }
@@ -234,6 +244,8 @@ mod tests {
         let cameras = [
             camera,
             camera.with_lens(0.3, 7.0),
+            camera.orthographic(),
+            camera.orthographic().with_lens(0.3, 7.0),
             PreparedCamera::new(eye, DVec3::X, DVec3::Y, 1.0, (2.0, 2.0), (1, 1)),
         ];
         for (camera, index) in
