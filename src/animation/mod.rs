@@ -9,11 +9,12 @@
 //!     -> smooth:   slopes from neighbouring keys, Interpolate::curve
 //! ```
 //!
-//! Points may also move along a [`Path`] through waypoints or in an [`Orbit`]:
+//! Points may also move along a [`Path`] through waypoints or in an [`Orbit`], and rotations make [`Turns`]:
 //!
 //! ```text
 //! seconds -> Pace: the fraction covered -> Path: the curve's point at that length
 //!                                       -> Orbit: the point at that angle
+//!                                       -> Turns: the rotation by that angle
 //! ```
 //!
 //! Only basic operations and libm's functions are used, so that values have the same bits on every platform.
@@ -31,6 +32,7 @@ mod path;
 mod playback;
 mod rotation;
 mod track;
+mod turns;
 mod value;
 
 pub use easing::{Ease, Easing};
@@ -41,4 +43,5 @@ pub use path::Path;
 pub use playback::{Playback, Repeat};
 pub use rotation::{Rotation, slerp};
 pub use track::{Key, Track};
+pub use turns::Turns;
 pub use value::{Notation, Value, ValueKind};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 
 use super::Property;
-use crate::animation::{Orbit, Path, Track, Value};
+use crate::animation::{Orbit, Path, Track, Turns, Value};
 use crate::color::Rgb;
 
 /// The motions that drive the values of this entity, in the order in which they are applied.
@@ -56,6 +56,8 @@ pub enum Motion {
     Path(Arc<Path>),
     /// Points on a circle.
     Orbit(Arc<Orbit>),
+    /// Rotations about an axis by any number of turns.
+    Turns(Arc<Turns>),
     /// A value computed by a script.
     Script(ScriptId),
 }
@@ -75,6 +77,7 @@ impl Motion {
             Self::Color(track) => Value::Color(track.at(seconds)),
             Self::Path(path) => Value::Vector(path.at(seconds)),
             Self::Orbit(orbit) => Value::Vector(orbit.at(seconds)),
+            Self::Turns(turns) => Value::Rotation(turns.at(seconds)),
             Self::Script(_) => return None,
         })
     }
@@ -113,5 +116,11 @@ impl From<Path> for Motion {
 impl From<Orbit> for Motion {
     fn from(orbit: Orbit) -> Self {
         Self::Orbit(Arc::new(orbit))
+    }
+}
+
+impl From<Turns> for Motion {
+    fn from(turns: Turns) -> Self {
+        Self::Turns(Arc::new(turns))
     }
 }

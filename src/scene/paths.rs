@@ -1,13 +1,13 @@
-//! Conversion of path and orbit tracks to motions.
+//! Conversion of path, orbit and turns tracks to motions.
 
 use glam::DVec3;
 
 use super::document::TrackDocument;
 use super::playback::easing;
-use crate::animation::{Orbit, Pace, Path, Playback};
+use crate::animation::{Orbit, Pace, Path, Playback, Turns};
 use crate::components::Motion;
 
-/// Returns the motion along a path or an orbit; `None` for other tracks and for invalid ones.
+/// Returns the motion along a path or an orbit, or by turns; `None` for other tracks and for invalid ones.
 pub(super) fn motion_along<T>(document: &TrackDocument<T>, playback: Playback) -> Option<Motion> {
     match document {
         TrackDocument::Keys(_) | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => None,
@@ -22,6 +22,10 @@ pub(super) fn motion_along<T>(document: &TrackDocument<T>, playback: Playback) -
             let orbit = Orbit::new(DVec3::from(*center), DVec3::from(*axis), *radius, *height)?;
             let pace = Pace { start: *start, duration: *duration, ease: easing(*ease), playback };
             Some(orbit.turned(from / 360.0, *turns).paced(pace).into())
+        }
+        TrackDocument::Turns { axis, turns, from, start, duration, ease } => {
+            let pace = Pace { start: *start, duration: *duration, ease: easing(*ease), playback };
+            Some(Turns::new(DVec3::from(*axis), *from, *turns, pace)?.into())
         }
     }
 }

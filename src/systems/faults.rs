@@ -136,7 +136,7 @@ impl Fault {
                     _ => format!("keys at {}, {} and so on", angle(1.0), angle(2.0)),
                 };
                 format!(
-                    "add {between} degrees between them: neighbouring keys may be up to 180 degrees apart"
+                    "add {between} degrees between them: neighbouring keys may be up to 180 degrees apart; or write whole turns as Turns(axis: .., turns: .., duration: ..)"
                 )
             }
         }

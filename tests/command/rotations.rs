@@ -42,6 +42,7 @@ fn keys_further_apart_than_half_a_turn_are_reported() {
         assert_eq!(warning["message"], format!("turns the short way: {message}"), "{keys}");
         assert_eq!(warning["entity"], "\"arm\"");
         assert!(warning["help"].as_str().unwrap().starts_with(help), "{warning}");
+        assert!(warning["help"].as_str().unwrap().contains("Turns(axis: .."), "{warning}");
         let rendered = rayreel(folder, ["render", "a.ron", "--frames", "0", "--out", "o"]);
         assert!(text(&rendered.stderr).contains(message), "{}", text(&rendered.stderr));
         fs::remove_dir_all(folder.join("o")).unwrap();

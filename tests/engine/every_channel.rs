@@ -359,6 +359,26 @@ fn handles_have_the_units_of_their_values() {
     assert!((color - Rgb::new(0.0, 0.125, 0.5)).length() < 1e-6);
 }
 
+/// Checks rotations by more than half a turn against the rotation that they reach.
+#[test]
+fn turns_rotate_the_whole_angle() {
+    let film = |rotation: &str, track: &str| {
+        let animation = format!("(target: \"ball\", channel: Rotation, track: {track})");
+        let animate = if track.is_empty() { String::new() } else { animation };
+        let mut engine = engine(&[("rotation", rotation.to_owned()), ("animate", animate)]);
+        engine.render(seconds(1)).unwrap().film
+    };
+    let turned = |track| film("Euler(0, 0, 0)", track);
+    for (track, angle) in [
+        ("Turns(axis: (1, 2, 0), turns: 1.5, duration: 2)", 270),
+        ("Turns(axis: (1, 2, 0), turns: -5, from: 30, duration: 2)", -150),
+        ("Turns(axis: (1, 2, 0), turns: 9, from: 30, duration: 1)", 30),
+    ] {
+        assert!(turned(track) == film(&format!("AxisAngle((1, 2, 0), {angle})"), ""), "{track}");
+        assert!(turned(track) != film("Euler(0, 0, 0)", ""));
+    }
+}
+
 /// Returns true if a track is accepted, by the reader and at the first frame.
 fn is_taken(property: Property, case: &Case, track: &str) -> bool {
     let animation = format!("({}, channel: {}, track: {track})", case.target, property.name());

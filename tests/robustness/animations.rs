@@ -54,6 +54,12 @@ fn way() -> impl Strategy<Value = String> {
     prop_oneof![2 => keys(point()), 1 => path, 1 => orbit]
 }
 
+fn turns() -> impl Strategy<Value = String> {
+    (point(), number(), number(), size()).prop_map(|(axis, turns, from, duration)| {
+        format!("Turns(axis: {axis}, turns: {turns:?}, from: {from:?}, duration: {duration})")
+    })
+}
+
 /// Generates scripts whose value is a number.
 fn number_script() -> impl Strategy<Value = String> {
     script(vec![
@@ -149,7 +155,7 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
     for _ in 0..4 {
         entity.extend([
             ("Translation", place()),
-            ("Rotation", triples(rotation())),
+            ("Rotation", prop_oneof![3 => triples(rotation()), 1 => turns()].boxed()),
             ("Scale", triples(scale())),
         ]);
     }

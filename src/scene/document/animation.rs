@@ -65,6 +65,19 @@ pub(crate) enum TrackDocument<T> {
         #[serde(default)]
         ease: EasingDocument,
     },
+    Turns {
+        #[serde(default = "upwards")]
+        axis: Triple,
+        #[serde(default = "once")]
+        turns: f64,
+        #[serde(default)]
+        from: f64,
+        #[serde(default)]
+        start: f64,
+        duration: f64,
+        #[serde(default)]
+        ease: EasingDocument,
+    },
     Script(String),
     ScriptFile(String),
 }
@@ -81,7 +94,7 @@ impl<T> TrackDocument<T> {
     /// Returns the script of a scripted track; `None` for other tracks.
     pub(crate) fn script(&self) -> Option<ScriptDocument> {
         match self {
-            Self::Keys(_) | Self::Path { .. } | Self::Orbit { .. } => None,
+            Self::Keys(_) | Self::Path { .. } | Self::Orbit { .. } | Self::Turns { .. } => None,
             Self::Script(text) => Some(ScriptDocument::Script(text.clone())),
             Self::ScriptFile(name) => Some(ScriptDocument::File(name.clone())),
         }

@@ -1,4 +1,4 @@
-//! Validation of animations and their keys. Path and orbit tracks are validated in `paths`.
+//! Validation of animations and their keys. Path, orbit and turns tracks are validated in `paths`.
 
 use std::collections::HashMap;
 
@@ -149,7 +149,7 @@ fn keys<T>(
 ) {
     let keys = match track {
         TrackDocument::Keys(keys) => keys,
-        TrackDocument::Path { .. } | TrackDocument::Orbit { .. } => {
+        TrackDocument::Path { .. } | TrackDocument::Orbit { .. } | TrackDocument::Turns { .. } => {
             return paths::validate(channel.0, track, at, problems);
         }
         // Scripts are checked when they are compiled.

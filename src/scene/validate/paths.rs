@@ -1,4 +1,4 @@
-//! Validation of path and orbit tracks.
+//! Validation of path, orbit and turns tracks.
 
 use super::easing::easing;
 use super::{At, Problems, check};
@@ -6,14 +6,21 @@ use crate::animation::Notation;
 use crate::components::{Property, Quantity, ValidRange};
 use crate::scene::document::{EasingDocument, TrackDocument};
 
-/// Checks a path or orbit track.
+/// Checks a path, orbit or turns track.
 pub(super) fn validate<T>(
     property: Property,
     track: &TrackDocument<T>,
     at: &At<'_>,
     problems: &mut Problems,
 ) {
-    if property.quantity() != Quantity::Point {
+    let turns = matches!(track, TrackDocument::Turns { .. });
+    if turns && property.quantity() != Quantity::Rotation {
+        let message = format!("{} is not a rotation that could make turns", property.name());
+        let help = "write its values as Keys([(0, ..), (2, ..)]); Rotation can make Turns, and points can go along an Orbit";
+        problems.add(at, message, "not here", help);
+        return;
+    }
+    if !turns && property.quantity() != Quantity::Point {
         problems.add(
             at,
             format!("{} is not a point that could go along a way", property.name()),
@@ -35,6 +42,14 @@ pub(super) fn validate<T>(
             self::radius(*radius, &at.field("radius"), problems);
             check::direction(*axis, "the axis", &at.field("axis"), problems);
             for (name, number) in [("height", height), ("from", from), ("turns", turns), ("start", start)] {
+                check::number(*number, &at.field(name), problems);
+            }
+            self::duration(*duration, &at.field("duration"), problems);
+            progress(*ease, &at.field("ease"), problems);
+        }
+        TrackDocument::Turns { axis, turns, from, start, duration, ease } => {
+            check::direction(*axis, "the axis", &at.field("axis"), problems);
+            for (name, number) in [("turns", turns), ("from", from), ("start", start)] {
                 check::number(*number, &at.field(name), problems);
             }
             self::duration(*duration, &at.field("duration"), problems);

@@ -406,6 +406,9 @@ fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
     let name = if names.is_empty() { String::new() } else { names[random.index(names.len())].clone() };
     let (target, channel, track) = match random.index(if in_part { 8 } else { 12 }) {
         0 => (name, "Translation", keys(random.triple(), random.triple())),
+        1 if random.once_in(3) => {
+            (name, "Rotation", format!("Turns(axis: {}, turns: 2, duration: 1.5)", random.triple()))
+        }
         1 => (name, "Rotation", keys(format!("Euler{}", random.triple()), "Euler(0, 90, 0)".to_owned())),
         2 => (
             name,
