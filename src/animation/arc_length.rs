@@ -50,9 +50,11 @@ impl Segment {
         hermite(self.difference, self.slopes, u)
     }
 
-    /// Returns the direction of motion at `u`, as a unit vector.
+    /// Returns the direction of motion at `u`, as a unit vector. Where the path reverses and has no velocity, it is the direction of the whole
+    /// segment.
     pub(super) fn direction(&self, u: f64) -> DVec3 {
-        hermite_velocity(self.difference, self.slopes, u).normalize_or_zero()
+        let velocity = hermite_velocity(self.difference, self.slopes, u);
+        velocity.try_normalize().unwrap_or_else(|| self.difference.normalize_or_zero())
     }
 
     fn speed(&self, u: f64) -> f64 {

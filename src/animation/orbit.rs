@@ -60,9 +60,23 @@ impl Orbit {
     /// ```
     #[must_use]
     pub fn at(&self, seconds: f64) -> DVec3 {
-        let turns = self.from.fract() + (self.turns * self.pace.progress(seconds)).fract();
-        let (sine, cosine) = sine_cosine(turns, 0.25);
+        let (sine, cosine) = self.sine_cosine(seconds);
         self.center + (cosine * self.arms[0] + sine * self.arms[1])
+    }
+
+    /// Returns the direction of motion at `seconds`, as a unit vector, also at rest. An easing that moves back for a while does not change
+    /// it. Zero for a radius of 0.
+    #[must_use]
+    pub fn direction(&self, seconds: f64) -> DVec3 {
+        let (sine, cosine) = self.sine_cosine(seconds);
+        let tangent = cosine * self.arms[1] - sine * self.arms[0];
+        let tangent = (tangent / tangent.abs().max_element()).try_normalize().unwrap_or_default();
+        self.turns.signum() * self.pace.sense(seconds) * tangent
+    }
+
+    /// Returns the sine and the cosine of the angle at `seconds`.
+    fn sine_cosine(&self, seconds: f64) -> (f64, f64) {
+        sine_cosine(self.from.fract() + (self.turns * self.pace.progress(seconds)).fract(), 0.25)
     }
 }
 
@@ -107,6 +121,27 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn directions_are_tangents_in_the_sense_of_motion() {
+        for (turns, repeat) in [(1.0, Repeat::Clamp), (-2.5, Repeat::PingPong), (-1.0, Repeat::Loop)] {
+            let playback = Playback { repeat, ..Playback::default() };
+            let pace = Pace { playback, ..Pace::lasting(3.0) };
+            let orbit = Orbit::new(DVec3::ONE, DVec3::new(1.0, 2.0, 3.0), 2.0, 0.5).unwrap();
+            let orbit = orbit.turned(0.1, turns).paced(pace);
+            for step in 1..700 {
+                let time = f64::from(step) / 100.0 + 0.003;
+                let moved = orbit.at(time + 1e-6) - orbit.at(time - 1e-6);
+                let direction = orbit.direction(time);
+                assert!((direction.length() - 1.0).abs() < 1e-14);
+                assert!(
+                    moved == DVec3::ZERO || direction.distance(moved.normalize()) < 1e-5,
+                    "{turns} {time}"
+                );
+            }
+        }
+        assert_eq!(Orbit::new(DVec3::ONE, DVec3::Y, 0.0, 0.0).unwrap().direction(0.3), DVec3::ZERO);
     }
 
     #[test]

@@ -62,6 +62,13 @@ impl Pace {
     }
 }
 
+impl Pace {
+    /// Returns the sense in which the path is traversed at `seconds`, also at rest: 1 from its start to its end, or -1.
+    pub(super) fn sense(self, seconds: f64) -> f64 {
+        self.playback.time_and_sense(seconds, self.start, self.start + self.duration).1
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -100,12 +100,35 @@ impl Path {
         let Some(curve) = &self.curve else {
             return self.waypoints[0];
         };
-        let progress = self.pace.progress(seconds);
-        let progress = if self.closed { progress.rem_euclid(1.0) } else { progress };
-        let (index, u) = curve.locate(progress.clamp(0.0, 1.0) * curve.length());
+        let (progress, (index, u)) = self.locate(curve, seconds);
         let point = self.waypoints[index] + self.scale * curve.segment(index).at(u);
         let beyond = (progress - progress.clamp(0.0, 1.0)) * curve.length();
         if beyond == 0.0 { point } else { point + self.scale * beyond * curve.segment(index).direction(u) }
+    }
+
+    /// Returns the direction of motion at `seconds`, as a unit vector: along the curve, and against it where it is played backwards.
+    ///
+    /// Before the start, after the end and wherever else the point rests, it is the direction of the curve there. An easing that moves back
+    /// for a while does not change it. Zero if all waypoints coincide.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use rayreel::animation::Path;
+    /// let path = Path::new(&[DVec3::ZERO, DVec3::X * 3.0], false).unwrap();
+    /// assert_eq!([-1.0, 0.5, 9.0].map(|seconds| path.direction(seconds)), [DVec3::X; 3]);
+    /// ```
+    #[must_use]
+    pub fn direction(&self, seconds: f64) -> DVec3 {
+        let Some(curve) = &self.curve else { return DVec3::ZERO };
+        let (_, (index, u)) = self.locate(curve, seconds);
+        self.pace.sense(seconds) * curve.segment(index).direction(u)
+    }
+
+    /// Returns the progress at `seconds`, and the segment of the curve with the fraction of it that is covered.
+    fn locate(&self, curve: &ArcLength, seconds: f64) -> (f64, (usize, f64)) {
+        let progress = self.pace.progress(seconds);
+        let progress = if self.closed { progress.rem_euclid(1.0) } else { progress };
+        (progress, curve.locate(progress.clamp(0.0, 1.0) * curve.length()))
     }
 }
 
@@ -157,6 +180,45 @@ fn power_of_two(number: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::animation::{Ease, Easing, Playback, Repeat};
+
+    /// Checks directions against differences of points, and at rest, in all kinds of playback.
+    #[test]
+    fn directions_are_the_directions_of_motion() {
+        for (closed, repeat, speed) in [
+            (false, Repeat::Clamp, 1.0),
+            (false, Repeat::PingPong, 1.0),
+            (false, Repeat::PingPong, -2.0),
+            (true, Repeat::Loop, -1.0),
+            (true, Repeat::Loop, 0.5),
+        ] {
+            let playback = Playback { repeat, speed, ..Playback::default() };
+            let path = path(&uneven(), closed, 1.0).paced(Pace { playback, ..Pace::lasting(20.0) });
+            let mut compared = 0;
+            for step in -3999..4000 {
+                let time = f64::from(step) / 100.0 + 0.003;
+                let velocity = velocity(&path, time, 1e-6);
+                let direction = path.direction(time);
+                assert!((direction.length() - 1.0).abs() < 1e-14);
+                if velocity.length() > 1e-3 {
+                    assert!(direction.distance(velocity.normalize()) < 1e-3, "{playback:?} {time}");
+                    compared += 1;
+                }
+            }
+            assert!(compared > 1900);
+        }
+        let first = (uneven()[1] - uneven()[0]).normalize();
+        let last = (uneven()[7] - uneven()[6]).normalize();
+        let open = path(&uneven(), false, 2.0);
+        for (time, expected) in [(-1.0, first), (0.0, first), (2.0, last), (7.0, last)] {
+            assert!(open.direction(time).distance(expected) < 1e-12, "{time}");
+        }
+        // There and back: the path reverses at both ends, where it has no velocity.
+        let line = played(path(&[DVec3::ZERO, DVec3::X], true, 2.0), Repeat::Loop);
+        let directions = [0.0, 0.5, 1.0, 1.5, 2.0].map(|time| line.direction(time).x);
+        assert!(directions.iter().all(|x| x.abs() == 1.0) && directions[1] == 1.0 && directions[3] == -1.0);
+        assert_eq!(directions[0], directions[4]);
+        assert_eq!(path(&[DVec3::ONE], false, 1.0).direction(0.5), DVec3::ZERO);
+    }
 
     /// Long and short segments, gentle and sharp turns.
     fn uneven() -> Vec<DVec3> {

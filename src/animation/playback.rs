@@ -32,10 +32,16 @@ impl Default for Playback {
 impl Playback {
     /// Returns the keys' time at `seconds`, for keys from `first` to `last`.
     pub(super) fn time(self, seconds: f64, first: f64, last: f64) -> f64 {
-        let time = (seconds - self.offset) * self.speed;
+        self.time_and_sense(seconds, first, last).0
+    }
+
+    /// Returns the keys' time at `seconds`, for keys from `first` to `last`, and whether it increases (1) or decreases (-1) from there on,
+    /// had it no end.
+    pub(super) fn time_and_sense(self, seconds: f64, first: f64, last: f64) -> (f64, f64) {
+        let (time, sense) = ((seconds - self.offset) * self.speed, self.speed.signum());
         let period = last - first;
         if self.repeat == Repeat::Clamp || period <= 0.0 {
-            return time;
+            return (time, sense);
         }
         // A time before the seam by no more than the rounding error counts as the seam: the frame there must show the start.
         let rounding = self.rounding(seconds, first);
@@ -46,9 +52,11 @@ impl Playback {
         match self.repeat {
             Repeat::PingPong => {
                 let since = within(2.0 * period);
-                if since <= period { first + since } else { last - (since - period) }
+                let is_forward = if sense > 0.0 { since < period } else { since > 0.0 && since <= period };
+                let time = if since <= period { first + since } else { last - (since - period) };
+                (time, if is_forward { sense } else { -sense })
             }
-            _ => first + within(period),
+            _ => (first + within(period), sense),
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::Property;
+use super::{Property, Transform};
 use crate::animation::{Orbit, Path, Track, Turns, Value};
 use crate::color::Rgb;
 
@@ -58,6 +58,10 @@ pub enum Motion {
     Orbit(Arc<Orbit>),
     /// Rotations about an axis by any number of turns.
     Turns(Arc<Turns>),
+    /// The direction of motion on a way, as a vector.
+    Direction(Way),
+    /// The rotation that points +z in the direction of motion on a way, with y up as far as possible; none while there is no direction.
+    Facing(Way),
     /// A value computed by a script.
     Script(ScriptId),
 }
@@ -65,6 +69,36 @@ pub enum Motion {
 /// The index of a script in the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScriptId(pub usize);
+
+/// A motion of a point with a direction at every moment.
+#[derive(Clone, Debug)]
+pub enum Way {
+    /// A path through waypoints.
+    Path(Arc<Path>),
+    /// A circle.
+    Orbit(Arc<Orbit>),
+}
+
+impl Way {
+    /// Returns the way of a motion, if it has one.
+    #[must_use]
+    pub fn of(motion: &Motion) -> Option<Self> {
+        match motion {
+            Motion::Path(path) => Some(Self::Path(Arc::clone(path))),
+            Motion::Orbit(orbit) => Some(Self::Orbit(Arc::clone(orbit))),
+            _ => None,
+        }
+    }
+
+    /// Returns the direction of motion at `seconds`, as a unit vector, also at rest; zero if there is none.
+    #[must_use]
+    pub fn direction(&self, seconds: f64) -> DVec3 {
+        match self {
+            Self::Path(path) => path.direction(seconds),
+            Self::Orbit(orbit) => orbit.direction(seconds),
+        }
+    }
+}
 
 impl Motion {
     /// Returns the value at `seconds`. `None` for a script, which depends on more than the time.
@@ -78,6 +112,11 @@ impl Motion {
             Self::Path(path) => Value::Vector(path.at(seconds)),
             Self::Orbit(orbit) => Value::Vector(orbit.at(seconds)),
             Self::Turns(turns) => Value::Rotation(turns.at(seconds)),
+            Self::Direction(way) => Value::Vector(way.direction(seconds)),
+            Self::Facing(way) => {
+                let turned = Transform::IDENTITY.facing(way.direction(seconds)).unwrap_or_default();
+                Value::Rotation(turned.rotation)
+            }
             Self::Script(_) => return None,
         })
     }

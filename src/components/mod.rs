@@ -31,7 +31,7 @@ mod shape;
 mod table;
 mod transform;
 
-pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn};
+pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn, Way};
 pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, View};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};

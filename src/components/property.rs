@@ -191,6 +191,15 @@ impl Property {
         self.row().1.0
     }
 
+    /// Returns the position whose direction of motion can be its value.
+    pub(crate) const fn along(self) -> Option<Self> {
+        match self {
+            Self::View => Some(Self::Position),
+            Self::Rotation => Some(Self::Translation),
+            _ => None,
+        }
+    }
+
     /// Returns the quantity of its values.
     pub(crate) const fn quantity(self) -> Quantity {
         self.row().1.1

@@ -10,7 +10,10 @@ use crate::components::Motion;
 /// Returns the motion along a path or an orbit, or by turns; `None` for other tracks and for invalid ones.
 pub(super) fn motion_along<T>(document: &TrackDocument<T>, playback: Playback) -> Option<Motion> {
     match document {
-        TrackDocument::Keys(_) | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => None,
+        TrackDocument::Keys(_)
+        | TrackDocument::Along
+        | TrackDocument::Script(_)
+        | TrackDocument::ScriptFile(_) => None,
         TrackDocument::Path { points, closed, start, duration, speed, ease } => {
             let points: Vec<DVec3> = points.iter().map(|point| DVec3::from(*point)).collect();
             let path = Path::new(&points, *closed)?;

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use rayreel::{Engine, Scene};
+use rayreel::components::WorldTransform;
+use rayreel::{Engine, Scene, Time};
 
 /// Returns an engine with a moving camera, at 24 frames per second.
 fn engine(duration: f64, animate: &str) -> Engine {
@@ -171,4 +172,49 @@ fn targets_stay_at_the_end_of_their_paths() {
         let turn = |frame: usize| views[frame].angle_between(views[frame + 1]);
         assert!(turn(last) <= 1.5 * turn(last - 1), "{track}: {} {}", turn(last), turn(last - 1));
     }
+}
+
+/// Checks views along paths and orbits against constant views, and that entities turn alike.
+#[test]
+fn cameras_and_entities_look_along_their_ways() {
+    let scene = |track: &str| {
+        let text = format!(
+            "(timeline: (fps: 10, duration: 4), camera: (position: (0, 0, 0), view: (0, 0, 1)),
+            entities: [(name: \"car\"), (name: \"wheel\", parent: \"car\", transform: (translation: (0, 0, 1)))],
+            animate: [
+                (target: \"camera\", channel: View, track: Along),
+                (target: \"camera\", channel: Position, track: {track}),
+                (target: \"car\", channel: Translation, track: {track}),
+                (target: \"car\", channel: Rotation, track: Along),
+            ])"
+        );
+        Engine::from_scene(Scene::from_text("along.ron", text).unwrap_or_else(|error| panic!("{error}")))
+    };
+    let directions = |engine: &mut Engine, tenths: u64| {
+        engine.seek(Time::from_ratio(tenths, 10).unwrap()).unwrap();
+        let axes = engine.prepared().unwrap().camera().axes();
+        let car = crate::named(engine, "car");
+        let car = engine.world().get::<&WorldTransform>(car).unwrap().affine.matrix3;
+        for (own, axis) in axes.into_iter().zip([car.x_axis, car.y_axis, car.z_axis]) {
+            assert!(own.distance(axis) < 1e-14, "{own} {axis}");
+        }
+        axes[2]
+    };
+    let mut square = scene("Path(points: [(0, 0, 0), (2, 0, 0)], start: 1, duration: 2), repeat: PingPong");
+    for (tenths, expected) in [(10, DVec3::X), (20, DVec3::X), (30, DVec3::NEG_X), (40, DVec3::NEG_X)] {
+        assert!(directions(&mut square, tenths).distance(expected) < 1e-14, "{tenths}");
+    }
+    let mut round = scene("Orbit(center: (1, 2, 3), radius: 2, turns: -1, duration: 4)");
+    for (tenths, expected) in [(0, DVec3::NEG_X), (10, DVec3::NEG_Z), (20, DVec3::X), (30, DVec3::Z)] {
+        assert!(directions(&mut round, tenths).distance(expected) < 1e-14, "{tenths}");
+    }
+    let mut still = scene("Path(points: [(0, 1, 0)], duration: 2)");
+    assert_eq!(directions(&mut still, 10), DVec3::Z);
+    // Any frame alone has the value of the sequence.
+    let mut curve = scene("Path(points: [(0, 0, 0), (2, 1, 0), (3, 0, 5), (0, 2, 7)], duration: 3)");
+    let all: Vec<DVec3> = (0..40).map(|tenths| directions(&mut curve, tenths)).collect();
+    assert!(
+        (0..40).rev().all(|tenths| directions(&mut curve, tenths) == all[usize::try_from(tenths).unwrap()])
+    );
+    assert!(all[30] == all[39] && all[0] != all[15]);
 }

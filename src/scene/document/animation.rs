@@ -78,6 +78,7 @@ pub(crate) enum TrackDocument<T> {
         #[serde(default)]
         ease: EasingDocument,
     },
+    Along,
     Script(String),
     ScriptFile(String),
 }
@@ -94,7 +95,7 @@ impl<T> TrackDocument<T> {
     /// Returns the script of a scripted track; `None` for other tracks.
     pub(crate) fn script(&self) -> Option<ScriptDocument> {
         match self {
-            Self::Keys(_) | Self::Path { .. } | Self::Orbit { .. } | Self::Turns { .. } => None,
+            Self::Keys(_) | Self::Path { .. } | Self::Orbit { .. } | Self::Turns { .. } | Self::Along => None,
             Self::Script(text) => Some(ScriptDocument::Script(text.clone())),
             Self::ScriptFile(name) => Some(ScriptDocument::File(name.clone())),
         }
@@ -102,6 +103,22 @@ impl<T> TrackDocument<T> {
 }
 
 impl TracksDocument {
+    /// Returns whether it is the direction of a way.
+    pub(crate) fn is_along(&self) -> bool {
+        match self {
+            Self::Number(track) => matches!(track, TrackDocument::Along),
+            Self::Vector(track) => matches!(track, TrackDocument::Along),
+            Self::Scale(track) => matches!(track, TrackDocument::Along),
+            Self::Rotation(track) => matches!(track, TrackDocument::Along),
+            Self::Color(track) => matches!(track, TrackDocument::Along),
+        }
+    }
+
+    /// Returns whether it is a way, which has a direction.
+    pub(crate) fn is_way(&self) -> bool {
+        matches!(self, Self::Vector(TrackDocument::Path { .. } | TrackDocument::Orbit { .. }))
+    }
+
     /// Returns the script of a scripted track; `None` for other tracks.
     pub(crate) fn script(&self) -> Option<ScriptDocument> {
         match self {

@@ -44,6 +44,7 @@ const EXAMPLES: [Example; 11] = [
             "Path(points: [(0, 1, 0), (4, 1, 2)], duration: 10)",
             "Orbit(center: (0, 1, 0), radius: 5, duration: 10)",
             "Turns(turns: 2, duration: 4)",
+            "Along",
             "Script(\"sin(t)\")",
             "ScriptFile(\"wave.rhai\")",
         ],

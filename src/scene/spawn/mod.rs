@@ -21,8 +21,8 @@ use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ErrorNorm, Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
-    Noise, Parent, Projection, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Transform, View,
-    WorldTransform,
+    Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Transform,
+    View, Way, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -270,7 +270,22 @@ fn animated(
             }
         }
     }
+    for animation in document.animate.iter().filter(|animation| animation.track.is_along()) {
+        let target = animation.target.as_deref().and_then(|name| names.get(name));
+        if let Some(own) = target.and_then(|target| channels.get_mut(target)) {
+            let motion = along(animation.channel.0, own);
+            own.extend(motion.map(|motion| Channel::new(animation.channel.0, motion)));
+        }
+    }
     channels
+}
+
+/// Returns the motion of a property along the way of the same entity's position, given its other channels.
+fn along(property: Property, channels: &[Channel]) -> Option<Motion> {
+    let position = property.along()?;
+    let way = channels.iter().rfind(|channel| channel.property == position)?;
+    let way = Way::of(&way.motion)?;
+    Some(if property == Property::View { Motion::Direction(way) } else { Motion::Facing(way) })
 }
 
 fn channel(animation: &AnimationDocument, transfer: Transfer) -> Option<Channel> {

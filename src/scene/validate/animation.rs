@@ -1,6 +1,6 @@
 //! Validation of animations and their keys. Path, orbit and turns tracks are validated in `paths`.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::easing::easing;
 use super::entities::{box_size, rotation, scale};
@@ -15,6 +15,9 @@ use crate::scene::quote::Figure;
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let mut seen = HashMap::new();
     let list = scene.field("animate");
+    let is_way = |animation: &&AnimationDocument| animation.track.is_way();
+    let ways = document.animate.iter().filter(is_way);
+    let ways: Ways<'_> = ways.map(|way| (way.target.as_deref(), way.channel.0)).collect();
     for (index, animation) in document.animate.iter().enumerate() {
         let at = list.index(index);
         let target = (animation.target.as_deref(), animation.material.as_deref(), animation.channel.0);
@@ -36,8 +39,31 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
             );
         }
         channels::target(document, scope, animation, &at, problems);
+        if animation.track.is_along() {
+            along(animation, &ways, &at.field("track"), problems);
+        }
         self::tracks(animation, &at.field("track"), problems);
         playback(animation, &at, problems);
+    }
+}
+
+/// The targets and properties that are animated along a path or an orbit.
+type Ways<'a> = HashSet<(Option<&'a str>, Property)>;
+
+/// Checks a track along the way of another track of the same entity.
+fn along(animation: &AnimationDocument, ways: &Ways<'_>, at: &At<'_>, problems: &mut Problems) {
+    let property = animation.channel.0;
+    let Some(position) = property.along() else {
+        let message = format!("{} is not a direction along a way", property.name());
+        let help = "View of a camera can be Along the way of its Position, and Rotation of an entity Along that of its Translation";
+        problems.add(at, message, "not here", help);
+        return;
+    };
+    if animation.target.is_some() && !ways.contains(&(animation.target.as_deref(), position)) {
+        let name = position.name();
+        let message = format!("Along takes the direction of a way, and {name} has none in this file");
+        let help = format!("animate {name} of the same target with a Path or an Orbit, or write Keys here");
+        problems.add(at, message, "along nothing", help);
     }
 }
 
@@ -51,16 +77,21 @@ fn one_view(property: Property) -> Option<Property> {
 }
 
 fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
-    if animation.track.script().is_some() {
+    let is_script = animation.track.script().is_some();
+    if is_script || animation.track.is_along() {
         let AnimationDocument { repeat, offset, speed, .. } = animation;
-        let help = "remove it, and write another time into the script, as sin(2 * (t - 1)) or mod(t, 3)";
+        let (what, label) = if is_script { ("a script", "of keys only") } else { ("Along", "not here") };
+        let help = match is_script {
+            true => "remove it, and write another time into the script, as sin(2 * (t - 1)) or mod(t, 3)",
+            false => "remove it, or write it where the way is: Along has the same times",
+        };
         for (name, is_usual) in [
             ("repeat", *repeat == RepeatDocument::default()),
             ("offset", *offset == 0.0),
             ("speed", *speed == 1.0),
         ] {
             if !is_usual {
-                problems.add(&at.field(name), format!("a script has no `{name}`"), "of keys only", help);
+                problems.add(&at.field(name), format!("{what} has no `{name}`"), label, help);
             }
         }
         return;
@@ -152,8 +183,8 @@ fn keys<T>(
         TrackDocument::Path { .. } | TrackDocument::Orbit { .. } | TrackDocument::Turns { .. } => {
             return paths::validate(channel.0, track, at, problems);
         }
-        // Scripts are checked when they are compiled.
-        TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => return,
+        // Scripts are checked when they are compiled, and `along` checks the others.
+        TrackDocument::Along | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => return,
     };
     let list = at.index(0);
     if keys.is_empty() {

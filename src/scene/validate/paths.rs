@@ -30,7 +30,10 @@ pub(super) fn validate<T>(
         return;
     }
     match track {
-        TrackDocument::Keys(_) | TrackDocument::Script(_) | TrackDocument::ScriptFile(_) => {}
+        TrackDocument::Keys(_)
+        | TrackDocument::Along
+        | TrackDocument::Script(_)
+        | TrackDocument::ScriptFile(_) => {}
         TrackDocument::Path { points, start, duration, speed, ease, .. } => {
             self::points(points, &at.field("points"), problems);
             check::number(*start, &at.field("start"), problems);

@@ -437,6 +437,12 @@ fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
             return format!("(target: \"{name}\", channel: Translation, track: {track}{rest})");
         }
         7 => (name, "Translation", format!("Orbit(center: {}, radius: 1, duration: 1.5)", random.triple())),
+        8 if random.once_in(2) => {
+            let path = format!("Path(points: [(0, 1, -8), {}, (2, 1, -8)], duration: 2)", random.triple());
+            return format!(
+                "(target: \"camera\", channel: View, track: Along), (target: \"camera\", channel: Position, track: {path})"
+            );
+        }
         8 => ("camera".to_owned(), "Position", keys("(0, 1, -8)".to_owned(), "(2, 1, -8)".to_owned())),
         9 => ("close".to_owned(), "Position", "Script(\"base + [t, index, 0]\")".to_owned()),
         10 => ("scene".to_owned(), "Ambient", keys(random.light(), random.light())),
