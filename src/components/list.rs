@@ -35,6 +35,7 @@ macro_rules! with_components {
             Fog: rewritten,
             Quality: rewritten,
             Sampling: rewritten,
+            Space: rewritten,
             Animated: rewritten,
         }
     };

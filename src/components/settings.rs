@@ -40,6 +40,19 @@ pub struct Fog {
     pub density: f64,
 }
 
+/// The orientation of the axes, as a viewer sees them who looks along z with x to the right and y up.
+///
+/// It determines which direction is to the right of a camera, and nothing else: shapes, rotations and light have the same formulas in both
+/// spaces. A scene with all z coordinates negated, in the other space, gives the same image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Space {
+    /// The z axis points away from the viewer: to the right is up x view.
+    #[default]
+    LeftHanded,
+    /// The z axis points towards the viewer: to the right is view x up.
+    RightHanded,
+}
+
 /// The size and the encoding of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmSettings {

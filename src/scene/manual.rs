@@ -18,8 +18,8 @@ mod tests {
         CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
         LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument,
         ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpecularDocument, TimelineDocument,
-        TrackDocument, TransferDocument, TransformDocument, Triple,
+        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument,
+        TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::script::Data;
@@ -140,6 +140,7 @@ mod tests {
         check_fields::<TransformDocument>("Transform", all);
         check_fields::<AnimationDocument>("Animation", all);
         check_variants::<TransferDocument>("Transfer", all);
+        check_variants::<SpaceDocument>("Space", all);
         check_variants::<NormDocument>("Norm", all);
         check_variants::<NoiseDocument>("Noise", all);
         check_variants::<RotationDocument>("Rotation", all);

@@ -11,6 +11,7 @@ mod custom_systems;
 mod encoded_films;
 mod every_channel;
 mod faults;
+mod handedness;
 mod orthographic;
 mod passes;
 mod prepared_changes;

@@ -20,7 +20,7 @@ pub(super) use entity::{
 pub(super) use include::IncludeDocument;
 pub(super) use settings::{
     CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument, QualityDocument,
-    SamplingDocument, SceneDocument, ShotDocument, TimelineDocument, TransferDocument,
+    SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, TimelineDocument, TransferDocument,
 };
 pub(super) use values::{
     BackgroundDocument, ColorDocument, Entries, OffsetDocument, RateDocument, ScaleDocument, Triple, whole,

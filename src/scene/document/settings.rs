@@ -26,6 +26,7 @@ pub(crate) struct SceneDocument {
     pub(crate) ambient: Triple,
     pub(crate) background: BackgroundDocument,
     pub(crate) fog: Option<FogDocument>,
+    pub(crate) space: Option<SpaceDocument>,
     pub(crate) materials: Entries<MaterialDocument>,
     /// Shared between successive loads of an edited file.
     pub(crate) entities: Vec<Arc<EntityDocument>>,
@@ -99,6 +100,15 @@ impl Default for FilmDocument {
         let FilmSettings { width, height, .. } = FilmSettings::default();
         Self { width: width.into(), height: height.into(), transfer: TransferDocument::default() }
     }
+}
+
+/// The orientation of the axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename = "Space")]
+pub(crate) enum SpaceDocument {
+    #[default]
+    LeftHanded,
+    RightHanded,
 }
 
 /// The conversion of file colours to light, and of light to bytes.

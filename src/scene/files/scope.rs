@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::names::{Clashes, Meaning, Names};
 use super::{Origin, SceneFile};
 use crate::scene::SourcePosition;
-use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument};
+use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument, SpaceDocument};
 use crate::scene::spans::{PathStep, locate};
 
 /// The result of looking up a name.
@@ -58,6 +58,12 @@ impl<'a> Scope<'a> {
     /// Returns whether the file is the scene's own.
     pub(in crate::scene) fn is_scene(self) -> bool {
         self.file == 0
+    }
+
+    /// Returns the space of the whole scene.
+    pub(in crate::scene) fn space(self) -> SpaceDocument {
+        let scene = self.files.first().and_then(|scene| scene.document.as_ref());
+        scene.and_then(|scene| scene.space).unwrap_or_default()
     }
 
     pub(in crate::scene) fn entity(self, name: &str) -> Lookup<KnownEntity<'a>> {

@@ -10,7 +10,7 @@ pub(super) struct Example {
     pub(super) forms: &'static [&'static str],
 }
 
-const EXAMPLES: [Example; 11] = [
+const EXAMPLES: [Example; 12] = [
     Example {
         name: "Rotation",
         noun: "a rotation",
@@ -64,6 +64,7 @@ const EXAMPLES: [Example; 11] = [
     },
     Example { name: "Repeat", noun: "a way to repeat", forms: &["Clamp", "Loop", "PingPong"] },
     Example { name: "Transfer", noun: "a transfer", forms: &["Classic", "Srgb"] },
+    Example { name: "Space", noun: "a space", forms: &["LeftHanded", "RightHanded"] },
     Example { name: "Norm", noun: "a norm of errors", forms: &["Rms", "Max", "P99"] },
     Example { name: "Noise", noun: "a kind of noise", forms: &["Fixed", "PerFrame"] },
 ];
@@ -111,7 +112,8 @@ mod tests {
     use super::*;
     use crate::scene::document::{
         AreaShapeDocument, ChannelDocument, EasingDocument, LightDocument, NoiseDocument, NormDocument,
-        RepeatDocument, RotationDocument, ScriptDocument, ShapeDocument, TrackDocument, TransferDocument,
+        RepeatDocument, RotationDocument, ScriptDocument, ShapeDocument, SpaceDocument, TrackDocument,
+        TransferDocument,
     };
     use crate::scene::parse::options;
 
@@ -144,6 +146,7 @@ mod tests {
         check::<EasingDocument>("Easing");
         check::<RepeatDocument>("Repeat");
         check::<TransferDocument>("Transfer");
+        check::<SpaceDocument>("Space");
         check::<NormDocument>("Norm");
         check::<NoiseDocument>("Noise");
         check::<ChannelDocument>("Channel");

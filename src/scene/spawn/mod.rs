@@ -12,7 +12,8 @@ use self::entities::{Links, MaterialComponents, surface};
 use super::document::{
     AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, FilmDocument, KeyDocument,
     NoiseDocument, NormDocument, QualityDocument, RotationDocument, SamplingDocument, ScaleDocument,
-    SceneDocument, ShotDocument, TimelineDocument, TrackDocument, TracksDocument, TransferDocument, Triple,
+    SceneDocument, ShotDocument, SpaceDocument, TimelineDocument, TrackDocument, TracksDocument,
+    TransferDocument, Triple,
 };
 use super::files::Merged;
 use super::paths::motion_along;
@@ -21,8 +22,8 @@ use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ErrorNorm, Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
-    Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Transform,
-    View, Way, WorldTransform,
+    Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space,
+    Transform, View, Way, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -130,6 +131,7 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
         background(document.background, transfer),
         quality(&document.quality),
         sampling(&document.sampling),
+        space(document.space),
     ));
     if let Some(fog) = document.fog {
         builder.add(Fog { color: transfer.decode(fog.color.0), density: fog.density });
@@ -165,6 +167,13 @@ fn film(document: &FilmDocument) -> FilmSettings {
         width: side(document.width),
         height: side(document.height),
         transfer: transfer(document.transfer),
+    }
+}
+
+fn space(document: Option<SpaceDocument>) -> Space {
+    match document.unwrap_or_default() {
+        SpaceDocument::LeftHanded => Space::LeftHanded,
+        SpaceDocument::RightHanded => Space::RightHanded,
     }
 }
 

@@ -16,6 +16,16 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
             super::entities::transform(transform, &at.field("transform"), problems);
         }
     }
+    if let Some(space) = document.space
+        && space != scope.space()
+    {
+        problems.add(
+            &scene.field("space"),
+            format!("a part in a {space:?} space of a scene in a {:?} one", scope.space()),
+            "would be mirrored",
+            "write the same `space` in both files, or leave it out of a part that has no place of its own",
+        );
+    }
     let is_too_much = |scope: Scope<'_>| scope.included() > MOST_INCLUDED;
     // Reported once, in the innermost file that exceeds the limit.
     if is_too_much(scope) && !scope.any_part(is_too_much) {

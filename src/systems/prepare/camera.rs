@@ -6,7 +6,7 @@ use hecs::{Component, Entity, World};
 use super::RenderSettings;
 use super::settings::{first, first_entity};
 use crate::components::{
-    Camera, FilmSettings, Follow, LookAt, Projection, Sampling, Shots, View, WorldTransform,
+    Camera, FilmSettings, Follow, LookAt, Projection, Sampling, Shots, Space, View, WorldTransform,
 };
 use crate::time::Time;
 use crate::trace;
@@ -31,12 +31,15 @@ pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -
         Projection::Orthographic { height } => (1.0, square(height / f64::from(film.height))),
     };
     let resolution = (film.width, film.height);
-    let pinhole = trace::PreparedCamera::new(eye, view, up, distance, size, resolution).rolled(camera.roll);
-    let pinhole = match camera.projection {
-        Projection::Orthographic { .. } => pinhole.orthographic(),
-        _ => pinhole,
-    };
-    camera.lens.map_or(pinhole, |lens| pinhole.with_lens(lens.aperture, lens.focus))
+    let mut prepared = trace::PreparedCamera::new(eye, view, up, distance, size, resolution);
+    if first::<Space>(world) == Space::RightHanded {
+        prepared = prepared.right_handed();
+    }
+    if let Projection::Orthographic { .. } = camera.projection {
+        prepared = prepared.orthographic();
+    }
+    let prepared = prepared.rolled(camera.roll);
+    camera.lens.map_or(prepared, |lens| prepared.with_lens(lens.aperture, lens.focus))
 }
 
 /// The active camera of a frame.

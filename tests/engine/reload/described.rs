@@ -5,8 +5,8 @@ use std::fmt::Debug;
 
 use rayreel::components::{
     Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
-    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Specular, Target, Transform,
-    WorldTransform,
+    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular, Target,
+    Transform, WorldTransform,
 };
 use rayreel::{Entity, Film, World};
 
@@ -56,6 +56,7 @@ impl Words<'_> {
             self.one::<Fog>(),
             self.one::<Quality>(),
             self.one::<Sampling>(),
+            self.one::<Space>(),
             self.one::<Animated>(),
             self.linked(|parent: &Parent| vec![parent.0]),
             self.linked(|followed: &Follow| vec![followed.0]),

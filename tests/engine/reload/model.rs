@@ -32,8 +32,8 @@ struct Thing {
     fields: [String; 5],
 }
 
-const SETTINGS: [&str; 8] =
-    ["timeline", "film", "quality", "sampling", "camera", "ambient", "background", "fog"];
+const SETTINGS: [&str; 9] =
+    ["timeline", "film", "quality", "sampling", "camera", "ambient", "background", "space", "fog"];
 
 impl Model {
     pub(crate) fn new(random: &mut Random) -> Self {
@@ -286,6 +286,7 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
         ),
         "camera" => camera(names, random),
         "ambient" => random.light(),
+        "space" => random.pick(&["LeftHanded", "RightHanded", ""]).to_owned(),
         "background" if random.once_in(2) => format!("(bottom: {}, top: {})", random.color(), random.color()),
         "background" => random.color(),
         _ if random.once_in(2) => format!("(color: {}, density: {:?})", random.color(), random.share() / 8.0),

@@ -101,6 +101,13 @@ impl CameraPath {
         }
     }
 
+    /// Returns whether the space is right-handed: right x up points back.
+    pub(super) fn is_right_handed(&self) -> bool {
+        self.samples
+            .first()
+            .is_some_and(|CameraSample { axes: [right, up, ahead], .. }| right.cross(*up).dot(*ahead) < 0.0)
+    }
+
     /// Returns whether the eye stands still throughout every shot.
     pub(super) fn is_still(&self) -> bool {
         self.shots().all(|shot| shot.iter().all(|sample| sample.eye == shot[0].eye))

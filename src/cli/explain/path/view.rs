@@ -29,7 +29,10 @@ pub(super) fn draw(svg: &mut Svg, path: &CameraPath, [left, right]: [Area; 2]) {
     let center = 0.5 * least + 0.5 * most;
     let view = |name, axes, frame| OrthographicView { name, axes, frame, center, scale };
     let views = [
-        view("from above: x to the right, z upwards", [0, 2, 1], left),
+        match path.is_right_handed() {
+            false => view("from above: x to the right, z upwards", [0, 2, 1], left),
+            true => view("from above: z to the right, x upwards", [2, 0, 1], left),
+        },
         view("from the side: z to the right, y upwards", [2, 1, 0], right),
     ];
     let stride = views.iter().map(|view| view.tick_stride(path)).min().unwrap_or(1);

@@ -17,7 +17,7 @@ use crate::trace::shapes::Bounds;
 /// With n the unit view direction, u = (up x n)/|up x n| to the right and v = n x u upwards, pixel (i, j) is at
 /// `eye + (-W/2 + W i/(columns-1)) u + (H/2 - H j/(rows-1)) v + d n`: i counts columns to the right, j counts rows downwards, and the
 /// outermost pixels lie on the screen's edges. With a resolution of 1, the pixel lies in the middle. Coordinates are left-handed: x right,
-/// y up, z forward.
+/// y up, z forward; see [`right_handed`](Self::right_handed) for the other orientation.
 ///
 /// The rays of an [orthographic](Self::orthographic) camera are parallel: they start at the pixels' points in the plane of the eye, at
 /// `eye + (-W/2 + W i/(columns-1)) u + (H/2 - H j/(rows-1)) v`, and go along n.
@@ -87,6 +87,13 @@ impl PreparedCamera {
     #[must_use]
     pub fn orthographic(self) -> Self {
         Self { is_orthographic: true, ..self }
+    }
+
+    /// Returns the camera in a right-handed space, in which u = (n x up)/|n x up| is to the right: z points towards the viewer. Must precede
+    /// a [rotation](Self::rolled).
+    #[must_use]
+    pub fn right_handed(self) -> Self {
+        Self { right: -self.right, ..self }
     }
 
     /// Returns the camera rotated about its view direction by `angle`, in radians: a quarter turn moves its up direction to its former
@@ -327,7 +334,9 @@ impl PreparedCamera {
     /// Returns the unit vectors u, v and n: to the right in the picture, up in it, and along the view.
     #[must_use]
     pub fn axes(&self) -> [DVec3; 3] {
-        [self.right, self.up, self.right.cross(self.up)]
+        let across = self.right.cross(self.up);
+        // In a right-handed space it points back.
+        [self.right, self.up, if across.dot(self.forward) < 0.0 { -across } else { across }]
     }
 
     /// Returns the distance from the eye to the screen, d, in scene units.
