@@ -73,6 +73,8 @@ pub(crate) enum Requirement {
     FlatBackground,
     /// The scene, with a gradient background.
     Gradient,
+    /// The scene, with a gradient background that has a horizon.
+    Horizon,
     /// The scene, with fog.
     Fog,
 }
@@ -165,6 +167,8 @@ table! {
         Background => (Requirement::FlatBackground, Quantity::Color),
         /// The bottom of a [`Background::Gradient`](super::Background).
         BackgroundBottom => (Requirement::Gradient, Quantity::Color),
+        /// The horizon of a [`Background::Gradient`](super::Background), if given.
+        BackgroundHorizon => (Requirement::Horizon, Quantity::Color),
         /// The top of a [`Background::Gradient`](super::Background).
         BackgroundTop => (Requirement::Gradient, Quantity::Color),
         /// [`Fog::color`](super::Fog::color).

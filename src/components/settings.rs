@@ -11,10 +11,13 @@ pub struct Ambient(pub Rgb);
 pub enum Background {
     /// A constant radiance in all directions.
     Flat(Rgb),
-    /// A gradient along the world's y axis. In a direction of unit length, `top` has the weight (1 + y) / 2 and `bottom` the rest.
+    /// A gradient along the world's y axis. In a direction of unit length without a `horizon`, `top` has the weight (1 + y) / 2 and
+    /// `bottom` the rest. With a `horizon`, `top` or, below, `bottom` has the weight |y| and `horizon` the rest.
     Gradient {
         /// The radiance straight down, -y.
         bottom: Rgb,
+        /// The radiance of level directions, with y = 0; `None` for the mean of `bottom` and `top`.
+        horizon: Option<Rgb>,
         /// The radiance straight up, +y.
         top: Rgb,
     },

@@ -57,9 +57,7 @@ impl Preparation {
             Effect::Checker => self.repaint(|material| material.checker = None),
             Effect::Fog => self.scene.fog = PreparedFog::default(),
             Effect::Gradient => {
-                if let PreparedBackground::Gradient { bottom, top } = self.scene.background {
-                    self.scene.background = PreparedBackground::Flat((bottom + top) * 0.5);
-                }
+                self.scene.background = PreparedBackground::Flat(self.scene.background.mean());
             }
             Effect::DepthOfField => self.camera = self.camera.without_lens(),
             Effect::Shadows | Effect::TransparentShadows | Effect::Antialiasing | Effect::MotionBlur => {}

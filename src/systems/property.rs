@@ -110,6 +110,7 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
         | Requirement::AmbientLight
         | Requirement::FlatBackground
         | Requirement::Gradient
+        | Requirement::Horizon
         | Requirement::Fog => changes.mark_settings(),
     }
 }

@@ -133,6 +133,7 @@ impl Parts<'_> {
             P::Ambient
             | P::Background
             | P::BackgroundBottom
+            | P::BackgroundHorizon
             | P::BackgroundTop
             | P::FogColor
             | P::FogDensity => self.scene_value(property),
@@ -233,6 +234,9 @@ impl Parts<'_> {
             Property::Background => within!(self.background.as_mut()?, Flat(color) => Color(color)),
             Property::BackgroundBottom => {
                 within!(self.background.as_mut()?, Gradient { bottom, .. } => Color(bottom))
+            }
+            Property::BackgroundHorizon => {
+                within!(self.background.as_mut()?, Gradient { horizon: Some(horizon), .. } => Color(horizon))
             }
             Property::BackgroundTop => within!(self.background.as_mut()?, Gradient { top, .. } => Color(top)),
             Property::FogColor => Color(&mut self.fog.as_mut()?.color),

@@ -189,6 +189,10 @@ fn case(property: Property) -> Case {
             let sky = "(bottom: {}, top: (10, 20, 90))";
             written(sky, entity("scene", "background", ["(200, 0, 0)", "\"#0000ff\""]))
         }
+        Property::BackgroundHorizon => {
+            let sky = "(bottom: (90, 90, 90), horizon: {}, top: (10, 20, 90))";
+            written(sky, entity("scene", "background", ["(200, 0, 0)", "\"#0000ff\""]))
+        }
         Property::BackgroundTop => {
             let sky = "(bottom: (90, 90, 90), top: {})";
             written(sky, entity("scene", "background", ["(200, 0, 0)", "\"#0000ff\""]))

@@ -212,7 +212,8 @@ fn camera() -> impl Strategy<Value = Camera> {
 fn settings() -> impl Strategy<Value = Settings> {
     let background = prop_oneof![
         color().prop_map(Background::Flat),
-        (color(), color()).prop_map(|(bottom, top)| Background::Gradient { bottom, top }),
+        (color(), prop::option::of(color()), color())
+            .prop_map(|(bottom, horizon, top)| Background::Gradient { bottom, horizon, top }),
     ];
     let fog = (color(), number()).prop_map(|(color, density)| Fog { color, density });
     let depth = prop_oneof![Just(0u32), Just(1), Just(3), Just(u32::MAX)];

@@ -27,6 +27,7 @@ struct Effects {
     area_lights: bool,
     fog: bool,
     gradient: bool,
+    horizon: bool,
     motion: bool,
     orthographic: bool,
 }
@@ -112,10 +113,21 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
 
 fn effects() -> impl Strategy<Value = Effects> {
     let some = prop::bool::weighted;
-    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), some(0.25), some(0.3), some(0.25), some(0.2))
-        .prop_map(|(lights, mirrors, glass, checker, area_lights, fog, gradient, motion, orthographic)| {
-            Effects { lights, mirrors, glass, checker, area_lights, fog, gradient, motion, orthographic }
-        })
+    let surroundings = (some(0.25), some(0.3), some(0.5));
+    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), surroundings, some(0.25), some(0.2)).prop_map(
+        |(lights, mirrors, glass, checker, area_lights, (fog, gradient, horizon), motion, orthographic)| Effects {
+            lights,
+            mirrors,
+            glass,
+            checker,
+            area_lights,
+            fog,
+            gradient,
+            horizon,
+            motion,
+            orthographic,
+        },
+    )
 }
 
 /// Generates a light and its transform.
@@ -193,7 +205,11 @@ fn world(
         shutter: effects.motion.then_some(0.5),
     },));
     let flat = Background::Flat(Rgb::new(0.1, 0.2, 0.3));
-    let gradient = Background::Gradient { bottom: Rgb::new(0.3, 0.2, 0.1), top: Rgb::new(0.1, 0.4, 0.9) };
+    let gradient = Background::Gradient {
+        bottom: Rgb::new(0.3, 0.2, 0.1),
+        horizon: effects.horizon.then_some(Rgb::new(0.9, 0.8, 0.7)),
+        top: Rgb::new(0.1, 0.4, 0.9),
+    };
     let settings = world.spawn((
         FilmSettings { width: 32, height: 18, ..FilmSettings::default() },
         Ambient(Rgb::splat(0.4)),

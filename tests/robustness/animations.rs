@@ -191,6 +191,7 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
         ("Ambient", triples(intensity())),
         ("Background", triples(color())),
         ("BackgroundBottom", triples(color())),
+        ("BackgroundHorizon", triples(color())),
         ("BackgroundTop", triples(color())),
         ("FogColor", triples(color())),
         ("FogDensity", numbers(size())),

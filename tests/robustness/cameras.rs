@@ -7,7 +7,10 @@ use super::values::{color, number, point, size, triple};
 pub(crate) fn background() -> impl Strategy<Value = String> {
     prop_oneof![
         color(),
-        (color(), color()).prop_map(|(bottom, top)| format!("(bottom: {bottom}, top: {top})"))
+        (color(), color()).prop_map(|(bottom, top)| format!("(bottom: {bottom}, top: {top})")),
+        (color(), color(), color()).prop_map(|(bottom, horizon, top)| {
+            format!("(bottom: {bottom}, horizon: {horizon}, top: {top})")
+        })
     ]
 }
 

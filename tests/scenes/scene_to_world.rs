@@ -77,15 +77,18 @@ fn area_lights_have_an_extent() {
 }
 
 #[test]
-fn background_has_one_or_two_colours() {
+fn background_has_one_to_three_colours() {
     let background = |body: &str| setting::<Background>(&scene(&format!("{CLASSIC}, {body}")).world);
     let blue = Rgb::new(0.0, 0.2, 1.0);
     assert_eq!(background(""), Some(Background::Flat(Rgb::ZERO)));
     assert_eq!(background("background: (0, 51, 255)"), Some(Background::Flat(blue)));
     assert_eq!(background("background: \"#0033ff\""), Some(Background::Flat(blue)));
-    let gradient = Background::Gradient { bottom: Rgb::ONE, top: blue };
+    let gradient = Background::Gradient { bottom: Rgb::ONE, horizon: None, top: blue };
     assert_eq!(background("background: (bottom: \"#ffffff\", top: (0, 51, 255))"), Some(gradient));
     assert_eq!(background("background: (top: (0, 51, 255), bottom: (255, 255, 255))"), Some(gradient));
+    let sky = Background::Gradient { bottom: Rgb::ONE, horizon: Some(Rgb::X), top: blue };
+    let text = "background: (bottom: \"#ffffff\", horizon: (255, 0, 0), top: (0, 51, 255))";
+    assert_eq!(background(text), Some(sky));
 }
 
 #[test]

@@ -47,11 +47,11 @@ impl<'de> Deserialize<'de> for ColorDocument {
     }
 }
 
-/// A background: a colour, or a gradient written as `(bottom: (255, 255, 255), top: "#80b3ff")`.
+/// A background: a colour, or a gradient written as `(bottom: (255, 255, 255), top: "#80b3ff")`, perhaps with a `horizon`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum BackgroundDocument {
     Flat(ColorDocument),
-    Gradient { bottom: ColorDocument, top: ColorDocument },
+    Gradient { bottom: ColorDocument, horizon: Option<ColorDocument>, top: ColorDocument },
 }
 
 impl Default for BackgroundDocument {
@@ -62,7 +62,7 @@ impl Default for BackgroundDocument {
 
 impl BackgroundDocument {
     /// The names of the fields of a gradient.
-    pub(crate) const FIELDS: &'static [&'static str] = &["bottom", "top"];
+    pub(crate) const FIELDS: &'static [&'static str] = &["bottom", "horizon", "top"];
 }
 
 impl<'de> Deserialize<'de> for BackgroundDocument {
@@ -77,6 +77,7 @@ struct BackgroundVisitor;
 #[serde(field_identifier, rename_all = "lowercase")]
 enum BackgroundField {
     Bottom,
+    Horizon,
     Top,
     Other(String),
 }
@@ -100,10 +101,11 @@ impl<'de> Visitor<'de> for BackgroundVisitor {
 
     /// Reports errors with its own messages, because serde would attribute them to the scene.
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<BackgroundDocument, A::Error> {
-        let (mut bottom, mut top) = (None, None);
+        let (mut bottom, mut horizon, mut top) = (None, None, None);
         while let Some(field) = map.next_key()? {
             let (name, place) = match field {
                 BackgroundField::Bottom => ("bottom", &mut bottom),
+                BackgroundField::Horizon => ("horizon", &mut horizon),
                 BackgroundField::Top => ("top", &mut top),
                 BackgroundField::Other(name) => {
                     let remedy = suggest::remedy(&name, BackgroundDocument::FIELDS, "fields");
@@ -115,15 +117,16 @@ impl<'de> Visitor<'de> for BackgroundVisitor {
                 let message = format!("field `{name}` of `background` is written twice");
                 return Err(A::Error::custom(message + "\nremove one of the two"));
             }
-            *place = Some(map.next_value()?);
+            *place = Some(map.next_value::<Option<ColorDocument>>()?);
         }
         let missing = |name: &str| {
             let message = format!("missing field `{name}` of `background`");
             A::Error::custom(message + "\nwrite both `bottom` and `top`, or a single colour")
         };
+        let [bottom, horizon, top] = [bottom, horizon, top].map(Option::flatten);
         let bottom = bottom.ok_or_else(|| missing("bottom"))?;
         let top = top.ok_or_else(|| missing("top"))?;
-        Ok(BackgroundDocument::Gradient { bottom, top })
+        Ok(BackgroundDocument::Gradient { bottom, horizon, top })
     }
 }
 

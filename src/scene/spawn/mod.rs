@@ -142,9 +142,11 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
 fn background(document: BackgroundDocument, transfer: Transfer) -> Background {
     match document {
         BackgroundDocument::Flat(color) => Background::Flat(transfer.decode(color.0)),
-        BackgroundDocument::Gradient { bottom, top } => {
-            Background::Gradient { bottom: transfer.decode(bottom.0), top: transfer.decode(top.0) }
-        }
+        BackgroundDocument::Gradient { bottom, horizon, top } => Background::Gradient {
+            bottom: transfer.decode(bottom.0),
+            horizon: horizon.map(|horizon| transfer.decode(horizon.0)),
+            top: transfer.decode(top.0),
+        },
     }
 }
 

@@ -86,11 +86,15 @@ fn material_target(
 
 /// Returns a description of the scene if it lacks the part.
 fn lack_of_scene(document: &SceneDocument, part: Requirement) -> Option<&'static str> {
-    let flat = matches!(document.background, BackgroundDocument::Flat(_));
+    let (flat, horizon) = match document.background {
+        BackgroundDocument::Flat(_) => (true, false),
+        BackgroundDocument::Gradient { horizon, .. } => (false, horizon.is_some()),
+    };
     let (fits, otherwise) = match part {
         Requirement::AmbientLight => return None,
         Requirement::FlatBackground => (flat, "a background of two colours"),
         Requirement::Gradient => (!flat, "a background of one colour"),
+        Requirement::Horizon => (horizon, "a background without a `horizon`"),
         Requirement::Fog => (document.fog.is_some(), "a scene without `fog`"),
         _ => (false, "the scene"),
     };
@@ -257,6 +261,9 @@ fn home(part: Requirement) -> &'static str {
         Requirement::AmbientLight => "the scene has it: `target: \"scene\"`",
         Requirement::FlatBackground => "the scene has it where its background is one colour",
         Requirement::Gradient => "the scene has it where its background is `(bottom: .., top: ..)`",
+        Requirement::Horizon => {
+            "the scene has it where its background is `(bottom: .., horizon: .., top: ..)`"
+        }
         Requirement::Fog => "the scene has it where it has `fog`",
     }
 }

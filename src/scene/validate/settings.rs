@@ -23,8 +23,11 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
 fn background(document: &BackgroundDocument, at: &At<'_>, problems: &mut Problems) {
     match document {
         BackgroundDocument::Flat(color) => check::color(color.0, at, problems),
-        BackgroundDocument::Gradient { bottom, top } => {
+        BackgroundDocument::Gradient { bottom, horizon, top } => {
             check::color(bottom.0, &at.field("bottom"), problems);
+            if let Some(horizon) = horizon {
+                check::color(horizon.0, &at.field("horizon"), problems);
+            }
             check::color(top.0, &at.field("top"), problems);
         }
     }

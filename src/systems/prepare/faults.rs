@@ -324,8 +324,11 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     check(setting(world, |checked, Ambient(intensity)| checked.color("ambient light", *intensity)));
     check(setting(world, |checked, background| match background {
         Background::Flat(color) => checked.color("background", *color),
-        Background::Gradient { bottom, top } => {
+        Background::Gradient { bottom, horizon, top } => {
             checked.color("bottom of the background", *bottom);
+            if let Some(horizon) = horizon {
+                checked.color("horizon of the background", *horizon);
+            }
             checked.color("top of the background", *top);
         }
     }));

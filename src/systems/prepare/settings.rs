@@ -76,9 +76,11 @@ pub(super) fn linear_cutoff(codes: f32, transfer: Transfer) -> f32 {
 pub(super) fn prepared_background(background: Background) -> trace::PreparedBackground {
     match background {
         Background::Flat(color) => trace::PreparedBackground::Flat(sane(color)),
-        Background::Gradient { bottom, top } => {
-            trace::PreparedBackground::Gradient { bottom: sane(bottom), top: sane(top) }
-        }
+        Background::Gradient { bottom, horizon, top } => trace::PreparedBackground::Gradient {
+            bottom: sane(bottom),
+            horizon: horizon.map(sane),
+            top: sane(top),
+        },
     }
 }
 

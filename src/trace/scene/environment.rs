@@ -10,10 +10,13 @@ use crate::trace::math::{Bytes, exp};
 pub enum PreparedBackground {
     /// The same colour everywhere.
     Flat(Rgb),
-    /// `bottom` straight down, `top` straight up; in between a share (1 + y)/2 of `top`, where y is the unit direction's y component.
+    /// `bottom` straight down, `top` straight up. In between, with the unit direction's y component y: without a horizon, a share (1 + y)/2 of
+    /// `top`; with one, a share |y| of the colour straight up or down, and the rest of the horizon's colour.
     Gradient {
         /// Colour straight down.
         bottom: Rgb,
+        /// Colour of level directions, if it is not the mean of the others.
+        horizon: Option<Rgb>,
         /// Colour straight up.
         top: Rgb,
     },
@@ -34,9 +37,10 @@ impl PreparedBackground {
                 bytes.count(0_u32);
                 bytes.colors([color]);
             }
-            Self::Gradient { bottom, top } => {
-                bytes.count(1_u32);
+            Self::Gradient { bottom, horizon, top } => {
+                bytes.count(if horizon.is_some() { 2_u32 } else { 1 });
                 bytes.colors([bottom, top]);
+                horizon.into_iter().for_each(|horizon| bytes.colors([horizon]));
             }
         }
     }
@@ -46,18 +50,38 @@ impl PreparedBackground {
     pub fn towards(&self, direction: DVec3) -> Rgb {
         match *self {
             Self::Flat(color) => color,
-            Self::Gradient { bottom, top } => {
-                let share = to_f32(0.5 + 0.5 * (direction.y / direction.length()));
-                bottom * (1.0 - share) + top * share
+            Self::Gradient { bottom, horizon, top } => {
+                let y = direction.y / direction.length();
+                let (from, to, share) = match horizon {
+                    None => (bottom, top, 0.5 + 0.5 * y),
+                    Some(horizon) => (horizon, if y < 0.0 { bottom } else { top }, y.abs()),
+                };
+                let share = to_f32(share);
+                from * (1.0 - share) + to * share
+            }
+        }
+    }
+
+    /// Returns the mean over all directions.
+    pub(crate) fn mean(&self) -> Rgb {
+        match *self {
+            Self::Flat(color) => color,
+            Self::Gradient { bottom, horizon, top } => {
+                let mean = (bottom + top) * 0.5;
+                // The mean of |y| over the unit sphere is 1/2.
+                horizon.map_or(mean, |horizon| (mean + horizon) * 0.5)
             }
         }
     }
 
     /// Returns an upper bound of each channel over all directions.
     pub(crate) fn radiance_bound(&self) -> Rgb {
-        match self {
-            Self::Flat(color) => *color,
-            Self::Gradient { bottom, top } => bottom.max(*top),
+        match *self {
+            Self::Flat(color) => color,
+            Self::Gradient { bottom, horizon, top } => {
+                let ends = bottom.max(top);
+                horizon.map_or(ends, |horizon| horizon.max(ends))
+            }
         }
     }
 }
@@ -139,10 +163,26 @@ mod tests {
     #[test]
     fn a_gradient_goes_from_bottom_to_top() {
         let (bottom, top) = (Rgb::new(1.0, 0.0, 0.5), Rgb::new(0.0, 1.0, 0.5));
-        let sky = PreparedBackground::Gradient { bottom, top };
+        let sky = PreparedBackground::Gradient { bottom, horizon: None, top };
         assert_eq!(sky.towards(DVec3::NEG_Y * 3.0), bottom);
         assert_eq!(sky.towards(DVec3::Y * 7.0), top);
         assert_eq!(sky.towards(DVec3::X), (bottom + top) * 0.5);
         assert_eq!(sky.radiance_bound(), Rgb::new(1.0, 1.0, 0.5));
+    }
+
+    #[test]
+    fn a_gradient_with_a_horizon_has_its_colour_on_level_directions() {
+        let (bottom, horizon, top) = (Rgb::X, Rgb::new(0.25, 1.5, 0.5), Rgb::Z);
+        let sky = PreparedBackground::Gradient { bottom, horizon: Some(horizon), top };
+        assert_eq!(sky.towards(DVec3::NEG_Y * 3.0), bottom);
+        assert_eq!(sky.towards(DVec3::Y * 7.0), top);
+        assert_eq!(sky.towards(DVec3::new(-2.0, 0.0, 5.0)), horizon);
+        assert_eq!(sky.towards(DVec3::new(0.0, -3.0, 4.0)), horizon * (1.0 - 0.6_f32) + bottom * 0.6_f32);
+        assert_eq!(sky.radiance_bound(), Rgb::new(1.0, 1.5, 1.0));
+        // Archimedes: y of points on the sphere is uniformly distributed.
+        let heights = (0..1000).map(|step| (f64::from(step) + 0.5) / 500.0 - 1.0);
+        let colors = heights.map(|y| sky.towards(DVec3::new((1.0 - y * y).sqrt(), y, 0.0)));
+        let mean = colors.sum::<Rgb>() / 1000.0;
+        assert!((mean - sky.mean()).abs().max_element() < 1e-5, "{mean} {}", sky.mean());
     }
 }

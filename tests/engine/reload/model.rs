@@ -287,7 +287,11 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
         "camera" => camera(names, random),
         "ambient" => random.light(),
         "space" => random.pick(&["LeftHanded", "RightHanded", ""]).to_owned(),
-        "background" if random.once_in(2) => format!("(bottom: {}, top: {})", random.color(), random.color()),
+        "background" if random.once_in(2) => {
+            let horizon =
+                if random.once_in(2) { format!("horizon: {}, ", random.color()) } else { String::new() };
+            format!("(bottom: {}, {horizon}top: {})", random.color(), random.color())
+        }
         "background" => random.color(),
         _ if random.once_in(2) => format!("(color: {}, density: {:?})", random.color(), random.share() / 8.0),
         _ => String::new(),

@@ -139,6 +139,27 @@ fn gradient_depends_on_the_height_of_the_direction() {
     }
 }
 
+/// Checks gradients with a horizon: |y| of the colour straight up or down, and the rest of the horizon's colour.
+#[test]
+fn gradient_with_a_horizon_blends_on_each_side_of_it() {
+    let sky =
+        "background: (bottom: (255, 0, 51), horizon: (0, 0, 255), top: (0, 255, 51)), quality: (cutoff: 0)";
+    for direction in
+        [DVec3::new(0.0, 1.0, 1e-9), DVec3::new(3.0, -4.0, 12.0), DVec3::X, DVec3::new(-1.0, 9.0, 1.0)]
+    {
+        let y = direction.normalize().y;
+        let blue = 0.2 * y.abs() + (1.0 - y.abs());
+        assert_color(seen(DVec3::ZERO, direction, sky), [(-y).max(0.0), y.max(0.0), blue]);
+        if y < 0.0 {
+            let puddle = format!(
+                r#"{sky}, materials: {{ "m": (reflective: (k_r: 0.5)) }},
+                entities: [(shape: Plane(normal: (0, 1, 0)), material: "m", transform: (translation: (0, -1, 0)))]"#
+            );
+            assert_color(seen(DVec3::ZERO, direction, &puddle), [0.0, 0.5 * -y, 0.5 * blue]);
+        }
+    }
+}
+
 /// Transforms a point to the local space of an entity.
 fn own(point: DVec3, translation: DVec3, rotation: DQuat, scale: DVec3) -> DVec3 {
     rotation.inverse() * (point - translation) / scale

@@ -4,7 +4,9 @@ use glam::DVec3;
 
 use super::*;
 use crate::color::Rgb;
-use crate::trace::scene::{Geometry, LightSource, Precision, PreparedLight, PreparedShape, SurfaceMaterial};
+use crate::trace::scene::{
+    Geometry, LightSource, Precision, PreparedBackground, PreparedLight, PreparedShape, SurfaceMaterial,
+};
 use crate::trace::shapes::Sphere;
 
 fn sphere(x: f64, radius: f64) -> PreparedShape {
@@ -52,6 +54,7 @@ fn all_that_reaches_a_picture_changes_it() {
         casts_shadows: true,
         own_shape,
     };
+    let gradient = |horizon| PreparedBackground::Gradient { bottom: Rgb::ZERO, horizon, top: Rgb::ONE };
     let plain = scene(&[sphere(0.0, 1.0), sphere(3.0, 1.0)]);
     let changed = |change: &dyn Fn(&mut PreparedScene)| {
         let mut scene = plain.clone();
@@ -83,6 +86,9 @@ fn all_that_reaches_a_picture_changes_it() {
         }),
         changed(&|scene| scene.ambient = Rgb::splat(0.1)),
         changed(&|scene| scene.fog.density = 0.1),
+        changed(&|scene| scene.background = gradient(None)),
+        changed(&|scene| scene.background = gradient(Some(Rgb::ZERO))),
+        changed(&|scene| scene.background = gradient(Some(Rgb::X))),
         changed(&|scene| scene.depth = 3),
         changed(&|scene| scene.cutoff = 0.1),
         changed(&|scene| scene.precision = Precision::NaiveF32),
