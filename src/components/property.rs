@@ -77,6 +77,8 @@ pub(crate) enum Requirement {
     Horizon,
     /// The scene, with fog.
     Fog,
+    /// The scene, with fog that has a height.
+    FogLayer,
 }
 
 table! {
@@ -175,6 +177,10 @@ table! {
         FogColor => (Requirement::Fog, Quantity::Color),
         /// [`Fog::density`](super::Fog::density).
         FogDensity => (Requirement::Fog, Quantity::Density),
+        /// [`Fog::height`](super::Fog::height), if given.
+        FogHeight => (Requirement::FogLayer, Quantity::Length),
+        /// [`Fog::level`](super::Fog::level) of fog with a height.
+        FogLevel => (Requirement::FogLayer, Quantity::Coordinate),
     }
 }
 

@@ -12,6 +12,8 @@ table! {
     pub(crate) enum Quantity: (Notation, ValidRange) {
         /// Coordinates in scene units.
         Point => (Notation::Vector, Any),
+        /// A coordinate along one axis, in scene units.
+        Coordinate => (Notation::Number, Any),
         /// A vector of any nonzero length.
         Direction => (Notation::Vector, Any),
         /// A rotation in space.

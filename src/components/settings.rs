@@ -30,17 +30,39 @@ impl Default for Background {
     }
 }
 
-/// Uniform fog. Over a length l, the fraction exp(-density l) of the light from behind is transmitted, and the fog's colour contributes the
-/// remaining fraction.
+/// Fog. Over a length l in uniform fog, the fraction exp(-density l) of the light from behind is transmitted, and the fog's colour
+/// contributes the remaining fraction. In fog with a `height`, density times length becomes the integral of the density along the ray.
 ///
-/// Fog attenuates camera, reflection and refraction rays, but not shadow rays. With a density above 0, a ray that hits nothing sees only
-/// fog.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Fog attenuates camera, reflection and refraction rays, but not shadow rays. A ray that hits nothing is infinitely long: with a density
+/// above 0, it sees only fog, unless it rises out of fog with a height or `hides_background` is false.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fog {
     /// The colour of fog of infinite depth.
     pub color: Rgb,
     /// The density per scene unit of length in the world, 0 or more; 0 disables fog.
     pub density: f64,
+    /// The height in scene units over which the density falls to 1/e, greater than 0: at y, the density is multiplied by
+    /// exp(-(y - level) / height). `None` for uniform fog.
+    pub height: Option<f64>,
+    /// The y in the world at which fog with a height has its density.
+    pub level: f64,
+    /// False if rays that hit nothing see the background without fog.
+    pub hides_background: bool,
+}
+
+impl Fog {
+    /// Creates uniform fog.
+    #[must_use]
+    pub fn new(color: Rgb, density: f64) -> Self {
+        Self { color, density, height: None, level: 0.0, hides_background: true }
+    }
+}
+
+impl Default for Fog {
+    /// Returns fog without density.
+    fn default() -> Self {
+        Self::new(Rgb::ZERO, 0.0)
+    }
 }
 
 /// The orientation of the axes, as a viewer sees them who looks along z with x to the right and y up.

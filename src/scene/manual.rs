@@ -173,7 +173,7 @@ mod tests {
             Quantity::Point => "points".to_owned(),
             Quantity::Direction => "directions".to_owned(),
             Quantity::Rotation => "Rotations".to_owned(),
-            Quantity::Turn => "numbers".to_owned(),
+            Quantity::Turn | Quantity::Coordinate => "numbers".to_owned(),
             Quantity::Factors => "a factor or three".to_owned(),
             Quantity::Length => "numbers greater than 0".to_owned(),
             Quantity::Edges => "three edge lengths greater than 0".to_owned(),

@@ -111,6 +111,7 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
         | Requirement::FlatBackground
         | Requirement::Gradient
         | Requirement::Horizon
-        | Requirement::Fog => changes.mark_settings(),
+        | Requirement::Fog
+        | Requirement::FogLayer => changes.mark_settings(),
     }
 }

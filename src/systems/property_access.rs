@@ -136,7 +136,9 @@ impl Parts<'_> {
             | P::BackgroundHorizon
             | P::BackgroundTop
             | P::FogColor
-            | P::FogDensity => self.scene_value(property),
+            | P::FogDensity
+            | P::FogHeight
+            | P::FogLevel => self.scene_value(property),
         }
     }
 
@@ -241,6 +243,8 @@ impl Parts<'_> {
             Property::BackgroundTop => within!(self.background.as_mut()?, Gradient { top, .. } => Color(top)),
             Property::FogColor => Color(&mut self.fog.as_mut()?.color),
             Property::FogDensity => Number(&mut self.fog.as_mut()?.density),
+            Property::FogHeight => Number(self.fog.as_mut()?.height.as_mut()?),
+            Property::FogLevel => Number(&mut self.fog.as_mut().filter(|fog| fog.height.is_some())?.level),
             _ => return None,
         })
     }

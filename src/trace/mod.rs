@@ -101,7 +101,9 @@ pub use render::passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use render::tile_work::Signals;
 pub use render_stats::{RayCounts, TreeEnds};
 pub use scene::{Attenuation, Precision, PreparedCamera};
-pub(crate) use scene::{CheckerPattern, Cone, MaterialTable, PreparedChecker, PreparedFalloff, PreparedFog};
+pub(crate) use scene::{
+    CheckerPattern, Cone, FogLayer, MaterialTable, PreparedChecker, PreparedFalloff, PreparedFog,
+};
 pub use shading::Unlit;
 
 // The kernel's arrays, for tests and benchmarks; not part of the library's interface.

@@ -375,12 +375,13 @@ fn trace(
 ) -> TracedRay {
     let scene = context.scene;
     let Some(closest) = scene.closest_of_all(&ray.ray, &mut scratch.search) else {
-        let passage = ray.state.passage(context.effects, scene, &scratch.media, f64::INFINITY);
+        let passage = ray.state.passage(context.effects, scene, &scratch.media, (&ray.ray, f64::INFINITY));
         let background = scene.background.towards(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
     let surface = scene.surface(&ray.ray, &closest, &mut scratch.search);
-    let passage = ray.state.passage(context.effects, scene, &scratch.media, surface.distance(&ray.ray));
+    let length = surface.distance(&ray.ray);
+    let passage = ray.state.passage(context.effects, scene, &scratch.media, (&ray.ray, length));
     let lit = lit(context, scratch, ray, surface, sample_id);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
 }

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use crate::color::Rgb;
 use crate::trace::math::SimdLevel;
-use crate::trace::scene::{Cone, PreparedFalloff, PreparedFog};
+use crate::trace::scene::{Cone, FogLayer, PreparedFalloff, PreparedFog};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
     Effects, Film, Geometry, LightSource, PixelSampling, PreparedCamera, PreparedLight, PreparedScene,
@@ -94,18 +94,23 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
     let mut scene = PreparedScene::new(geometry, materials);
     scene.lights = lights(ids[7]);
     (scene.ambient, scene.depth) = (Rgb::splat(0.8), 6);
-    scene.fog = PreparedFog { color: Rgb::new(0.5, 0.6, 0.7), density: 0.03 };
+    let fog = PreparedFog { color: Rgb::new(0.5, 0.6, 0.7), density: 0.03, ..PreparedFog::default() };
     let resolution = (27, 18);
     let (eye, view) = (DVec3::new(0.3, 1.6, -6.0), DVec3::new(0.0, -0.1, 1.0));
     let camera = PreparedCamera::new(eye, view, DVec3::Y, 1.0, (0.9, 0.6), resolution);
     let parallel = PreparedCamera::new(eye, view, DVec3::Y, 1.0, (9.0, 6.0), resolution).orthographic();
-    for (camera, samples) in [
-        (camera, 1),
-        (camera.with_lens(0.2, 6.0), 3),
-        (parallel, 1),
-        (parallel, 3),
-        (parallel.with_lens(0.2, 6.0), 3),
+    let layer = Some(FogLayer { level: 1.0, height: 2.0 });
+    let layered = PreparedFog { layer, ..fog };
+    for (camera, samples, fog) in [
+        (camera, 1, fog),
+        (camera.with_lens(0.2, 6.0), 3, fog),
+        (parallel, 1, fog),
+        (parallel, 3, layered),
+        (parallel.with_lens(0.2, 6.0), 3, fog),
+        (camera, 1, layered),
+        (camera, 2, PreparedFog { hides_background: false, ..layered }),
     ] {
+        scene.fog = fog;
         let sampling = PixelSampling { samples, seed: 9 };
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {

@@ -116,6 +116,31 @@ fn hits_cover_the_background() {
     assert!(hits > 100 && hits < SIZE.0 * SIZE.1, "{hits}");
 }
 
+/// Checks that fog covers the background where it dims it, and nowhere else: with height, it is too thin to change a bit near the zenith.
+#[test]
+fn fog_covers_the_background_that_it_dims() {
+    for (fog, shares) in [
+        ("density: 0.4, hides_background: false", 0.05..=0.4),
+        ("density: 0.4, height: 2", 1.0..=1.0),
+        ("density: 3e-9, height: 2", 0.4..=0.9),
+    ] {
+        let fog = format!("fog: (color: (200, 210, 220), {fog}), materials: {{");
+        let text = GLASS.replace("materials: {", &fog);
+        let scene = Scene::from_text("fog.ron", text).unwrap_or_else(|error| panic!("{error}"));
+        let mut engine = Engine::from_scene(scene);
+        let expected = engine
+            .render(RenderRequest { alpha: true, reference: true, ..RenderRequest::at(Time::ZERO) })
+            .unwrap();
+        for (name, level) in SimdLevel::all() {
+            engine.settings = RenderSettings { simd: Some(level), ..engine.settings };
+            assert!(render(&mut engine, Time::ZERO) == expected, "{fog}, {name}");
+        }
+        let alpha = expected.alpha.unwrap();
+        let share = alpha.pixels().iter().sum::<f32>() / (SIZE.0 * SIZE.1) as f32;
+        assert!(shares.contains(&share), "{fog}: {share}");
+    }
+}
+
 #[test]
 fn threads_and_instruction_sets_do_not_change_alpha() {
     let time = "0.7".parse().unwrap();

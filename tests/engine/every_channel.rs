@@ -205,6 +205,14 @@ fn case(property: Property) -> Case {
             let fog = "fog: (color: (90, 90, 90), density: {}),";
             written(fog, entity("scene", "fog", ["0.01", "0.2"]))
         }
+        Property::FogHeight => {
+            let fog = "fog: (color: (90, 90, 90), density: 0.1, height: {}),";
+            written(fog, entity("scene", "fog", ["0.5", "4"]))
+        }
+        Property::FogLevel => {
+            let fog = "fog: (color: (90, 90, 90), density: 0.1, height: 2, level: {}),";
+            written(fog, entity("scene", "fog", ["-1", "3"]))
+        }
     }
 }
 

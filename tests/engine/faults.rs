@@ -215,7 +215,8 @@ fn settings() -> impl Strategy<Value = Settings> {
         (color(), prop::option::of(color()), color())
             .prop_map(|(bottom, horizon, top)| Background::Gradient { bottom, horizon, top }),
     ];
-    let fog = (color(), number()).prop_map(|(color, density)| Fog { color, density });
+    let fog = (color(), number(), prop::option::of(number()), number())
+        .prop_map(|(color, density, height, level)| Fog { height, level, ..Fog::new(color, density) });
     let depth = prop_oneof![Just(0u32), Just(1), Just(3), Just(u32::MAX)];
     let quality = (depth, single()).prop_map(|(depth, cutoff)| Quality { depth, cutoff });
     let few = || prop_oneof![Just(0u32), Just(1), Just(3)];

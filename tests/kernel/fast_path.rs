@@ -28,6 +28,8 @@ struct Effects {
     fog: bool,
     gradient: bool,
     horizon: bool,
+    layer: bool,
+    clear_sky: bool,
     motion: bool,
     orthographic: bool,
 }
@@ -113,9 +115,18 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
 
 fn effects() -> impl Strategy<Value = Effects> {
     let some = prop::bool::weighted;
-    let surroundings = (some(0.25), some(0.3), some(0.5));
+    let surroundings = (some(0.3), some(0.3), some(0.5), some(0.5), some(0.3));
     (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), surroundings, some(0.25), some(0.2)).prop_map(
-        |(lights, mirrors, glass, checker, area_lights, (fog, gradient, horizon), motion, orthographic)| Effects {
+        |(
+            lights,
+            mirrors,
+            glass,
+            checker,
+            area_lights,
+            (fog, gradient, horizon, layer, clear_sky),
+            motion,
+            orthographic,
+        )| Effects {
             lights,
             mirrors,
             glass,
@@ -124,6 +135,8 @@ fn effects() -> impl Strategy<Value = Effects> {
             fog,
             gradient,
             horizon,
+            layer,
+            clear_sky,
             motion,
             orthographic,
         },
@@ -218,7 +231,9 @@ fn world(
         Sampling { samples, instants: 3, ..Sampling::default() },
     ));
     if effects.fog {
-        world.insert_one(settings, Fog { color: Rgb::splat(0.7), density: 0.1 }).unwrap();
+        let fog = Fog::new(Rgb::splat(0.7), 0.1);
+        let layer = Fog { height: effects.layer.then_some(1.5), level: -0.5, ..fog };
+        world.insert_one(settings, Fog { hides_background: !effects.clear_sky, ..layer }).unwrap();
     }
     world
 }

@@ -52,6 +52,8 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
         }
         for fog in context.world.query_mut::<&mut Fog>() {
             fog.density /= scale;
+            fog.level = fog.level * scale + offset.y;
+            fog.height = fog.height.map(|height| height * scale);
         }
         for refractive in context.world.query_mut::<&mut Refractive>() {
             refractive.absorption = (refractive.absorption.as_dvec3() / scale).as_vec3();
@@ -86,6 +88,9 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
         if let Background::Gradient { top, .. } = *background {
             *background = Background::Flat(top);
         }
+    }
+    for fog in world.query_mut::<&mut Fog>() {
+        fog.height = None;
     }
     let checkered: Vec<hecs::Entity> =
         world.query_mut::<With<hecs::Entity, &Checker>>().into_iter().collect();

@@ -195,6 +195,8 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
         ("BackgroundTop", triples(color())),
         ("FogColor", triples(color())),
         ("FogDensity", numbers(size())),
+        ("FogHeight", numbers(size())),
+        ("FogLevel", numbers(any())),
     ];
     [entity, surface(), camera, scene]
 }

@@ -16,8 +16,11 @@ pub(crate) fn background() -> impl Strategy<Value = String> {
 
 /// Generates the field of fog with its name, or an empty text.
 pub(crate) fn fog() -> impl Strategy<Value = String> {
-    let some = (color(), prop_oneof![0.0..1.0f64, number().prop_map(f64::abs)])
-        .prop_map(|(color, density)| format!("fog: (color: {color}, density: {density:?}), "));
+    let layer =
+        (size(), number()).prop_map(|(height, level)| format!(", height: {height}, level: {level:?}"));
+    let rest = prop_oneof![Just(String::new()), Just(", hides_background: false".to_owned()), layer];
+    let some = (color(), prop_oneof![0.0..1.0f64, number().prop_map(f64::abs)], rest)
+        .prop_map(|(color, density, rest)| format!("fog: (color: {color}, density: {density:?}{rest}), "));
     prop_oneof![2 => Just(String::new()), 1 => some]
 }
 

@@ -106,7 +106,16 @@ fn fog_is_read_from_the_scene() {
     assert_eq!(fog(""), None);
     assert_eq!(
         fog("fog: (color: (255, 51, 0), density: 0.05)"),
-        Some(Fog { color: Rgb::new(1.0, 0.2, 0.0), density: 0.05 })
+        Some(Fog::new(Rgb::new(1.0, 0.2, 0.0), 0.05))
+    );
+    assert_eq!(
+        fog("fog: (color: (255, 51, 0), density: 0.05, height: 3, level: -1.5, hides_background: false)"),
+        Some(Fog {
+            height: Some(3.0),
+            level: -1.5,
+            hides_background: false,
+            ..Fog::new(Rgb::new(1.0, 0.2, 0.0), 0.05)
+        })
     );
 }
 

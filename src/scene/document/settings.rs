@@ -68,6 +68,15 @@ pub(crate) struct ShotDocument(pub(crate) f64, pub(crate) String);
 pub(crate) struct FogDocument {
     pub(crate) color: ColorDocument,
     pub(crate) density: f64,
+    pub(crate) height: Option<f64>,
+    #[serde(default)]
+    pub(crate) level: f64,
+    #[serde(default = "yes")]
+    pub(crate) hides_background: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// The frame rate and the duration.

@@ -10,9 +10,9 @@ use hecs::{Entity, EntityBuilder, World};
 
 use self::entities::{Links, MaterialComponents, surface};
 use super::document::{
-    AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, FilmDocument, KeyDocument,
-    NoiseDocument, NormDocument, QualityDocument, RotationDocument, SamplingDocument, ScaleDocument,
-    SceneDocument, ShotDocument, SpaceDocument, TimelineDocument, TrackDocument, TracksDocument,
+    AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, FilmDocument, FogDocument,
+    KeyDocument, NoiseDocument, NormDocument, QualityDocument, RotationDocument, SamplingDocument,
+    ScaleDocument, SceneDocument, ShotDocument, SpaceDocument, TimelineDocument, TrackDocument, TracksDocument,
     TransferDocument, Triple,
 };
 use super::files::Merged;
@@ -134,7 +134,8 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
         space(document.space),
     ));
     if let Some(fog) = document.fog {
-        builder.add(Fog { color: transfer.decode(fog.color.0), density: fog.density });
+        let FogDocument { color, density, height, level, hides_background } = fog;
+        builder.add(Fog { color: transfer.decode(color.0), density, height, level, hides_background });
     }
     world.spawn(builder.build())
 }

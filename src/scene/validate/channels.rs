@@ -96,6 +96,10 @@ fn lack_of_scene(document: &SceneDocument, part: Requirement) -> Option<&'static
         Requirement::Gradient => (!flat, "a background of one colour"),
         Requirement::Horizon => (horizon, "a background without a `horizon`"),
         Requirement::Fog => (document.fog.is_some(), "a scene without `fog`"),
+        Requirement::FogLayer => (
+            document.fog.is_some_and(|fog| fog.height.is_some()),
+            "a scene without a fog that has a `height`",
+        ),
         _ => (false, "the scene"),
     };
     (!fits).then_some(otherwise)
@@ -265,5 +269,6 @@ fn home(part: Requirement) -> &'static str {
             "the scene has it where its background is `(bottom: .., horizon: .., top: ..)`"
         }
         Requirement::Fog => "the scene has it where it has `fog`",
+        Requirement::FogLayer => "the scene has it where its `fog` has a `height`",
     }
 }

@@ -36,6 +36,15 @@ fn background(document: &BackgroundDocument, at: &At<'_>, problems: &mut Problem
 fn fog(document: &FogDocument, at: &At<'_>, problems: &mut Problems) {
     check::color(document.color.0, &at.field("color"), problems);
     density(document.density, &at.field("density"), problems);
+    if let Some(height) = document.height {
+        check::size(height, "the fog's height", &at.field("height"), problems);
+    }
+    let level_at = at.field("level");
+    check::number(document.level, &level_at, problems);
+    if document.height.is_none() && document.level != 0.0 {
+        let help = "add `height: ..`, or remove the level: uniform fog is the same at every height";
+        problems.add(&level_at, "a fog without a height has no level", "no height", help);
+    }
 }
 
 pub(super) fn density(density: f64, at: &At<'_>, problems: &mut Problems) {

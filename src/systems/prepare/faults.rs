@@ -332,9 +332,14 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
             checked.color("top of the background", *top);
         }
     }));
-    check(setting(world, |checked, Fog { color, density }| {
+    check(setting(world, |checked, Fog { color, density, height, level, .. }| {
         checked.color("fog's colour", *color);
         checked.clamped("fog's density", *density, ValidRange::NotNegative, 0.0..=f64::MAX);
+        if let Some(height) = *height {
+            let is_good = height > 0.0 && height.is_finite();
+            checked.part("fog's height", height, is_good, ValidRange::Positive);
+            checked.part("fog's level", *level, level.is_finite(), ValidRange::Any);
+        }
     }));
     check(setting(world, |checked, film: &FilmSettings| {
         checked.count("film's width", film.width, FilmSettings::LARGEST_SIDE);

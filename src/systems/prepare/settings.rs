@@ -86,7 +86,13 @@ pub(super) fn prepared_background(background: Background) -> trace::PreparedBack
 
 pub(super) fn prepared_fog(fog: Fog) -> trace::PreparedFog {
     let density = if fog.density > 0.0 { fog.density.min(f64::MAX) } else { 0.0 };
-    trace::PreparedFog { color: sane(fog.color), density }
+    let layer = fog.height.filter(|height| *height > 0.0 && height.is_finite() && fog.level.is_finite());
+    trace::PreparedFog {
+        color: sane(fog.color),
+        density,
+        layer: layer.map(|height| trace::FogLayer { level: fog.level, height }),
+        hides_background: fog.hides_background,
+    }
 }
 
 /// Clamps a colour to finite, non-negative values.

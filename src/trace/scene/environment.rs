@@ -86,13 +86,86 @@ impl PreparedBackground {
     }
 }
 
-/// Fog: over a length d, a share exp(-density d) of the light behind is visible, and the rest is `color`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Fog: over an optical depth t, a share exp(-t) of the light behind is visible, and the rest is `color`.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PreparedFog {
     /// The colour of the fog.
     pub color: Rgb,
     /// The extinction per unit of length, 0 or more.
     pub density: f64,
+    /// The decrease of the density with height; `None` for uniform fog.
+    pub layer: Option<FogLayer>,
+    /// False if rays that hit nothing see the background without fog.
+    pub hides_background: bool,
+}
+
+/// A density that falls with height: at y, it is multiplied by exp(-(y - level) / height).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FogLayer {
+    /// The y at which the density is as given.
+    pub level: f64,
+    /// The height over which the density falls to 1/e, greater than 0.
+    pub height: f64,
+}
+
+impl Default for PreparedFog {
+    /// Returns no fog.
+    fn default() -> Self {
+        Self { color: Rgb::ZERO, density: 0.0, layer: None, hides_background: true }
+    }
+}
+
+impl PreparedFog {
+    /// Returns whether the optical depth of every ray is its length, infinite if it hits nothing, times the density.
+    #[inline]
+    pub(crate) fn is_uniform(&self) -> bool {
+        self.layer.is_none() && self.hides_background
+    }
+
+    /// Returns the optical depth along a ray, whose length is infinite if it hits nothing.
+    pub(crate) fn optical_depth(&self, origin: DVec3, direction: DVec3, length: f64) -> f64 {
+        if length == f64::INFINITY && !self.hides_background {
+            return 0.0;
+        }
+        let Some(layer) = &self.layer else { return self.density * length };
+        let slope = direction.y / direction.length();
+        self.density * layer.equivalent_length(origin.y, slope, length)
+    }
+
+    /// Writes the bytes of everything that pictures depend on.
+    pub(super) fn write(&self, bytes: &mut Bytes) {
+        bytes.colors([self.color]);
+        bytes.number(self.density);
+        bytes.count(u32::from(self.hides_background) + 2 * u32::from(self.layer.is_some()));
+        let layer = self.layer.iter().flat_map(|layer| [layer.level, layer.height]);
+        layer.for_each(|number| bytes.number(number));
+    }
+}
+
+impl FogLayer {
+    /// Returns the length in fog of constant density that has the optical depth of a ray from the height `y`: the integral of
+    /// exp(-(y - level) / height) along it. `slope` is the rise per length.
+    fn equivalent_length(&self, y: f64, slope: f64, length: f64) -> f64 {
+        if length == 0.0 {
+            return 0.0;
+        }
+        // 0 times an infinite length is NaN.
+        let rise = if slope == 0.0 { 0.0 } else { slope * length };
+        let climb = rise.abs() / self.height;
+        // The integral relative to the density at the lower end: neither factor overflows where their product does not. For nearly level
+        // rays, 1 - exp(-climb) would cancel; `expm1` does not.
+        let relative = match -libm::expm1(-climb) {
+            _ if climb == 0.0 => length,
+            fall if climb < 1.0 => length * (fall / climb),
+            fall => fall * (self.height / slope.abs()),
+        };
+        // Without a bound, even where the density underflows to 0.
+        if relative == f64::INFINITY {
+            return relative;
+        }
+        let lowest = y + rise.min(0.0);
+        relative * libm::exp((self.level - lowest) / self.height)
+    }
 }
 
 /// The effect of the medium along a ray on light: incoming light times `transmitted`, plus `added`.
@@ -108,11 +181,11 @@ impl Attenuation {
     /// The identity: no medium along the ray.
     pub const CLEAR: Self = Self { transmitted: Rgb::ONE, added: Rgb::ZERO };
 
-    /// Computes the passage through `length` of an absorbing medium that contains fog.
-    pub(crate) fn through(absorption: Rgb, fog: &PreparedFog, length: f64) -> Self {
+    /// Computes the passage through `length` of an absorbing medium that contains fog of this colour and optical depth.
+    pub(crate) fn through(absorption: Rgb, length: f64, fog: Rgb, optical_depth: f64) -> Self {
         let absorbed = transmittance(absorption, length);
-        let seen = share(fog.density, length);
-        Self { transmitted: absorbed * seen, added: absorbed * (fog.color * (1.0 - seen)) }
+        let seen = share(1.0, optical_depth);
+        Self { transmitted: absorbed * seen, added: absorbed * (fog * (1.0 - seen)) }
     }
 
     /// Applies the passage to incoming light.
@@ -140,12 +213,91 @@ mod tests {
     fn an_infinite_way_hides_all_or_nothing() {
         let absorption = Rgb::new(0.0, 1e-9, 2.0);
         assert_eq!(transmittance(absorption, f64::INFINITY), Rgb::new(1.0, 0.0, 0.0));
-        let fog = PreparedFog { color: Rgb::splat(0.5), density: 1e-3 };
-        assert_eq!(Attenuation::through(Rgb::ZERO, &fog, f64::INFINITY).of(Rgb::ONE), Rgb::splat(0.5));
-        assert_eq!(
-            Attenuation::through(Rgb::ZERO, &PreparedFog::default(), f64::INFINITY),
-            Attenuation::CLEAR
-        );
+        let gray = Rgb::splat(0.5);
+        let fog = PreparedFog { color: gray, density: 1e-3, ..PreparedFog::default() };
+        let endless = |fog: &PreparedFog| {
+            let depth = fog.optical_depth(DVec3::ZERO, DVec3::Z, f64::INFINITY);
+            Attenuation::through(Rgb::ZERO, f64::INFINITY, fog.color, depth)
+        };
+        assert_eq!(endless(&fog).of(Rgb::ONE), gray);
+        assert_eq!(endless(&PreparedFog { hides_background: false, ..fog }), Attenuation::CLEAR);
+        assert_eq!(Attenuation::through(Rgb::ZERO, f64::INFINITY, gray, 0.0), Attenuation::CLEAR);
+    }
+
+    /// Integrates a density that falls with height by Simpson's rule, with ever finer steps near the lower end.
+    fn integrated(layer: &FogLayer, y: f64, slope: f64, length: f64) -> f64 {
+        const STEPS: u32 = 40_000;
+        let density = |s: f64| libm::exp((layer.level - (y + slope * s)) / layer.height);
+        let step = length / f64::from(STEPS);
+        let sum: f64 = (0..=STEPS)
+            .map(|at| {
+                let weight = if at == 0 || at == STEPS { 1.0 } else { f64::from(2 + 2 * (at % 2)) };
+                weight * density(f64::from(at) * step)
+            })
+            .sum();
+        sum * step / 3.0
+    }
+
+    #[test]
+    fn fog_with_height_has_the_optical_depth_of_its_integral() {
+        let layer = FogLayer { level: -0.5, height: 1.75 };
+        for slope in [0.0, 1e-300, -1e-12, 1e-7, -1e-3, 0.02, -0.4, 0.75, -1.0, 1.0] {
+            for (y, length) in [(0.0, 1e-9), (3.0, 0.5), (-4.0, 2.0), (12.0, 20.0), (1.0, 40.0)] {
+                let (found, expected) =
+                    (layer.equivalent_length(y, slope, length), integrated(&layer, y, slope, length));
+                let error = (found - expected).abs() / expected;
+                assert!(error < 1e-12, "{slope} from {y} over {length}: {found:e} {expected:e}");
+            }
+        }
+    }
+
+    /// Checks that a ray and the same ray backwards, and the sum of two parts of a ray, agree.
+    #[test]
+    fn fog_with_height_is_the_same_both_ways_and_in_parts() {
+        let layer = FogLayer { level: 2.0, height: 0.3 };
+        for (y, slope, length) in
+            [(2.0, 0.3, 5.0), (400.0, -0.9, 440.0), (-20.0, 1e-9, 3.0), (0.0, -1.0, 2.0)]
+        {
+            let whole = layer.equivalent_length(y, slope, length);
+            let back = layer.equivalent_length(y + slope * length, -slope, length);
+            let middle = y + slope * length / 4.0;
+            let parts = layer.equivalent_length(y, slope, length / 4.0)
+                + layer.equivalent_length(middle, slope, length * 0.75);
+            for other in [back, parts] {
+                assert!((other - whole).abs() < 1e-11 * whole, "{whole:e} {other:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn endless_rays_leave_fog_with_height_only_upwards() {
+        let layer = FogLayer { level: 1.0, height: 2.0 };
+        let endless = |y, slope| layer.equivalent_length(y, slope, f64::INFINITY);
+        assert_eq!(endless(1.0, 1.0), 2.0);
+        assert_eq!(endless(1.0, 0.5), 4.0);
+        assert!((endless(5.0, 0.25) - 8.0 * libm::exp(-2.0)).abs() < 1e-15);
+        for (y, slope) in [(1.0, 0.0), (1e9, 0.0), (1.0, -1e-9), (1e9, -1.0)] {
+            assert_eq!(endless(y, slope), f64::INFINITY, "{slope} from {y}");
+        }
+    }
+
+    #[test]
+    fn extreme_fog_with_height_is_never_nan() {
+        let extremes = [0.0, 5e-324, 1e-60, 1.0, 1e60, 1e300, f64::MAX];
+        let signed = || extremes.into_iter().flat_map(|number| [number, -number]);
+        for height in extremes.into_iter().skip(1) {
+            for level in signed() {
+                let layer = FogLayer { level, height };
+                for y in signed() {
+                    for slope in [0.0, 5e-324, -5e-324, 1e-9, -0.5, 1.0] {
+                        for length in extremes.into_iter().chain([f64::INFINITY]) {
+                            let found = layer.equivalent_length(y, slope, length);
+                            assert!(found >= 0.0, "{layer:?} {y} {slope} {length}: {found}");
+                        }
+                    }
+                }
+            }
+        }
     }
 
     #[test]

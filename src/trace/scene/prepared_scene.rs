@@ -183,9 +183,10 @@ impl PreparedScene {
         for light in &self.lights {
             light.write(bytes, |shape| self.order().rank(shape).number().into());
         }
-        bytes.colors([self.ambient, self.fog.color]);
+        bytes.colors([self.ambient]);
         self.background.write(bytes);
-        [self.fog.density, self.cutoff.into()].into_iter().for_each(|number| bytes.number(number));
+        self.fog.write(bytes);
+        bytes.number(self.cutoff.into());
         bytes.count(self.depth);
         bytes.count(self.precision as u64);
     }

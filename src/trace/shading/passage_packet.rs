@@ -6,7 +6,8 @@ use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::math::{Colors, F64s, Numbers, exp, lanes, splat};
+use crate::trace::math::{Colors, F64s, Numbers, bits16, exp, lanes, splat};
+use crate::trace::rays::RayPacket;
 use crate::trace::scene::{PreparedFog, PreparedScene};
 
 /// The attenuation along rays: incoming light times `transmitted`, plus `added`.
@@ -54,9 +55,24 @@ impl Absorbers {
         all
     }
 
-    /// Computes the attenuation over lengths, which may be infinite.
+    /// Returns the lanes in which the light of rays that hit nothing is attenuated.
     #[inline(always)]
-    pub(crate) fn over<S: Simd>(&self, simd: S, fog: &PreparedFog, lengths: &Numbers) -> PassageLanes<S> {
+    pub(crate) fn endless<S: Simd>(&self, simd: S, fog: &PreparedFog, rays: &RayPacket) -> u32 {
+        let PassageLanes { transmitted, .. } = self.over(simd, fog, rays, &Numbers::splat(f64::INFINITY));
+        let one = f32x16::splat(simd, 1.0);
+        let clear = transmitted.map(|channel| bits16(channel.simd_eq(one)));
+        self.lanes & !(clear[0] & clear[1] & clear[2])
+    }
+
+    /// Computes the attenuation over lengths, which are infinite for rays that hit nothing.
+    #[inline(always)]
+    pub(crate) fn over<S: Simd>(
+        &self,
+        simd: S,
+        fog: &PreparedFog,
+        rays: &RayPacket,
+        lengths: &Numbers,
+    ) -> PassageLanes<S> {
         let one = f32x16::splat(simd, 1.0);
         let mut absorbed = [one; 3];
         if self.in_solids {
@@ -70,9 +86,17 @@ impl Absorbers {
             }
         }
         let mut seen = one;
-        if fog.density != 0.0 {
+        if fog.density != 0.0 && fog.is_uniform() {
             let density = splat(simd, fog.density);
             seen = shares(simd, (density, density), lengths);
+        } else if fog.density != 0.0 {
+            let mut depths = Numbers::splat(0.0);
+            for lane in lanes(self.lanes) {
+                let (origin, direction) = (rays.origins.get(lane), rays.directions.get(lane));
+                depths.set(lane, fog.optical_depth(origin, direction, lengths.get(lane)));
+            }
+            let one = splat(simd, 1.0);
+            seen = shares(simd, (one, one), &depths);
         }
         let fogged = one - seen;
         PassageLanes {

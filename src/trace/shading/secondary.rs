@@ -37,19 +37,21 @@ impl PathState {
         Self { throughput: Rgb::ONE, medium, path: 1 }
     }
 
-    /// Computes the attenuation along the ray, over a length.
+    /// Computes the attenuation along the ray, over a length, which is infinite if the ray hits nothing.
     pub(crate) fn passage(
         &self,
         effects: Effects,
         scene: &PreparedScene,
         media: &MediumStacks,
-        length: f64,
+        (ray, length): (&PreparedRay, f64),
     ) -> Attenuation {
         let absorption = if effects.in_media() { media.absorption(scene, self.medium) } else { Rgb::ZERO };
-        if absorption == Rgb::ZERO && (!effects.extras || scene.fog.density == 0.0) {
+        let in_fog = effects.extras && scene.fog.density != 0.0;
+        if absorption == Rgb::ZERO && !in_fog {
             return Attenuation::CLEAR;
         }
-        Attenuation::through(absorption, &scene.fog, length)
+        let depth = if in_fog { scene.fog.optical_depth(ray.origin(), ray.direction(), length) } else { 0.0 };
+        Attenuation::through(absorption, length, scene.fog.color, depth)
     }
 }
 

@@ -48,7 +48,7 @@ fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
         && !context.camera.is_orthographic()
         && scene.precision == Precision::Robust
         && scene.unbounded.is_empty()
-        && scene.fog.density == 0.0
+        && (scene.fog.density == 0.0 || !scene.fog.hides_background)
         && !context.may_start_inside();
     match scene.background {
         // Same operations as the accumulation in a pixel.

@@ -188,7 +188,10 @@ fn record_coverage(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
             let active = wavefront.rays[packet].lanes;
             let paths = (&wavefront.paths[packet], &scratch.media);
             let absorbers = Absorbers::of(context.scene, context.effects, paths, active);
-            let hit = active & (hits[packet].ids.lanes(simd) | absorbers.lanes);
+            let mut hit = active & hits[packet].ids.lanes(simd);
+            if absorbers.lanes & !hit != 0 {
+                hit |= absorbers.endless(simd, &context.scene.fog, &wavefront.rays[packet]);
+            }
             if let Some(source_packet) = wavefront.source_packet(packet) {
                 covered.add(source_packet, hit);
                 continue;
@@ -244,7 +247,7 @@ fn pass<S: Simd>(
         return None;
     }
     let lengths = lengths(simd, rays, (&hits[packet], &surfaces[packet]), absorbers.lanes);
-    let PassageLanes { transmitted, added } = absorbers.over(simd, &scene.fog, &lengths);
+    let PassageLanes { transmitted, added } = absorbers.over(simd, &scene.fog, rays, &lengths);
     let (active, one) = (mask16(simd, absorbers.lanes), f32x16::splat(simd, 1.0));
     let (mut light, mut share) = (radiance[packet].load(simd), [one; 3]);
     for channel in 0..3 {

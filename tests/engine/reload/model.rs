@@ -293,7 +293,11 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
             format!("(bottom: {}, {horizon}top: {})", random.color(), random.color())
         }
         "background" => random.color(),
-        _ if random.once_in(2) => format!("(color: {}, density: {:?})", random.color(), random.share() / 8.0),
+        _ if random.once_in(2) => {
+            let rest =
+                random.pick(&["", ", hides_background: false", ", height: 3", ", height: 0.5, level: -2"]);
+            format!("(color: {}, density: {:?}{rest})", random.color(), random.share() / 8.0)
+        }
         _ => String::new(),
     }
 }

@@ -61,6 +61,77 @@ fn fog_applies_to_reflections() {
     assert_color(shown(""), mirrored(FOG));
 }
 
+/// Returns the integral of 0.3 exp(-(y - 0.5) / 1.25) along a ray from a height `y`, by the midpoint rule.
+fn optical_depth(y: f64, slope: f64, length: f64) -> f64 {
+    const STEPS: u32 = 100_000;
+    let step = length / f64::from(STEPS);
+    let height = |at: u32| y + slope * step * (f64::from(at) + 0.5);
+    (0..STEPS).map(|at| 0.3 * step * libm::exp(-(height(at) - 0.5) / 1.25)).sum()
+}
+
+/// Checks fog that thins out upwards along rays to a wall, which rise, fall, and are level or nearly so, also by way of a mirror.
+#[test]
+fn fog_with_height_dims_by_its_integral() {
+    let fog = "fog: (color: (51, 102, 204), density: 0.3, height: 1.25, level: 0.5), quality: (cutoff: 0)";
+    let lit = r#"ambient: (1, 1, 1), materials: { "m": (k_a: 1, color: (0, 255, 102)), "mirror": (reflective: (k_r: 0.5)) }"#;
+    let behind = |light: [f64; 3], depth: f64| through_fog(light, depth / 0.3);
+    for degrees in [90.0, 70.0, 20.0, 1e-7, 0.0, -1e-3, -35.0, -90.0_f64] {
+        let (slope, along) = libm::sincos(degrees.to_radians());
+        // A quarter turn in radians is rounded.
+        let towards = DVec3::new(0.0, slope, if degrees.abs() == 90.0 { 0.0 } else { along });
+        for y in [-1.0, 0.5, 4.0] {
+            let center = DVec3::new(0.0, y, 0.0) + 3.0 * towards;
+            let wall = |normal: DVec3| {
+                let (normal, center) = (triple(normal), triple(center));
+                format!(r#"shape: Plane(normal: {normal}), transform: (translation: {center})"#)
+            };
+            let from = DVec3::new(0.0, y, 0.0);
+            let depth = optical_depth(y, slope, 3.0);
+            let shown = format!(r#"{fog}, {lit}, entities: [({}, material: "m")]"#, wall(towards));
+            assert_color(seen(from, towards, &shown), behind([0.0, 1.0, 0.4], depth));
+            // The mirror faces the ray, which goes back the same way and on to a second wall.
+            let second = format!(
+                r#"(shape: Plane(normal: {}), material: "m", transform: (translation: {}))"#,
+                triple(towards),
+                triple(from - 2.0 * towards)
+            );
+            let shown =
+                format!(r#"{fog}, {lit}, entities: [({}, material: "mirror"), {second}]"#, wall(towards));
+            let returning = behind([0.0, 1.0, 0.4], optical_depth(y + 3.0 * slope, -slope, 5.0));
+            let expected = behind(returning.map(|light| 0.5 * light), depth);
+            assert_color(seen(from, towards, &shown), expected);
+        }
+    }
+}
+
+/// Checks rays that hit nothing: rising rays leave fog with height, others do not, and fog may spare the background.
+#[test]
+fn background_shows_through_fog_where_rays_leave_it() {
+    let red = [1.0, 0.0, 0.0];
+    let shown = |rest: &str, y: f64, towards: DVec3| {
+        let fog = format!("fog: (color: (51, 102, 204), density: 0.3{rest})");
+        seen(DVec3::new(0.0, y, 0.0), towards, &format!("{fog}, background: (255, 0, 0)"))
+    };
+    let layer = ", height: 1.25, level: 0.5";
+    for (y, towards) in
+        [(0.5, DVec3::Y), (3.0, DVec3::new(0.0, 3.0, 4.0)), (-1.0, DVec3::new(2.0, 0.5, -1.0))]
+    {
+        let slope = towards.normalize().y;
+        let length = 1.25 * libm::exp(-(y - 0.5) / 1.25) / slope;
+        assert_color(shown(layer, y, towards), through_fog(red, length));
+    }
+    for towards in [DVec3::Z, DVec3::new(0.0, -1e-9, 1.0), DVec3::NEG_Y] {
+        assert_color(shown(layer, 9.0, towards), FOG);
+        assert_color(shown(&format!("{layer}, hides_background: false"), 9.0, towards), red);
+        assert_color(shown(", hides_background: false", 0.0, towards), red);
+    }
+    // Fog that spares the background still dims surfaces.
+    let wall = r#"fog: (color: (51, 102, 204), density: 0.3, hides_background: false), background: (255, 0, 0), ambient: (1, 1, 1),
+        materials: { "m": (k_a: 1, color: (0, 255, 102)) },
+        entities: [(shape: Plane(normal: (0, 0, 1)), material: "m", transform: (translation: (0, 0, 2)))]"#;
+    assert_color(seen(DVec3::ZERO, DVec3::Z, wall), through_fog([0.0, 1.0, 0.4], 2.0));
+}
+
 /// Checks fog in front of glass, in it and behind it. Inside, glass absorbs as well.
 #[test]
 fn fog_applies_behind_transparent_surfaces() {

@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::*;
 use crate::color::Rgb;
 use crate::trace::scene::{
-    Geometry, LightSource, Precision, PreparedBackground, PreparedLight, PreparedShape, SurfaceMaterial,
+    FogLayer, Geometry, LightSource, Precision, PreparedBackground, PreparedLight, PreparedShape,
+    SurfaceMaterial,
 };
 use crate::trace::shapes::Sphere;
 
@@ -86,6 +87,10 @@ fn all_that_reaches_a_picture_changes_it() {
         }),
         changed(&|scene| scene.ambient = Rgb::splat(0.1)),
         changed(&|scene| scene.fog.density = 0.1),
+        changed(&|scene| scene.fog.hides_background = false),
+        changed(&|scene| scene.fog.layer = Some(FogLayer { level: 0.0, height: 1.0 })),
+        changed(&|scene| scene.fog.layer = Some(FogLayer { level: 1.0, height: 1.0 })),
+        changed(&|scene| scene.fog.layer = Some(FogLayer { level: 0.0, height: 2.0 })),
         changed(&|scene| scene.background = gradient(None)),
         changed(&|scene| scene.background = gradient(Some(Rgb::ZERO))),
         changed(&|scene| scene.background = gradient(Some(Rgb::X))),
