@@ -33,6 +33,8 @@ macro_rules! with_components {
             Ambient: rewritten,
             Background: rewritten,
             Fog: rewritten,
+            Sun: rewritten,
+            Stars: rewritten,
             Quality: rewritten,
             Sampling: rewritten,
             Space: rewritten,

@@ -75,6 +75,10 @@ pub(crate) enum Requirement {
     Gradient,
     /// The scene, with a gradient background that has a horizon.
     Horizon,
+    /// The scene, with a sun.
+    Sun,
+    /// The scene, with stars.
+    Stars,
     /// The scene, with fog.
     Fog,
     /// The scene, with fog that has a height.
@@ -173,6 +177,20 @@ table! {
         BackgroundHorizon => (Requirement::Horizon, Quantity::Color),
         /// The top of a [`Background::Gradient`](super::Background).
         BackgroundTop => (Requirement::Gradient, Quantity::Color),
+        /// [`Sun::direction`](super::Sun::direction).
+        SunDirection => (Requirement::Sun, Quantity::Direction),
+        /// [`Sun::intensity`](super::Sun::intensity).
+        SunIntensity => (Requirement::Sun, Quantity::Light),
+        /// [`Sun::size`](super::Sun::size).
+        SunSize => (Requirement::Sun, Quantity::AngularSize),
+        /// [`Sun::glow`](super::Sun::glow).
+        SunGlow => (Requirement::Sun, Quantity::Coefficient),
+        /// [`Sun::glow_size`](super::Sun::glow_size).
+        SunGlowSize => (Requirement::Sun, Quantity::AngularSize),
+        /// [`Stars::intensity`](super::Stars::intensity).
+        StarsIntensity => (Requirement::Stars, Quantity::Light),
+        /// [`Stars::size`](super::Stars::size).
+        StarsSize => (Requirement::Stars, Quantity::AngularSize),
         /// [`Fog::color`](super::Fog::color).
         FogColor => (Requirement::Fog, Quantity::Color),
         /// [`Fog::density`](super::Fog::density).

@@ -40,6 +40,8 @@ table! {
         Color => (Notation::Color, NotNegative),
         /// The full angle of a spot light's cone in radians.
         SpotAngle => (Notation::Degrees, ValidRange::SpotAngle),
+        /// The diameter or the extent of a light in the sky in radians.
+        AngularSize => (Notation::Degrees, ValidRange::SpotAngle),
         /// The fading fraction of a spot light's cone.
         Softness => (Notation::Number, Between(0.0, 1.0)),
         /// The falloff coefficients c0, c1, c2; c0 is greater than 0.

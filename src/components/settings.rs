@@ -1,5 +1,7 @@
 //! Settings of the whole scene. A world has at most one of each; if there are several, the first in document order is used.
 
+use glam::DVec3;
+
 use crate::color::{ErrorNorm, Rgb, Transfer};
 
 /// The intensity I_a of the ambient light, constant everywhere.
@@ -76,6 +78,62 @@ pub enum Space {
     LeftHanded,
     /// The z axis points towards the viewer: to the right is view x up.
     RightHanded,
+}
+
+/// A sun in the sky: a disc with a soft edge and a halo, added to the [`Background`]. It lights no surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// The direction towards the sun in the world, of any length except zero: opposite to the direction of its light.
+    pub direction: DVec3,
+    /// The radiance of the disc, 0 or more.
+    pub intensity: Rgb,
+    /// The diameter in radians, greater than 0 and at most pi.
+    pub size: f64,
+    /// The radiance of the halo at the edge of the disc as a fraction of the intensity, 0 to 1.
+    pub glow: f64,
+    /// The angle from the edge over which the halo falls to 1/e, in radians, greater than 0 and at most pi.
+    pub glow_size: f64,
+}
+
+impl Sun {
+    /// Creates a sun of half a degree without a halo.
+    #[must_use]
+    pub fn new(direction: DVec3, intensity: Rgb) -> Self {
+        let [size, glow_size] = [0.5_f64, 10.0].map(f64::to_radians);
+        Self { direction, intensity, size, glow: 0.0, glow_size }
+    }
+}
+
+impl Default for Sun {
+    /// Returns a sun without light.
+    fn default() -> Self {
+        Self::new(DVec3::Y, Rgb::ZERO)
+    }
+}
+
+/// Stars in all directions, added to the [`Background`]. They light no surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stars {
+    /// The approximate number of stars in the whole sky, 1..=[`Self::LARGEST_COUNT`].
+    pub count: u32,
+    /// The radiance of the middle of the brightest star, 0 or more. The faintest has 13 % of it.
+    pub intensity: Rgb,
+    /// The diameter in radians, greater than 0 and at most pi. Stars that are too large for their number are made smaller.
+    pub size: f64,
+    /// The seed of their places and brightnesses.
+    pub seed: u64,
+}
+
+impl Stars {
+    /// The maximum number of stars.
+    pub const LARGEST_COUNT: u32 = 1_000_000;
+}
+
+impl Default for Stars {
+    /// Returns 3000 stars, about as many as the eye sees on a clear night, with a diameter of a fifth of a degree.
+    fn default() -> Self {
+        Self { count: 3000, intensity: Rgb::ONE, size: 0.2_f64.to_radians(), seed: 0 }
+    }
 }
 
 /// The size and the encoding of the image.

@@ -18,8 +18,8 @@ mod tests {
         CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
         LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument,
         ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument,
-        TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
+        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument, StarsDocument,
+        SunDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::script::Data;
@@ -123,6 +123,8 @@ mod tests {
         check_fields::<SceneDocument>("Scene", all);
         check_fields::<IncludeDocument>("Include", all);
         check_named::<BackgroundDocument>("Gradient", all, BackgroundDocument::FIELDS);
+        check_fields::<SunDocument>("Sun", all);
+        check_fields::<StarsDocument>("Stars", all);
         check_fields::<FogDocument>("Fog", all);
         check_fields::<TimelineDocument>("Timeline", all);
         check_fields::<FilmDocument>("Film", all);
@@ -185,7 +187,9 @@ mod tests {
             Quantity::Absorption => format!("three numbers, {} to {MOST_LIGHT:e}", range.start()),
             Quantity::Light => format!("RGB, {} or more", range.start()),
             Quantity::Color => "colours, and are blended as light".to_owned(),
-            Quantity::SpotAngle => format!("numbers greater than 0, at most {}", range.end().to_degrees()),
+            Quantity::SpotAngle | Quantity::AngularSize => {
+                format!("numbers greater than 0, at most {}", range.end().to_degrees())
+            }
             Quantity::FieldOfView => {
                 format!("numbers between 0 and {}", range.end().next_up().to_degrees())
             }

@@ -59,6 +59,8 @@ impl Preparation {
             Effect::Gradient => {
                 self.scene.background = PreparedBackground::Flat(self.scene.background.mean());
             }
+            Effect::Sun => self.scene.sky.sun = None,
+            Effect::Stars => self.scene.sky.stars = None,
             Effect::DepthOfField => self.camera = self.camera.without_lens(),
             Effect::Shadows | Effect::TransparentShadows | Effect::Antialiasing | Effect::MotionBlur => {}
         }

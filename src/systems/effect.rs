@@ -43,6 +43,10 @@ table! {
         Fog => ("fog", EXTRA),
         /// A gradient background.
         Gradient => ("gradient", APART),
+        /// A sun in the sky.
+        Sun => ("sun", APART),
+        /// Stars in the sky.
+        Stars => ("stars", APART),
         /// Several samples per pixel.
         Antialiasing => ("antialiasing", APART),
         /// The depth of field of a lens.

@@ -7,7 +7,7 @@ use hecs::{Component, World};
 
 use super::{Effect, EffectSet, Preparation};
 use crate::color::Rgb;
-use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular};
+use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular, Stars, Sun};
 use crate::trace::{self, Effects, LightSource, Lighting, Paths, PreparedBackground, ShapeId};
 
 /// The need for an effect, with a reason.
@@ -188,8 +188,22 @@ impl<'a> EffectScan<'a> {
                 PreparedBackground::Flat(_) => Omitted("the background is the same everywhere"),
                 PreparedBackground::Gradient { .. } => Needed("the background is a gradient"),
             },
+            Effect::Sun | Effect::Stars => self.sky(effect),
             Effect::Antialiasing | Effect::DepthOfField => self.sampled(effect),
             Effect::MotionBlur => Omitted("the camera has no shutter"),
+        }
+    }
+
+    fn sky(&self, effect: Effect) -> Need {
+        use Need::{Needed, Omitted};
+        let sky = &self.preparation.scene().sky;
+        match effect {
+            Effect::Sun if sky.sun.is_some() => Needed("its intensity is above 0"),
+            Effect::Sun if self.has::<Sun>() => Omitted("it is not seen at this time"),
+            Effect::Sun => Omitted("the scene has no `sun`"),
+            _ if sky.stars.is_some() => Needed("their intensity is above 0"),
+            _ if self.has::<Stars>() => Omitted("they are not seen at this time"),
+            _ => Omitted("the scene has no `stars`"),
         }
     }
 

@@ -111,6 +111,8 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
         | Requirement::FlatBackground
         | Requirement::Gradient
         | Requirement::Horizon
+        | Requirement::Sun
+        | Requirement::Stars
         | Requirement::Fog
         | Requirement::FogLayer => changes.mark_settings(),
     }

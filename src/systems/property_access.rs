@@ -8,7 +8,7 @@ use crate::animation::limits::SMALLEST;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Material, Projection,
-    Property, Quantity, Reflective, Refractive, Shape, Specular, Target, Transform, View,
+    Property, Quantity, Reflective, Refractive, Shape, Specular, Stars, Sun, Target, Transform, View,
 };
 
 /// Defines from a list of the components that hold properties: the query for these components of an entity, the result of the query, and a
@@ -56,6 +56,8 @@ parts! {
     target: Target,
     ambient: Ambient,
     background: Background,
+    sun: Sun,
+    stars: Stars,
     fog: Fog,
 }
 
@@ -135,6 +137,13 @@ impl Parts<'_> {
             | P::BackgroundBottom
             | P::BackgroundHorizon
             | P::BackgroundTop
+            | P::SunDirection
+            | P::SunIntensity
+            | P::SunSize
+            | P::SunGlow
+            | P::SunGlowSize
+            | P::StarsIntensity
+            | P::StarsSize
             | P::FogColor
             | P::FogDensity
             | P::FogHeight
@@ -227,11 +236,18 @@ impl Parts<'_> {
         })
     }
 
-    /// Returns a reference to a value of the scene: ambient light, background or fog.
+    /// Returns a reference to a value of the scene: ambient light, background, sun, stars or fog.
     fn scene_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
         use Background::{Flat, Gradient};
-        use ValueMut::{Color, Number};
+        use ValueMut::{Color, Number, Vector};
         Some(match property {
+            Property::SunDirection => Vector(&mut self.sun.as_mut()?.direction),
+            Property::SunIntensity => Color(&mut self.sun.as_mut()?.intensity),
+            Property::SunSize => Number(&mut self.sun.as_mut()?.size),
+            Property::SunGlow => Number(&mut self.sun.as_mut()?.glow),
+            Property::SunGlowSize => Number(&mut self.sun.as_mut()?.glow_size),
+            Property::StarsIntensity => Color(&mut self.stars.as_mut()?.intensity),
+            Property::StarsSize => Number(&mut self.stars.as_mut()?.size),
             Property::Ambient => Color(&mut self.ambient.as_mut()?.0),
             Property::Background => within!(self.background.as_mut()?, Flat(color) => Color(color)),
             Property::BackgroundBottom => {

@@ -103,6 +103,7 @@ pub use render_stats::{RayCounts, TreeEnds};
 pub use scene::{Attenuation, Precision, PreparedCamera};
 pub(crate) use scene::{
     CheckerPattern, Cone, FogLayer, MaterialTable, PreparedChecker, PreparedFalloff, PreparedFog,
+    PreparedSky, PreparedStars, PreparedSun,
 };
 pub use shading::Unlit;
 

@@ -243,7 +243,7 @@ impl<'a> Reference<'a> {
             }
         }
         let beyond = beyond.into_iter().map(|(kind, parent, ray)| {
-            let background = context.scene.background.towards(ray.ray.direction());
+            let background = context.scene.miss_radiance(ray.ray.direction());
             traced(kind, parent, &ray, scratch, Attenuation::CLEAR, RayEnd::BeyondDepth(background))
         });
         tree.extend(beyond);
@@ -376,7 +376,7 @@ fn trace(
     let scene = context.scene;
     let Some(closest) = scene.closest_of_all(&ray.ray, &mut scratch.search) else {
         let passage = ray.state.passage(context.effects, scene, &scratch.media, (&ray.ray, f64::INFINITY));
-        let background = scene.background.towards(ray.ray.direction());
+        let background = scene.miss_radiance(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
     let surface = scene.surface(&ray.ray, &closest, &mut scratch.search);

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use crate::color::Rgb;
 use crate::trace::math::SimdLevel;
-use crate::trace::scene::{Cone, FogLayer, PreparedFalloff, PreparedFog};
+use crate::trace::scene::{Cone, FogLayer, PreparedFalloff, PreparedFog, PreparedStars, PreparedSun};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{
     Effects, Film, Geometry, LightSource, PixelSampling, PreparedCamera, PreparedLight, PreparedScene,
@@ -111,6 +111,12 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
         (camera, 2, PreparedFog { hides_background: false, ..layered }),
     ] {
         scene.fog = fog;
+        if !fog.hides_background {
+            let (direction, intensity) = (DVec3::new(0.0, 0.6, 0.8), Rgb::new(9.0, 8.0, 7.0));
+            scene.sky.sun =
+                Some(PreparedSun { direction, intensity, radius: 0.1, glow: 0.2, glow_size: 0.5 });
+            scene.sky.stars = Some(PreparedStars::new(Rgb::ONE, 0.05, 400, 1));
+        }
         let sampling = PixelSampling { samples, seed: 9 };
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {

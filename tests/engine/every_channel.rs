@@ -21,7 +21,7 @@ const SCENE: &str = r##"Scene(
     ),
     ambient: @ambient,
     background: @background,
-    @fog
+    @fog @sky
     materials: {
         "clay": (
             k_a: @ka, k_d: @kd, color: @color, ambient_color: @ambient_color,
@@ -61,7 +61,7 @@ const SCENE: &str = r##"Scene(
 )"##;
 
 /// Default values of the words.
-const PLAIN: [(&str, &str); 38] = [
+const PLAIN: [(&str, &str); 39] = [
     ("position", "(0, 1.5, -6)"),
     ("view", "target: (0, 0, 0)"),
     ("up", "(0, 1, 0)"),
@@ -73,6 +73,7 @@ const PLAIN: [(&str, &str); 38] = [
     ("ambient", "(0.4, 0.4, 0.4)"),
     ("background", "(20, 30, 60)"),
     ("fog", ""),
+    ("sky", ""),
     ("ka", "0.4"),
     ("kd", "0.5"),
     ("color", "(250, 120, 60)"),
@@ -197,6 +198,31 @@ fn case(property: Property) -> Case {
             let sky = "(bottom: (90, 90, 90), top: {})";
             written(sky, entity("scene", "background", ["(200, 0, 0)", "\"#0000ff\""]))
         }
+        Property::SunDirection => {
+            let sun = "sun: (direction: {}, intensity: (9, 9, 9), size: 20, glow: 0.1),";
+            written(sun, entity("scene", "sky", ["(0, 0.1, 1)", "(-0.4, 0.3, 1)"]))
+        }
+        Property::SunIntensity => {
+            let sun = "sun: (direction: (0.2, 0.1, 1), intensity: {}, size: 20),";
+            written(sun, entity("scene", "sky", ["(0.1, 0.2, 0.3)", "(1, 1.5, 0.5)"]))
+        }
+        Property::SunSize => {
+            let sun = "sun: (direction: (0.2, 0.1, 1), intensity: (1, 1, 1), size: {}),";
+            written(sun, entity("scene", "sky", ["5", "40"]))
+        }
+        Property::SunGlow => {
+            let sun = "sun: (direction: (0.2, 0.1, 1), intensity: (1, 1, 1), glow: {}),";
+            written(sun, entity("scene", "sky", ["0.1", "1"]))
+        }
+        Property::SunGlowSize => {
+            let sun = "sun: (direction: (0.2, 0.1, 1), intensity: (1, 1, 1), glow: 0.5, glow_size: {}),";
+            written(sun, entity("scene", "sky", ["5", "30"]))
+        }
+        Property::StarsIntensity => {
+            let stars = "stars: (count: 900, size: 3, intensity: {}),";
+            written(stars, entity("scene", "sky", ["(0.1, 0.2, 0.3)", "(1, 1.5, 0.5)"]))
+        }
+        Property::StarsSize => written("stars: (count: 900, size: {}),", entity("scene", "sky", ["1", "4"])),
         Property::FogColor => {
             let fog = "fog: (color: {}, density: 0.1),";
             written(fog, entity("scene", "fog", ["(200, 0, 0)", "\"#0000ff\""]))
@@ -401,9 +427,9 @@ fn is_taken(property: Property, case: &Case, track: &str) -> bool {
 
 /// Returns true for light, colours and coefficients, which are clamped to their ranges instead.
 fn is_held(property: Property) -> bool {
-    use Property::{Ka, Kd, Kr, Ks, Kt, Shininess, Softness};
+    use Property::{Ka, Kd, Kr, Ks, Kt, Shininess, Softness, SunGlow};
     matches!(property.notation(), Notation::Light | Notation::Color)
-        || matches!(property, Ka | Kd | Ks | Kr | Kt | Shininess | Softness)
+        || matches!(property, Ka | Kd | Ks | Kr | Kt | Shininess | Softness | SunGlow)
 }
 
 #[test]

@@ -13,7 +13,7 @@ use rayreel::color::ErrorNorm;
 use rayreel::components::{
     Ambient, AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Follow, Lens, Light,
     LightKind, LookAt, Material, Noise, Parent, Projection, Quality, Reflective, Refractive, Sampling, Shape,
-    Shot, Shots, Specular, Transform, View, WorldTransform,
+    Shot, Shots, Specular, Stars, Sun, Transform, View, WorldTransform,
 };
 use rayreel::systems::{Consequence, FaultCause};
 use rayreel::{Context, Engine, Entity, Fault, Film, Ray, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -180,6 +180,7 @@ struct Settings {
     ambient: Rgb,
     background: Background,
     fog: Fog,
+    sky: (Sun, Stars),
     quality: Quality,
     sampling: Sampling,
     film: (u32, u32),
@@ -217,6 +218,16 @@ fn settings() -> impl Strategy<Value = Settings> {
     ];
     let fog = (color(), number(), prop::option::of(number()), number())
         .prop_map(|(color, density, height, level)| Fog { height, level, ..Fog::new(color, density) });
+    let sun = (vector(), color(), number(), number(), number()).prop_map(
+        |(direction, intensity, size, glow, glow_size)| Sun { direction, intensity, size, glow, glow_size },
+    );
+    let count = prop_oneof![Just(0u32), Just(9), Just(u32::MAX)];
+    let stars = (count, color(), number(), any::<u64>()).prop_map(|(count, intensity, size, seed)| Stars {
+        count,
+        intensity,
+        size,
+        seed,
+    });
     let depth = prop_oneof![Just(0u32), Just(1), Just(3), Just(u32::MAX)];
     let quality = (depth, single()).prop_map(|(depth, cutoff)| Quality { depth, cutoff });
     let few = || prop_oneof![Just(0u32), Just(1), Just(3)];
@@ -235,11 +246,16 @@ fn settings() -> impl Strategy<Value = Settings> {
     (
         prop::option::weighted(0.8, camera()),
         (link(), link(), any::<bool>()),
-        (color(), background, fog),
+        (color(), background, fog, (sun, stars)),
         (quality, sampling, film),
     )
         .prop_map(
-            |(camera, (follows, looks_at, shots), (ambient, background, fog), (quality, sampling, film))| {
+            |(
+                camera,
+                (follows, looks_at, shots),
+                (ambient, background, fog, sky),
+                (quality, sampling, film),
+            )| {
                 Settings {
                     camera,
                     follows,
@@ -248,6 +264,7 @@ fn settings() -> impl Strategy<Value = Settings> {
                     ambient,
                     background,
                     fog,
+                    sky,
                     quality,
                     sampling,
                     film,
@@ -299,6 +316,8 @@ fn world(things: &[Thing], settings: &Settings) -> World {
         Ambient(settings.ambient),
         settings.background,
         settings.fog,
+        settings.sky.0,
+        settings.sky.1,
         settings.quality,
         settings.sampling,
         FilmSettings::new(width, height),

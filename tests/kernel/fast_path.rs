@@ -12,7 +12,7 @@ use rayreel::animation::{Easing, Key, Track};
 use rayreel::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
     Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
-    Specular, Transform, View,
+    Specular, Stars, Sun, Transform, View,
 };
 use rayreel::trace::SimdLevel;
 use rayreel::{Effect, Engine, Film, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -30,6 +30,8 @@ struct Effects {
     horizon: bool,
     layer: bool,
     clear_sky: bool,
+    sun: bool,
+    stars: bool,
     motion: bool,
     orthographic: bool,
 }
@@ -115,7 +117,7 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
 
 fn effects() -> impl Strategy<Value = Effects> {
     let some = prop::bool::weighted;
-    let surroundings = (some(0.3), some(0.3), some(0.5), some(0.5), some(0.3));
+    let surroundings = (some(0.3), some(0.3), some(0.5), some(0.5), some(0.3), some(0.2), some(0.2));
     (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), surroundings, some(0.25), some(0.2)).prop_map(
         |(
             lights,
@@ -123,7 +125,7 @@ fn effects() -> impl Strategy<Value = Effects> {
             glass,
             checker,
             area_lights,
-            (fog, gradient, horizon, layer, clear_sky),
+            (fog, gradient, horizon, layer, clear_sky, sun, stars),
             motion,
             orthographic,
         )| Effects {
@@ -137,6 +139,8 @@ fn effects() -> impl Strategy<Value = Effects> {
             horizon,
             layer,
             clear_sky,
+            sun,
+            stars,
             motion,
             orthographic,
         },
@@ -230,6 +234,13 @@ fn world(
         Quality { depth: 4, cutoff },
         Sampling { samples, instants: 3, ..Sampling::default() },
     ));
+    if effects.sun {
+        let sun = Sun::new(DVec3::new(0.2, 0.5, 1.0), Rgb::new(9.0, 7.0, 5.0));
+        world.insert_one(settings, Sun { size: 0.4, glow: 0.1, ..sun }).unwrap();
+    }
+    if effects.stars {
+        world.insert_one(settings, Stars { count: 300, size: 0.05, ..Stars::default() }).unwrap();
+    }
     if effects.fog {
         let fog = Fog::new(Rgb::splat(0.7), 0.1);
         let layer = Fog { height: effects.layer.then_some(1.5), level: -0.5, ..fog };

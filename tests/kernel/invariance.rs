@@ -8,7 +8,7 @@ use hecs::{Or, With, Without};
 
 use rayreel::components::{
     Background, Camera, Checker, FilmSettings, Fog, Light, LightKind, Parent, Refractive, Sampling, Shape,
-    Transform, View,
+    Stars, Sun, Transform, View,
 };
 use rayreel::{Engine, Film};
 
@@ -91,6 +91,11 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
     }
     for fog in world.query_mut::<&mut Fog>() {
         fog.height = None;
+    }
+    let skies: Vec<hecs::Entity> =
+        world.query_mut::<With<hecs::Entity, Or<&Sun, &Stars>>>().into_iter().collect();
+    for entity in skies {
+        let _ = (world.remove_one::<Sun>(entity), world.remove_one::<Stars>(entity));
     }
     let checkered: Vec<hecs::Entity> =
         world.query_mut::<With<hecs::Entity, &Checker>>().into_iter().collect();

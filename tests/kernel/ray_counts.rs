@@ -386,6 +386,12 @@ fn every_effect_is_needed_with_and_omitted_without_its_cause() {
             (MATTE, "], background: (9, 9, 9)", each(1, 0, 0, 0)),
         ),
         (
+            Effect::Sun,
+            (MATTE, "], sun: (direction: (0, 1, 0), intensity: (1, 1, 1))", each(1, 0, 0, 0)),
+            (MATTE, "], sun: (direction: (0, 1, 0), intensity: (0, 0, 0))", each(1, 0, 0, 0)),
+        ),
+        (Effect::Stars, (MATTE, "], stars: ()", each(1, 0, 0, 0)), (MATTE, "]", each(1, 0, 0, 0))),
+        (
             Effect::Antialiasing,
             (MATTE, "], sampling: (samples: 3)", each(3, 0, 0, 0)),
             (MATTE, "], sampling: (samples: 1)", each(1, 0, 0, 0)),
@@ -492,6 +498,10 @@ const OMITTED: &[(&str, Effect, &str)] = &[
     (PLAIN, Effect::Checker, "no material has `checker`"),
     (PLAIN, Effect::Fog, "the scene has no `fog`"),
     (PLAIN, Effect::Gradient, "the background is the same everywhere"),
+    (PLAIN, Effect::Sun, "the scene has no `sun`"),
+    (PLAIN, Effect::Stars, "the scene has no `stars`"),
+    ("sun: (direction: (0, 1, 0), intensity: (0, 0, 0))", Effect::Sun, "it is not seen at this time"),
+    ("stars: (intensity: (0, 0, 0))", Effect::Stars, "they are not seen at this time"),
     (PLAIN, Effect::Antialiasing, "a pixel has one sample"),
     (PLAIN, Effect::DepthOfField, "the camera has no lens"),
     (PLAIN, Effect::MotionBlur, "the camera has no shutter"),

@@ -20,7 +20,8 @@ pub(super) use entity::{
 pub(super) use include::IncludeDocument;
 pub(super) use settings::{
     CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument, QualityDocument,
-    SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, TimelineDocument, TransferDocument,
+    SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument, TimelineDocument,
+    TransferDocument,
 };
 pub(super) use values::{
     BackgroundDocument, ColorDocument, Entries, OffsetDocument, RateDocument, ScaleDocument, Triple, whole,

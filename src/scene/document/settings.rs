@@ -8,7 +8,7 @@ use super::{
     AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, IncludeDocument,
     MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
 };
-use crate::components::{FilmSettings, Quality, Sampling};
+use crate::components::{FilmSettings, Quality, Sampling, Stars};
 
 /// A whole scene file.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -25,6 +25,8 @@ pub(crate) struct SceneDocument {
     pub(crate) shots: Vec<ShotDocument>,
     pub(crate) ambient: Triple,
     pub(crate) background: BackgroundDocument,
+    pub(crate) sun: Option<SunDocument>,
+    pub(crate) stars: Option<StarsDocument>,
     pub(crate) fog: Option<FogDocument>,
     pub(crate) space: Option<SpaceDocument>,
     pub(crate) materials: Entries<MaterialDocument>,
@@ -61,6 +63,46 @@ impl SceneDocument {
     expecting = "a shot: when it starts, in seconds, and a camera's name, as (2.5, \"side\")"
 )]
 pub(crate) struct ShotDocument(pub(crate) f64, pub(crate) String);
+
+/// A sun in the sky.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Sun")]
+pub(crate) struct SunDocument {
+    pub(crate) direction: Triple,
+    pub(crate) intensity: Triple,
+    #[serde(default = "sun_size")]
+    pub(crate) size: f64,
+    #[serde(default)]
+    pub(crate) glow: f64,
+    #[serde(default = "glow_size")]
+    pub(crate) glow_size: f64,
+}
+
+fn sun_size() -> f64 {
+    0.5
+}
+
+fn glow_size() -> f64 {
+    10.0
+}
+
+/// Stars in the sky.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Stars")]
+pub(crate) struct StarsDocument {
+    #[serde(deserialize_with = "whole")]
+    pub(crate) count: u64,
+    pub(crate) intensity: Triple,
+    pub(crate) size: f64,
+    #[serde(deserialize_with = "whole")]
+    pub(crate) seed: u64,
+}
+
+impl Default for StarsDocument {
+    fn default() -> Self {
+        Self { count: Stars::default().count.into(), intensity: [1.0; 3], size: 0.2, seed: 0 }
+    }
+}
 
 /// Fog that dims distant surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]

@@ -12,8 +12,8 @@ use self::entities::{Links, MaterialComponents, surface};
 use super::document::{
     AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, FilmDocument, FogDocument,
     KeyDocument, NoiseDocument, NormDocument, QualityDocument, RotationDocument, SamplingDocument,
-    ScaleDocument, SceneDocument, ShotDocument, SpaceDocument, TimelineDocument, TrackDocument, TracksDocument,
-    TransferDocument, Triple,
+    ScaleDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument, TimelineDocument,
+    TrackDocument, TracksDocument, TransferDocument, Triple,
 };
 use super::files::Merged;
 use super::paths::motion_along;
@@ -22,7 +22,7 @@ use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ErrorNorm, Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
-    Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space,
+    Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars, Sun,
     Transform, View, Way, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
@@ -133,6 +133,15 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
         sampling(&document.sampling),
         space(document.space),
     ));
+    if let Some(sun) = document.sun {
+        let SunDocument { direction, intensity, size, glow, glow_size } = sun;
+        let [size, glow_size] = [size, glow_size].map(f64::to_radians);
+        builder.add(Sun { direction: direction.into(), intensity: rgb(intensity), size, glow, glow_size });
+    }
+    if let Some(StarsDocument { count, intensity, size, seed }) = document.stars {
+        let count = u32::try_from(count).unwrap_or(u32::MAX);
+        builder.add(Stars { count, intensity: rgb(intensity), size: size.to_radians(), seed });
+    }
     if let Some(fog) = document.fog {
         let FogDocument { color, density, height, level, hides_background } = fog;
         builder.add(Fog { color: transfer.decode(color.0), density, height, level, hides_background });

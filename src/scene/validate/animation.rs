@@ -129,6 +129,7 @@ fn number(property: Property, value: f64, at: &At<'_>, problems: &mut Problems) 
         Quantity::Coefficient => check::coefficient(value, property.name(), at, problems),
         Quantity::Shininess => check::shininess(value, at, problems),
         Quantity::RefractiveIndex => check::ior(value, at, problems),
+        Quantity::AngularSize => settings::angular_size(value, property.name(), at, problems),
         Quantity::SpotAngle => lights::angle(value, at, problems),
         Quantity::Softness => lights::softness(value, at, problems),
         Quantity::FieldOfView => {
@@ -163,6 +164,7 @@ fn noun(property: Property) -> &'static str {
     match property {
         Property::Normal => "the normal",
         Property::Direction => "the direction",
+        Property::SunDirection => "the sun",
         Property::View => "view",
         Property::Up => "up",
         Property::Intensity => "the intensity",

@@ -95,6 +95,8 @@ fn lack_of_scene(document: &SceneDocument, part: Requirement) -> Option<&'static
         Requirement::FlatBackground => (flat, "a background of two colours"),
         Requirement::Gradient => (!flat, "a background of one colour"),
         Requirement::Horizon => (horizon, "a background without a `horizon`"),
+        Requirement::Sun => (document.sun.is_some(), "a scene without a `sun`"),
+        Requirement::Stars => (document.stars.is_some(), "a scene without `stars`"),
         Requirement::Fog => (document.fog.is_some(), "a scene without `fog`"),
         Requirement::FogLayer => (
             document.fog.is_some_and(|fog| fog.height.is_some()),
@@ -268,6 +270,8 @@ fn home(part: Requirement) -> &'static str {
         Requirement::Horizon => {
             "the scene has it where its background is `(bottom: .., horizon: .., top: ..)`"
         }
+        Requirement::Sun => "the scene has it where it has a `sun`",
+        Requirement::Stars => "the scene has it where it has `stars`",
         Requirement::Fog => "the scene has it where it has `fog`",
         Requirement::FogLayer => "the scene has it where its `fog` has a `height`",
     }

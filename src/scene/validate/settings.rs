@@ -1,10 +1,10 @@
 //! Validation of the settings of a whole scene: timeline, film, light, quality and sampling.
 
 use super::{At, Problems, check};
-use crate::components::{FilmSettings, Quality, Quantity, Sampling, ValidRange};
+use crate::components::{FilmSettings, Quality, Quantity, Sampling, Stars, ValidRange};
 use crate::scene::document::{
     BackgroundDocument, FilmDocument, FogDocument, QualityDocument, SamplingDocument, SceneDocument,
-    TimelineDocument,
+    StarsDocument, SunDocument, TimelineDocument,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -13,6 +13,12 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     film(&document.film, &scene.field("film"), problems);
     check::intensity(document.ambient, "ambient light", &scene.field("ambient"), problems);
     background(&document.background, &scene.field("background"), problems);
+    if let Some(sun) = &document.sun {
+        self::sun(sun, &scene.field("sun"), problems);
+    }
+    if let Some(stars) = &document.stars {
+        self::stars(stars, &scene.field("stars"), problems);
+    }
     if let Some(fog) = &document.fog {
         self::fog(fog, &scene.field("fog"), problems);
     }
@@ -31,6 +37,27 @@ fn background(document: &BackgroundDocument, at: &At<'_>, problems: &mut Problem
             check::color(top.0, &at.field("top"), problems);
         }
     }
+}
+
+fn sun(document: &SunDocument, at: &At<'_>, problems: &mut Problems) {
+    check::direction(document.direction, "the sun", &at.field("direction"), problems);
+    check::intensity(document.intensity, "the sun's intensity", &at.field("intensity"), problems);
+    angular_size(document.size, "the sun's size", &at.field("size"), problems);
+    check::coefficient(document.glow, "the sun's glow", &at.field("glow"), problems);
+    angular_size(document.glow_size, "the size of the sun's glow", &at.field("glow_size"), problems);
+}
+
+fn stars(document: &StarsDocument, at: &At<'_>, problems: &mut Problems) {
+    let help = "write about how many stars the whole sky has, as 3000";
+    let most = Stars::LARGEST_COUNT;
+    check::count(document.count, most, "the number of stars", help, &at.field("count"), problems);
+    check::intensity(document.intensity, "the intensity of stars", &at.field("intensity"), problems);
+    angular_size(document.size, "the size of stars", &at.field("size"), problems);
+}
+
+pub(super) fn angular_size(size: f64, what: &str, at: &At<'_>, problems: &mut Problems) {
+    let help = "write an angle in degrees, as 0.5, which is the sun's and the moon's";
+    check::range(size, Quantity::AngularSize.range(), what, help, at, problems);
 }
 
 fn fog(document: &FogDocument, at: &At<'_>, problems: &mut Problems) {

@@ -16,7 +16,7 @@ use crate::color::Rgb;
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
     Material, Motion, Order, Projection, Property, Quality, Quantity, Refractive, Sampling, Shape, Shots,
-    Specular, Target, Transform, ValidRange, View, WorldTransform,
+    Specular, Stars, Sun, Target, Transform, ValidRange, View, WorldTransform,
 };
 use crate::systems::aim::circular_aims;
 use crate::systems::{Consequence, Fallback, Fault, FaultCause};
@@ -331,6 +331,22 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
             }
             checked.color("top of the background", *top);
         }
+    }));
+    check(setting(world, |checked, Sun { direction, intensity, size, glow, glow_size }| {
+        if !direction.is_finite() || *direction == DVec3::ZERO {
+            let cause = FaultCause::NoDirection("sun");
+            checked.fault.get_or_insert(instead(checked.entity, cause, Fallback::Nothing));
+        }
+        checked.color("sun's intensity", *intensity);
+        let range = Quantity::AngularSize.range();
+        checked.number("sun's size", *size, range);
+        checked.number("sun's glow", *glow, Quantity::Coefficient.range());
+        checked.number("size of the sun's glow", *glow_size, range);
+    }));
+    check(setting(world, |checked, Stars { count, intensity, size, .. }| {
+        checked.count("number of stars", *count, Stars::LARGEST_COUNT);
+        checked.color("stars' intensity", *intensity);
+        checked.number("size of the stars", *size, Quantity::AngularSize.range());
     }));
     check(setting(world, |checked, Fog { color, density, height, level, .. }| {
         checked.color("fog's colour", *color);

@@ -28,7 +28,9 @@ use faults::surface_fault;
 use light::prepared_light;
 use material::{Surfaced, surface_material};
 use read::{VisibleShapes, read_all, read_shapes};
-use settings::{first, linear_cutoff, prepared_background, prepared_fog, sane, sane_sampling};
+use settings::{
+    first, first_of, linear_cutoff, prepared_background, prepared_fog, prepared_sky, sane, sane_sampling,
+};
 
 pub use camera::{ActiveCamera, active_camera};
 pub(super) use camera::{Shutter, Shutters};
@@ -312,6 +314,7 @@ impl Preparation {
         let quality = first::<Quality>(world);
         let ambient = sane(first::<Ambient>(world).0);
         let background = prepared_background(first(world));
+        let sky = prepared_sky(first_of(world), first_of(world));
         let fog = prepared_fog(first(world));
         let depth = quality.depth.clamp(1, Quality::LARGEST_DEPTH);
         let cutoff = linear_cutoff(quality.cutoff, film.transfer);
@@ -321,6 +324,7 @@ impl Preparation {
         let camera_differs = set(&mut self.camera, camera);
         let settings = set(&mut scene.ambient, ambient)
             | set(&mut scene.background, background)
+            | set(&mut scene.sky, sky)
             | set(&mut scene.fog, fog)
             | set(&mut scene.depth, depth)
             | set(&mut scene.cutoff, cutoff)

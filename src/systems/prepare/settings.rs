@@ -1,15 +1,25 @@
 //! The settings of the whole scene, clamped to their limits.
 
+use std::f64::consts::PI;
+
+use glam::DVec3;
 use hecs::{Entity, World};
 
+use super::shape::towards_one;
+use crate::animation::limits::SMALLEST;
 use crate::color::{Rgb, Transfer};
-use crate::components::{Background, FilmSettings, Fog, Order, Quality, Sampling};
+use crate::components::{Background, FilmSettings, Fog, Order, Quality, Sampling, Stars, Sun};
 use crate::trace;
 
 /// Returns the component of the first entity in document order that has it, or its default.
 pub(super) fn first<T: hecs::Component + Default + Clone>(world: &World) -> T {
+    first_of(world).unwrap_or_default()
+}
+
+/// Returns the component of the first entity in document order that has it.
+pub(super) fn first_of<T: hecs::Component + Clone>(world: &World) -> Option<T> {
     let found = first_entity::<T>(world).and_then(|entity| world.get::<&T>(entity).ok());
-    found.map(|component| T::clone(&component)).unwrap_or_default()
+    found.map(|component| T::clone(&component))
 }
 
 /// Returns the first entity in document order that has a component.
@@ -93,6 +103,33 @@ pub(super) fn prepared_fog(fog: Fog) -> trace::PreparedFog {
         layer: layer.map(|height| trace::FogLayer { level: fog.level, height }),
         hides_background: fog.hides_background,
     }
+}
+
+/// Returns a direction as a unit vector; `None` if it is zero or not finite.
+fn unit(direction: DVec3) -> Option<DVec3> {
+    // Squares of very large or small numbers would overflow or underflow.
+    let largest = direction.abs().max_element();
+    (direction.is_finite() && largest > 0.0).then(|| (direction * towards_one(largest)).normalize())
+}
+
+/// Returns the sun and the stars, without those that give no light or have no direction.
+pub(super) fn prepared_sky(sun: Option<Sun>, stars: Option<Stars>) -> trace::PreparedSky {
+    let shines = |intensity: Rgb| sane(intensity) != Rgb::ZERO;
+    let angle = |angle: f64| if angle > SMALLEST { angle.min(PI) } else { SMALLEST };
+    let sun = sun.filter(|sun| shines(sun.intensity)).and_then(|sun| {
+        Some(trace::PreparedSun {
+            direction: unit(sun.direction)?,
+            intensity: sane(sun.intensity),
+            radius: angle(sun.size) / 2.0,
+            glow: if sun.glow > 0.0 { sun.glow.min(1.0) } else { 0.0 },
+            glow_size: angle(sun.glow_size),
+        })
+    });
+    let stars = stars.filter(|stars| shines(stars.intensity)).map(|stars| {
+        let count = stars.count.clamp(1, Stars::LARGEST_COUNT);
+        trace::PreparedStars::new(sane(stars.intensity), angle(stars.size) / 2.0, count, stars.seed)
+    });
+    trace::PreparedSky { sun, stars }
 }
 
 /// Clamps a colour to finite, non-negative values.

@@ -43,6 +43,7 @@ pub use sampling::PixelSampling;
 pub(crate) use sampling::on_disc;
 pub(crate) use sampling::stratum;
 pub(crate) use sampling::{Dimension, PixelSamples, disc};
+pub(crate) use sampling::{mixed, uniform};
 pub(crate) use scaling::scaled;
 pub use simd_level::SimdLevel;
 pub(crate) use sums::{exact_dot, offset_height, square_difference};

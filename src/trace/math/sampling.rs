@@ -195,13 +195,18 @@ fn unit(reversed_digits: u32) -> f64 {
 }
 
 /// Hashes a key and a number with the finalizer of SplitMix64 (Steele, Lea and Flood, 2014), applied to both.
-fn mixed(key: u64, number: u64) -> u64 {
+pub(crate) fn mixed(key: u64, number: u64) -> u64 {
     let step = |value: u64| {
         let value = (value ^ value >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let value = (value ^ value >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
         value ^ value >> 31
     };
     step(key ^ step(number.wrapping_add(0x9e37_79b9_7f4a_7c15)))
+}
+
+/// Returns a random number in 0..1 for a key and a number.
+pub(crate) fn uniform(key: u64, number: u64) -> f64 {
+    unit(high(mixed(key, number)))
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "half of the bits are asked for")]

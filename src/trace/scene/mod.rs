@@ -15,6 +15,7 @@ mod material_summary;
 mod material_table;
 mod precision;
 mod prepared_scene;
+mod sky;
 mod tree_maintenance;
 
 pub use camera::PreparedCamera;
@@ -35,3 +36,4 @@ pub use material::{Refraction, SurfaceMaterial};
 pub(crate) use material_table::MaterialTable;
 pub use precision::Precision;
 pub use prepared_scene::PreparedScene;
+pub(crate) use sky::{PreparedSky, PreparedStars, PreparedSun};

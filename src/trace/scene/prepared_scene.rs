@@ -2,6 +2,8 @@
 
 use std::sync::OnceLock;
 
+use glam::DVec3;
+
 use super::changes::{BvhUpdate, ShapeChange};
 use super::document_order::DocumentOrder;
 use super::environment::{PreparedBackground, PreparedFog};
@@ -13,6 +15,7 @@ use super::material::SurfaceMaterial;
 use super::material_summary::MaterialSummary;
 use super::material_table::MaterialTable;
 use super::precision::Precision;
+use super::sky::PreparedSky;
 use super::tree_maintenance::{SceneTree, TreeMaintenance};
 use crate::color::Rgb;
 use crate::trace::bvh::Tree;
@@ -41,6 +44,8 @@ pub struct PreparedScene {
     pub ambient: Rgb,
     /// The background, seen by rays that hit nothing.
     pub background: PreparedBackground,
+    /// The sun and the stars in front of the background.
+    pub(crate) sky: PreparedSky,
     /// The fog between shapes.
     pub(crate) fog: PreparedFog,
     /// Maximum ray depth: the number of bounces that are traced. Camera rays are the first one, which is always traced.
@@ -71,6 +76,7 @@ impl PreparedScene {
             lights: Vec::new(),
             ambient: Rgb::ZERO,
             background: PreparedBackground::default(),
+            sky: PreparedSky::default(),
             fog: PreparedFog::default(),
             depth: 1,
             cutoff: 0.0,
@@ -90,6 +96,28 @@ impl PreparedScene {
         self.surfaces = MaterialSummary::of(&self.materials);
         self.digest.take();
         self.rebuild_tree();
+    }
+
+    /// Returns the radiance of a ray that hits nothing, in a direction of any length except zero.
+    pub(crate) fn miss_radiance(&self, direction: DVec3) -> Rgb {
+        let background = self.background.towards(direction);
+        if self.sky.is_empty() {
+            return background;
+        }
+        (background + self.sky.towards(direction / direction.length())).min(Rgb::splat(f32::MAX))
+    }
+
+    /// Returns the radiance of all rays that hit nothing; `None` if it can differ between directions.
+    pub(crate) fn constant_miss_radiance(&self) -> Option<Rgb> {
+        match self.background {
+            PreparedBackground::Flat(color) if self.sky.is_empty() => Some(color),
+            _ => None,
+        }
+    }
+
+    /// Returns an upper bound of each channel of the radiance of rays that hit nothing.
+    pub(crate) fn miss_radiance_bound(&self) -> Rgb {
+        (self.background.radiance_bound() + self.sky.radiance_bound()).min(Rgb::splat(f32::MAX))
     }
 
     /// Returns the shapes.
@@ -185,6 +213,7 @@ impl PreparedScene {
         }
         bytes.colors([self.ambient]);
         self.background.write(bytes);
+        self.sky.write(bytes);
         self.fog.write(bytes);
         bytes.number(self.cutoff.into());
         bytes.count(self.depth);

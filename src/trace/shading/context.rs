@@ -60,7 +60,7 @@ impl<'a> RenderContext<'a> {
 
     /// Returns the light that is seen if the camera position is not finite.
     pub(crate) fn unplaced_camera_color(&self) -> Rgb {
-        self.scene.background.towards(DVec3::Z)
+        self.scene.miss_radiance(DVec3::Z)
     }
 
     /// Returns the stack of transparent solids that contain the origin of a camera ray.

@@ -32,7 +32,7 @@ pub(crate) struct RadianceBound {
 
 impl RadianceBound {
     pub(crate) fn of(scene: &PreparedScene) -> Self {
-        let background = scene.background.radiance_bound().as_dvec3();
+        let background = scene.miss_radiance_bound().as_dvec3();
         let fog = if scene.fog.density > 0.0 { scene.fog.color } else { Rgb::ZERO };
         let around = background.max(fog.as_dvec3());
         let lights = all_lights(scene);
@@ -166,8 +166,8 @@ pub(crate) fn most_radiance(scene: &PreparedScene, material: &SurfaceMaterial) -
     let diffuse = second.map_or(material.diffuse, |second| material.diffuse.max(second.diffuse));
     let own = ambient.as_dvec3() * scene.ambient.as_dvec3()
         + (diffuse.as_dvec3() + f64::from(material.specular)) * lights;
-    let followed = f64::from(material.reflected + transmitted)
-        * scene.background.radiance_bound().as_dvec3().max(DVec3::ONE);
+    let followed =
+        f64::from(material.reflected + transmitted) * scene.miss_radiance_bound().as_dvec3().max(DVec3::ONE);
     to_f32((own + followed).max_element().min(f64::from(f32::MAX)))
 }
 

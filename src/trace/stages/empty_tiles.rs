@@ -16,7 +16,7 @@ use crate::color::Rgb;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
 use crate::trace::intersect::Scratch;
 use crate::trace::math::{Colors, Vectors, lanes};
-use crate::trace::scene::{Precision, PreparedBackground, PreparedCamera, SIDE};
+use crate::trace::scene::{Precision, PreparedCamera, SIDE};
 use crate::trace::shading::RenderContext;
 
 /// Fills a tile's pixels with the background's colour if their rays certainly hit nothing. Otherwise, or if the colour of such rays needs more
@@ -50,11 +50,8 @@ fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
         && scene.unbounded.is_empty()
         && (scene.fog.density == 0.0 || !scene.fog.hides_background)
         && !context.may_start_inside();
-    match scene.background {
-        // Same operations as the accumulation in a pixel.
-        PreparedBackground::Flat(color) if alike => Some(Rgb::ZERO + Rgb::ONE * color),
-        _ => None,
-    }
+    // Same operations as the accumulation in a pixel.
+    scene.constant_miss_radiance().filter(|_| alike).map(|color| Rgb::ZERO + Rgb::ONE * color)
 }
 
 /// Returns whether all pixels of the tile certainly have a ray, and none of these rays can hit a shape of the tree.

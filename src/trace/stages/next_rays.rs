@@ -57,7 +57,7 @@ pub(super) fn fill_wavefront(buffers: &mut TileBuffers<'_>) -> bool {
 pub(super) fn terminate(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     let TileBuffers { beyond, pixels, trees_ended, .. } = buffers;
     for UntracedRay { direction, throughput, slot } in beyond.iter() {
-        let light = *throughput * context.scene.background.towards(*direction);
+        let light = *throughput * context.scene.miss_radiance(*direction);
         let (packet, lane) = (*slot as usize / LANES, *slot as usize % LANES);
         pixels[packet].set(lane, pixels[packet].get(lane) + light);
     }

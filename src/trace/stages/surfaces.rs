@@ -9,7 +9,7 @@ use super::wavefront::Wavefront;
 use crate::trace::intersect::{HitPacket, SurfacePacket, SurfacePoint, refine};
 use crate::trace::math::{Colors, lanes};
 use crate::trace::rays::RayPacket;
-use crate::trace::scene::{PreparedBackground, SurfaceMaterial};
+use crate::trace::scene::SurfaceMaterial;
 use crate::trace::shading::{MediumStack, RenderContext, ambient};
 
 /// Computes the surface points of the wavefront's hits, and the radiance that does not come from light sources: background and ambient light.
@@ -108,12 +108,11 @@ fn find<S: Simd>(
 /// Sets the radiance of all rays of a packet to the background.
 #[inline(always)]
 fn background(context: &RenderContext<'_>, rays: &RayPacket, radiance: &mut Colors) {
-    match context.scene.background {
-        PreparedBackground::Flat(color) => *radiance = Colors::splat(color),
-        PreparedBackground::Gradient { .. } => {
-            for lane in lanes(rays.lanes) {
-                radiance.set(lane, context.scene.background.towards(rays.directions.get(lane)));
-            }
+    if let Some(color) = context.scene.constant_miss_radiance() {
+        *radiance = Colors::splat(color);
+    } else {
+        for lane in lanes(rays.lanes) {
+            radiance.set(lane, context.scene.miss_radiance(rays.directions.get(lane)));
         }
     }
 }

@@ -32,8 +32,8 @@ struct Thing {
     fields: [String; 5],
 }
 
-const SETTINGS: [&str; 9] =
-    ["timeline", "film", "quality", "sampling", "camera", "ambient", "background", "space", "fog"];
+const SETTINGS: [&str; 11] =
+    ["timeline", "film", "quality", "sampling", "camera", "ambient", "background", "space", "sun", "stars", "fog"];
 
 impl Model {
     pub(crate) fn new(random: &mut Random) -> Self {
@@ -293,6 +293,15 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
             format!("(bottom: {}, {horizon}top: {})", random.color(), random.color())
         }
         "background" => random.color(),
+        "sun" | "stars" if random.once_in(2) => String::new(),
+        "sun" => {
+            let rest = random.pick(&["", ", size: 20", ", glow: 0.5", ", size: 9, glow: 0.2, glow_size: 20"]);
+            format!("(direction: ({:?}, 0.5, 1), intensity: {}{rest})", random.number(), random.light())
+        }
+        "stars" => {
+            let rest = random.pick(&["", "size: 4", "seed: 7", "intensity: (2, 1, 1)"]);
+            format!("(count: {}, {rest})", 1 + random.index(900))
+        }
         _ if random.once_in(2) => {
             let rest =
                 random.pick(&["", ", hides_background: false", ", height: 3", ", height: 0.5, level: -2"]);

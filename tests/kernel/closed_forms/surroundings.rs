@@ -231,6 +231,61 @@ fn gradient_with_a_horizon_blends_on_each_side_of_it() {
     }
 }
 
+/// Checks the sun's disc, edge and halo in front of the background, along camera rays and in a mirror.
+#[test]
+fn sun_is_a_disc_with_a_halo() {
+    let sky = "background: (0, 0, 255), quality: (cutoff: 0),
+        sun: (direction: (0, 3, 4), intensity: (2, 1, 0), size: 10, glow: 0.5, glow_size: 20)";
+    for away in [0.0, 4.4, -4.6, 4.8, -5.0, 5.5, 20.0, -90.0_f64] {
+        let (up, along) = libm::sincos(libm::asin(0.6) + away.to_radians());
+        let inside = ((5.0 - away.abs()) / 0.5).clamp(0.0, 1.0);
+        let disc = inside * inside * (3.0 - 2.0 * inside);
+        let share = disc + (1.0 - disc) * 0.5 * libm::exp((5.0 - away.abs()).min(0.0) / 20.0);
+        assert_color(seen(DVec3::ZERO, DVec3::new(0.0, up, along), sky), [2.0 * share, share, 1.0]);
+        let puddle = format!(
+            r#"{sky}, materials: {{ "m": (reflective: (k_r: 0.5)) }},
+            entities: [(shape: Plane(normal: (0, 1, 0)), material: "m", transform: (translation: (0, -1, 0)))]"#
+        );
+        if up > 0.0 {
+            let mirrored = seen(DVec3::ZERO, DVec3::new(0.0, -up, along), &puddle);
+            assert_color(mirrored, [share, 0.5 * share, 0.5]);
+        }
+    }
+}
+
+/// Checks the sum of the light of all stars, and that a rotated camera sees the same stars.
+#[test]
+fn stars_keep_their_places_and_their_light() {
+    const SIDE: u32 = 300;
+    let shown = |up: &str| {
+        film(&format!(
+            "film: (width: {SIDE}, height: {SIDE}, transfer: Classic), stars: (count: 4000, size: 1),
+            camera: (position: (0, 0, 0), view: (0, 0, 1), up: {up}, screen: (distance: 1, width: 2, height: 2))"
+        ))
+    };
+    let plain = shown("(0, 1, 0)");
+    // A pixel of a unit square of the screen at a distance d is seen under the solid angle d^-3.
+    let pitch = 2.0 / f64::from(SIDE - 1);
+    let place = |index: u32| pitch * f64::from(index) - 1.0;
+    let pixels = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
+    let light: f64 = pixels
+        .clone()
+        .map(|(i, j)| {
+            let distance = (1.0 + place(i) * place(i) + place(j) * place(j)).sqrt();
+            f64::from(plain.pixel(i, j).x) * pitch * pitch / (distance * distance * distance)
+        })
+        .sum();
+    // A sixth of all stars. The profile holds a third of the light of a disc; the mean of the brightness is 3 (21^(1/3) - 1) / 20.
+    let radius = 0.5_f64.to_radians();
+    let expected =
+        4000.0 / 6.0 * std::f64::consts::PI * radius * radius / 3.0 * 0.15 * (libm::cbrt(21.0) - 1.0);
+    assert_near(light / expected, 1.0, 0.15);
+    let turned = shown("(1, 0, 0)");
+    for (i, j) in pixels {
+        assert_near(turned.pixel(j, SIDE - 1 - i).x.into(), plain.pixel(i, j).x.into(), 1e-4);
+    }
+}
+
 /// Transforms a point to the local space of an entity.
 fn own(point: DVec3, translation: DVec3, rotation: DQuat, scale: DVec3) -> DVec3 {
     rotation.inverse() * (point - translation) / scale

@@ -6,7 +6,7 @@ use super::*;
 use crate::color::Rgb;
 use crate::trace::scene::{
     FogLayer, Geometry, LightSource, Precision, PreparedBackground, PreparedLight, PreparedShape,
-    SurfaceMaterial,
+    PreparedStars, PreparedSun, SurfaceMaterial,
 };
 use crate::trace::shapes::Sphere;
 
@@ -56,6 +56,8 @@ fn all_that_reaches_a_picture_changes_it() {
         own_shape,
     };
     let gradient = |horizon| PreparedBackground::Gradient { bottom: Rgb::ZERO, horizon, top: Rgb::ONE };
+    let (direction, intensity) = (DVec3::Y, Rgb::ONE);
+    let sun = PreparedSun { direction, intensity, radius: 0.1, glow: 0.0, glow_size: 1.0 };
     let plain = scene(&[sphere(0.0, 1.0), sphere(3.0, 1.0)]);
     let changed = |change: &dyn Fn(&mut PreparedScene)| {
         let mut scene = plain.clone();
@@ -88,6 +90,12 @@ fn all_that_reaches_a_picture_changes_it() {
         changed(&|scene| scene.ambient = Rgb::splat(0.1)),
         changed(&|scene| scene.fog.density = 0.1),
         changed(&|scene| scene.fog.hides_background = false),
+        changed(&|scene| scene.sky.sun = Some(sun)),
+        changed(&|scene| scene.sky.sun = Some(PreparedSun { glow: 0.5, ..sun })),
+        changed(&|scene| scene.sky.sun = Some(PreparedSun { direction: DVec3::X, ..sun })),
+        changed(&|scene| scene.sky.stars = Some(PreparedStars::new(Rgb::ONE, 0.1, 9, 0))),
+        changed(&|scene| scene.sky.stars = Some(PreparedStars::new(Rgb::ONE, 0.1, 9, 1))),
+        changed(&|scene| scene.sky.stars = Some(PreparedStars::new(Rgb::ONE, 0.1, 8, 0))),
         changed(&|scene| scene.fog.layer = Some(FogLayer { level: 0.0, height: 1.0 })),
         changed(&|scene| scene.fog.layer = Some(FogLayer { level: 1.0, height: 1.0 })),
         changed(&|scene| scene.fog.layer = Some(FogLayer { level: 0.0, height: 2.0 })),

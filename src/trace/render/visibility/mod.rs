@@ -2,7 +2,8 @@
 //!
 //! For every pixel of a tile, decides whether more than one surface can show in it: an edge, two surfaces that touch, a border between
 //! squares of a checker, or a shape smaller than the pixel. Samples can miss all of these; the geometric search cannot. The decision is
-//! conservative: a pixel without a [feature](Feature) shows a single smooth surface, or the background.
+//! conservative: a pixel without a [feature](Feature) shows a single smooth surface, or the background. The sun and the stars are
+//! features of the pixels that show the background (`sky`).
 //!
 //! ```text
 //! for each shape that can be hit through the tile:          (the tree's frustum traversal)
@@ -21,6 +22,7 @@
 
 mod hidden;
 mod outline;
+mod sky;
 
 use std::sync::atomic::AtomicBool;
 
@@ -37,6 +39,7 @@ use crate::trace::shading::most_radiance;
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use hidden::{Image, hidden_images};
 use outline::{Covers, Outline, Squares, TileRays, where_less};
+use sky::add_sky;
 
 /// The smallest feature that the samples of a pixel can miss.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -131,6 +134,7 @@ pub(crate) fn features(
     (tile, is_open): (&Tile, bool),
     (scratch, search): (&mut FeatureScratch, &mut Scratch<'_>),
 ) -> TileFeatures {
+    let add_sky = |found| add_sky(scene, camera, tile, found);
     let Some(rays) = tile_rays(camera, tile) else { return unknown() };
     scratch.seen.clear();
     let Scratch { stack, cancelled, .. } = search;
@@ -146,13 +150,13 @@ pub(crate) fn features(
         });
     if !whole {
         if scene.leaves.ids().len() > FEW {
-            return unknown();
+            return add_sky(unknown());
         }
         let ids = scene.leaves.ids();
         known &=
             ids.map(|id| see(scene, camera, &rays, id, &mut scratch.seen)).fold(true, |all, one| all & one);
     }
-    if known { resolve(scene, &rays, (tile, is_open), &scratch.seen) } else { unknown() }
+    add_sky(if known { resolve(scene, &rays, (tile, is_open), &scratch.seen) } else { unknown() })
 }
 
 /// Finds the features of a tile's pixels by a linear scan of all shapes.
@@ -164,11 +168,12 @@ pub(crate) fn reference_features(
 ) -> TileFeatures {
     let ids = scene.unbounded.iter().copied().chain(scene.leaves.ids());
     let (Some(rays), mut seen) = (tile_rays(camera, tile), Vec::new()) else { return unknown() };
+    let add_sky = |found| add_sky(scene, camera, tile, found);
     if camera.has_lens() && scene.leaves.ids().len() > FEW {
-        return unknown();
+        return add_sky(unknown());
     }
     let known = ids.map(|id| see(scene, camera, &rays, id, &mut seen)).fold(true, |all, one| all & one);
-    if known { resolve(scene, &rays, (tile, is_open), &seen) } else { unknown() }
+    add_sky(if known { resolve(scene, &rays, (tile, is_open), &seen) } else { unknown() })
 }
 
 /// Returns an edge in every pixel: any number of surfaces may show.
