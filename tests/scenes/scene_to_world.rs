@@ -2,8 +2,8 @@
 
 use rayreel::color::{ErrorNorm, Transfer};
 use rayreel::components::{
-    AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Light, LightKind, Name, Noise,
-    Quality, Refractive, Sampling, Transform,
+    AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Light, LightKind, Material, Name,
+    Noise, Quality, Refractive, Sampling, Transform,
 };
 use rayreel::{Engine, Rgb, Scene, World};
 
@@ -56,6 +56,41 @@ fn material_effects_apply_to_every_entity_of_the_material() {
     assert_eq!(of(&world, "floor"), Some(Checker { color: Rgb::new(1.0, 0.0, 0.2), size: 0.125 }));
     assert_eq!(of::<Checker>(&world, "lens"), None);
     assert_eq!(of::<Refractive>(&world, "floor"), None);
+}
+
+/// Returns the material that an entity of a Classic scene has, whose `materials` have this one.
+fn material(written: &str) -> Material {
+    let body = format!(
+        "{CLASSIC}, materials: {{ \"m\": ({written}) }}, entities: [(name: \"it\", shape: Box(size: (1, 1, 1)), material: \"m\")]"
+    );
+    of(&scene(&body).world, "it").unwrap()
+}
+
+#[test]
+fn colours_without_coefficients_are_matte() {
+    let (red, white) = (Rgb::new(1.0, 0.0, 0.0), Rgb::ONE);
+    let color = "color: (255, 0, 0)";
+    assert_eq!(material(color), Material::matte(red));
+    for more in ["specular: (k_s: 0.5, shininess: 9)", "reflective: (k_r: 0.5)", "k_a: None, k_d: None"] {
+        assert_eq!(material(&format!("{color}, {more}")), Material::matte(red), "{more}");
+    }
+    assert_eq!(material("checker: (color: (0, 0, 0), size: 1)"), Material::matte(white));
+    let ambient_color = Some(red);
+    assert_eq!(material("ambient_color: (255, 0, 0)"), Material { ambient_color, ..Material::matte(white) });
+
+    // The other coefficient is 0, also if the one that is written is.
+    let dark = Material { color: red, ..Material::default() };
+    assert_eq!(material(&format!("{color}, k_a: 0.5")), Material { k_a: 0.5, ..dark });
+    assert_eq!(material(&format!("{color}, k_d: 0.5")), Material { k_d: 0.5, ..dark });
+    assert_eq!(material(&format!("{color}, k_d: 0")), dark);
+
+    let glass = "refractive: (k_t: 0.9, ior: 1.5)";
+    for without in ["", "reflective: (k_r: 0.9)", "specular: (k_s: 0.5, shininess: 9)", glass] {
+        assert_eq!(material(without), Material::default(), "{without}");
+    }
+    assert_eq!(material(&format!("{color}, {glass}")), dark);
+    let (manual, matte) = (include_str!("../../src/scene/manual.md"), Material::matte(white));
+    assert!(manual.contains(&format!("k_a is {} and k_d {},", matte.k_a, matte.k_d)));
 }
 
 #[test]

@@ -6,15 +6,12 @@ use super::{ColorDocument, ScaleDocument, Triple, whole};
 use crate::components::AreaShape;
 
 /// The response of a surface to light.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Material")]
 pub(crate) struct MaterialDocument {
-    #[serde(default)]
-    pub(crate) k_a: f64,
-    #[serde(default)]
-    pub(crate) k_d: f64,
-    #[serde(default = "white")]
-    pub(crate) color: ColorDocument,
+    pub(crate) k_a: Option<f64>,
+    pub(crate) k_d: Option<f64>,
+    pub(crate) color: Option<ColorDocument>,
     pub(crate) ambient_color: Option<ColorDocument>,
     pub(crate) specular: Option<SpecularDocument>,
     pub(crate) reflective: Option<ReflectiveDocument>,
@@ -22,8 +19,13 @@ pub(crate) struct MaterialDocument {
     pub(crate) checker: Option<CheckerDocument>,
 }
 
-fn white() -> ColorDocument {
-    ColorDocument([255.0; 3])
+impl MaterialDocument {
+    /// Returns whether it is matte without coefficients: it has a colour, which the surface would not show otherwise, and is not
+    /// transparent.
+    pub(crate) fn is_matte_by_default(&self) -> bool {
+        let is_colored = self.color.is_some() || self.ambient_color.is_some() || self.checker.is_some();
+        is_colored && self.k_a.is_none() && self.k_d.is_none() && self.refractive.is_none()
+    }
 }
 
 /// Specular highlights.

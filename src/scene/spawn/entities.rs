@@ -165,11 +165,17 @@ impl Types {
 }
 
 pub(super) fn surface(document: &MaterialDocument, transfer: Transfer) -> MaterialComponents {
+    let color = document.color.map_or(Material::default().color, |color| transfer.decode(color.0));
+    let base = if document.is_matte_by_default() {
+        Material::matte(color)
+    } else {
+        Material { color, ..Material::default() }
+    };
     let material = Material {
-        k_a: single(document.k_a),
-        k_d: single(document.k_d),
-        color: transfer.decode(document.color.0),
+        k_a: document.k_a.map_or(base.k_a, single),
+        k_d: document.k_d.map_or(base.k_d, single),
         ambient_color: document.ambient_color.map(|color| transfer.decode(color.0)),
+        ..base
     };
     let specular = document
         .specular

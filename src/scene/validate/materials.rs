@@ -28,11 +28,15 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
 }
 
 fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut Problems) {
-    check::coefficient(material.k_a, "k_a", &at.field("k_a"), problems);
-    check::coefficient(material.k_d, "k_d", &at.field("k_d"), problems);
-    check::color(material.color.0, &at.field("color"), problems);
-    if let Some(color) = material.ambient_color {
-        check::color(color.0, &at.field("ambient_color"), problems);
+    for (name, coefficient) in [("k_a", material.k_a), ("k_d", material.k_d)] {
+        if let Some(coefficient) = coefficient {
+            check::coefficient(coefficient, name, &at.field(name), problems);
+        }
+    }
+    for (name, color) in [("color", material.color), ("ambient_color", material.ambient_color)] {
+        if let Some(color) = color {
+            check::color(color.0, &at.field(name), problems);
+        }
     }
     if let Some(specular) = material.specular {
         let at = at.field("specular");
