@@ -6,7 +6,7 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 
-use super::document::EntityDocument;
+use super::document::{EntityDocument, SurfaceDocument};
 use super::suggest;
 use crate::script::Data;
 
@@ -129,6 +129,9 @@ fn describe(expected: &dyn Expected) -> String {
         "u64" => "a whole number, 0 or more, as floor(x) gives it".to_owned(),
         "a string" => "a text".to_owned(),
         "a boolean" => "true or false".to_owned(),
+        text if text.starts_with(SurfaceDocument::NOUN) => {
+            format!("{}: its name, or its fields, as #{{ color: [255, 120, 60] }}", SurfaceDocument::NOUN)
+        }
         text if text.starts_with("struct ") => "a map, as #{ name: value }".to_owned(),
         // Values in parentheses in a file are a list in a script.
         _ => expected.replace('(', "[").replace(')', "]"),

@@ -249,6 +249,7 @@ mod tests {
             include_str!("document/animation.rs"),
             include_str!("document/entity.rs"),
             include_str!("document/include.rs"),
+            include_str!("document/material.rs"),
             include_str!("document/settings.rs"),
         ] {
             for line in source.lines() {

@@ -64,8 +64,13 @@ pub(crate) fn entity() -> impl Strategy<Value = String> {
         (size(), size(), size()).prop_map(|(x, y, z)| format!("Box(size: ({x}, {y}, {z}))")),
         point().prop_map(|normal| format!("Plane(normal: {normal})")),
     ];
-    let shape =
-        (shape, 0..3).prop_map(|(shape, material)| format!("shape: {shape}, material: \"m{material}\", "));
+    let surface = prop_oneof![
+        4 => (0..3).prop_map(|number| format!("material: \"m{number}\"")),
+        1 => (0..3, color()).prop_map(|(number, color)| format!("material: \"m{number}\", color: {color}")),
+        1 => color().prop_map(|color| format!("color: {color}")),
+        1 => material().prop_map(|material| format!("material: {material}")),
+    ];
+    let shape = (shape, surface).prop_map(|(shape, surface)| format!("shape: {shape}, {surface}, "));
     let light = prop_oneof![
         (intensity(), any::<bool>(), falloff()).prop_map(|(intensity, shadows, falloff)| format!(
             "light: Point(intensity: {intensity}, casts_shadows: {shadows}{falloff}), "

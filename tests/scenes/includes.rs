@@ -108,7 +108,7 @@ const CAR: &str = r#"Scene(
     materials: { "glass": (k_a: 0.2, color: (90, 120, 160), reflective: (k_r: 0.3)) },
     entities: [
         (name: "body", shape: Box(size: (2.4, 0.6, 1)), material: "red"),
-        (parent: "body", shape: Sphere(radius: 0.5), material: "glass", transform: (translation: (0, 0.4, 0))),
+        (parent: "body", shape: Sphere(radius: 0.5), material: "glass", color: (60, 160, 120), transform: (translation: (0, 0.4, 0))),
         (name: "headlight", light: Point(intensity: (0.3, 0.3, 0.2)), transform: (translation: (1.4, 0, 0))),
     ],
     animate: [
@@ -148,7 +148,7 @@ const SIGN: &str = r#"(
     include: [(file: "parts/pole.ron", name: "left"), (file: "paint.ron")],
     entities: [
         (shape: Box(size: (0.6, 0.4, 0.05)), material: "red", transform: (translation: (0, 1, 0))),
-        (parent: "left/pole", shape: Sphere(radius: 0.1), material: "red", transform: (translation: (0, 1, 0))),
+        (parent: "left/pole", shape: Sphere(radius: 0.1), material: (k_d: 0.4, color: (200, 40, 30)), transform: (translation: (0, 1, 0))),
     ],
 )"#;
 
@@ -184,7 +184,7 @@ fn flat_car(name: &str, transform: &str, front: &str) -> (String, String, String
         r#"(name: "{name}", transform: {transform}),
         {}{}
         (name: "{name}/body", parent: "{name}", shape: Box(size: (2.4, 0.6, 1)), material: "{name}/red"),
-        (parent: "{name}/body", shape: Sphere(radius: 0.5), material: "{name}/glass", transform: (translation: (0, 0.4, 0))),
+        (parent: "{name}/body", shape: Sphere(radius: 0.5), material: "{name}/glass", color: (60, 160, 120), transform: (translation: (0, 0.4, 0))),
         (name: "{name}/headlight", parent: "{name}", light: Point(intensity: (0.3, 0.3, 0.2)),
          transform: (translation: (1.4, 0, 0))),"#,
         wheel("front", "0.8"),
@@ -227,7 +227,7 @@ fn flat_street() -> String {
             (name: "left", parent: "unnamed"),
             (name: "left/pole", parent: "left", shape: Box(size: (0.1, 2, 0.1)), material: "left/wood"),
             (parent: "unnamed", shape: Box(size: (0.6, 0.4, 0.05)), material: "red", transform: (translation: (0, 1, 0))),
-            (parent: "left/pole", shape: Sphere(radius: 0.1), material: "red", transform: (translation: (0, 1, 0))),
+            (parent: "left/pole", shape: Sphere(radius: 0.1), material: (k_d: 0.4, color: (200, 40, 30)), transform: (translation: (0, 1, 0))),
             (name: "pole", shape: Box(size: (0.1, 2, 0.1)), material: "wood"),
             (shape: Plane(normal: (0, 1, 0)), material: "road"),
             (parent: "two/body", shape: Sphere(radius: 0.2), material: "one/front/tyre",

@@ -3,9 +3,9 @@
 use rayreel::color::{ErrorNorm, Transfer};
 use rayreel::components::{
     AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Light, LightKind, Material, Name,
-    Noise, Quality, Refractive, Sampling, Transform,
+    Noise, Quality, Refractive, Sampling, Specular, Transform,
 };
-use rayreel::{Engine, Rgb, Scene, World};
+use rayreel::{Engine, Rgb, Scene, Time, World};
 
 /// A film with which the colours of a file are light in 255ths.
 const CLASSIC: &str = "film: (transfer: Classic)";
@@ -91,6 +91,66 @@ fn colours_without_coefficients_are_matte() {
     assert_eq!(material(&format!("{color}, {glass}")), dark);
     let (manual, matte) = (include_str!("../../src/scene/manual.md"), Material::matte(white));
     assert!(manual.contains(&format!("k_a is {} and k_d {},", matte.k_a, matte.k_d)));
+}
+
+/// A red, shiny clay, glass, and a scene's entities made of them, with a script and an animation.
+const SURFACES: &str = r##"film: (transfer: Classic), timeline: (duration: 2), materials: {
+        "clay": (k_a: 0.125, k_d: 0.5, color: (255, 0, 0), specular: (k_s: 0.25, shininess: 9)),
+        "glass": (refractive: (k_t: 0.75, ior: 1.5)),
+    },
+    entities: [
+        (name: "ball", shape: Sphere(radius: 1), color: (0, 255, 0)),
+        (name: "clay", shape: Sphere(radius: 1), material: "clay"),
+        (name: "green clay", shape: Sphere(radius: 1), material: "clay", color: "#00ff00"),
+        (name: "green glass", shape: Sphere(radius: 1), material: "glass", color: "#00ff00"),
+        (name: "in place", shape: Sphere(radius: 1), material: (k_d: 0.5, color: (0, 255, 0), specular: (k_s: 0.25, shininess: 9))),
+        (name: "with its word", shape: Box(size: (1, 1, 1)), material: Material(checker: (color: (0, 0, 0), size: 1)), color: (0, 255, 0)),
+    ],
+    spawn: [Script(r#"
+        spawn(#{ name: "spawned ball", shape: sphere(1), color: [0, 255, 0] });
+        spawn(#{ name: "spawned clay", shape: sphere(1), material: "clay", color: [0, 255, 0] });
+        spawn(#{ name: "spawned in place", shape: sphere(1), material: #{ k_d: 0.5, color: [0, 255, 0], specular: #{ k_s: 0.25, shininess: 9 } } });
+    "#)],
+    animate: [
+        (material: "clay", channel: Color, track: Keys([(0, (255, 0, 0)), (1, (0, 0, 255))])),
+        (material: "clay", channel: Kd, track: Keys([(0, 0.5), (1, 1)])),
+        (target: "in place", channel: Ks, track: Keys([(0, 0.25), (1, 0.5)])),
+    ]"##;
+
+#[test]
+fn surfaces_are_named_or_written_in_place_or_have_a_colour() {
+    let mut engine = Engine::from_scene(scene(SURFACES));
+    engine.seek(Time::from_ratio(0, 1).unwrap()).unwrap();
+    let (green, shine) = (Rgb::new(0.0, 1.0, 0.0), Some(Specular { k_s: 0.25, shininess: 9.0 }));
+    let clay = Material { k_a: 0.125, k_d: 0.5, color: Rgb::new(1.0, 0.0, 0.0), ambient_color: None };
+    let green_clay = Material { color: green, ..clay };
+    let in_place = Material { k_a: 0.0, ..green_clay };
+    for (name, material, specular) in [
+        ("ball", Material::matte(green), None),
+        ("clay", clay, shine),
+        ("green clay", green_clay, shine),
+        ("green glass", Material { color: green, ..Material::default() }, None),
+        ("in place", in_place, shine),
+        ("with its word", Material::matte(green), None),
+        ("spawned ball", Material::matte(green), None),
+        ("spawned clay", green_clay, shine),
+        ("spawned in place", in_place, shine),
+    ] {
+        assert_eq!(of(engine.world(), name), Some(material), "{name}");
+        assert_eq!(of(engine.world(), name), specular, "{name}");
+    }
+    assert!(of::<Refractive>(engine.world(), "green glass").is_some());
+    assert!(of::<Checker>(engine.world(), "with its word").is_some());
+
+    // A colour of an entity stays as the material's changes; everything else of the material reaches it.
+    engine.seek(Time::from_ratio(1, 1).unwrap()).unwrap();
+    let later = |name| of::<Material>(engine.world(), name).map(|material| (material.k_d, material.color));
+    assert_eq!(later("clay"), Some((1.0, Rgb::new(0.0, 0.0, 1.0))));
+    for name in ["green clay", "spawned clay"] {
+        assert_eq!(later(name), Some((1.0, green)), "{name}");
+    }
+    assert_eq!(later("in place"), Some((0.5, green)));
+    assert_eq!(of(engine.world(), "in place"), Some(Specular { k_s: 0.5, shininess: 9.0 }));
 }
 
 #[test]

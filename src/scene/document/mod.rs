@@ -5,7 +5,9 @@ mod animation;
 mod channel;
 mod entity;
 mod include;
+mod material;
 mod settings;
+mod surface;
 mod values;
 
 pub(super) use animation::{
@@ -14,21 +16,22 @@ pub(super) use animation::{
 };
 pub(super) use channel::ChannelDocument;
 pub(super) use entity::{
-    AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, RotationDocument, ShapeDocument,
-    TransformDocument,
+    AreaShapeDocument, EntityDocument, LightDocument, RotationDocument, ShapeDocument, TransformDocument,
 };
 pub(super) use include::IncludeDocument;
+pub(super) use material::MaterialDocument;
 pub(super) use settings::{
     CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument, QualityDocument,
     SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument, TimelineDocument,
     TransferDocument,
 };
+pub(super) use surface::SurfaceDocument;
 pub(super) use values::{
     BackgroundDocument, ColorDocument, Entries, OffsetDocument, RateDocument, ScaleDocument, Triple, whole,
 };
 
 #[cfg(test)]
 pub(super) use {
-    entity::{CheckerDocument, ReflectiveDocument, RefractiveDocument, SpecularDocument},
+    material::{CheckerDocument, ReflectiveDocument, RefractiveDocument, SpecularDocument},
     settings::{LensDocument, ScreenDocument},
 };

@@ -142,8 +142,8 @@ impl<'a> Merger<'a> {
             let renamed = EntityDocument {
                 name: prefixed(&entity.name),
                 parent: prefixed(&entity.parent),
-                material: prefixed(&entity.material),
                 look_at: prefixed(&entity.look_at),
+                material: entity.material.as_ref().map(|material| material.prefixed(prefix)),
                 ..EntityDocument::clone(entity)
             };
             self.add_entity(renamed, parent.filter(|_| entity.parent.is_none()));

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::names::{Clashes, Meaning, Names};
 use super::{Origin, SceneFile};
 use crate::scene::SourcePosition;
-use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument, SpaceDocument};
+use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument};
 use crate::scene::spans::{PathStep, locate};
 
 /// The result of looking up a name.
@@ -69,8 +69,11 @@ impl<'a> Scope<'a> {
     pub(in crate::scene) fn entity(self, name: &str) -> Lookup<KnownEntity<'a>> {
         match self.own().entities.get(name) {
             Some(Meaning::Entity(entity, file)) => {
-                let material = entity.material.as_deref();
-                let material = material.and_then(|name| self.of(*file).material(name).found());
+                let material = match &entity.material {
+                    Some(SurfaceDocument::Named(name)) => self.of(*file).material(name).found(),
+                    Some(SurfaceDocument::Inline(material)) => Some(&**material),
+                    None => None,
+                };
                 let (shape, light) = (entity.shape.as_ref(), entity.light.as_deref());
                 let (has_target, looks_at) = (entity.target.is_some(), entity.look_at.is_some());
                 Lookup::Found(KnownEntity { shape, light, material, has_target, looks_at })

@@ -12,6 +12,7 @@ use super::expected::{Expected, counted, is_word};
 use super::foreign::foreign_remedy;
 use super::general_parser::read_general;
 use super::token_context::TokenContext;
+use crate::scene::document::SurfaceDocument;
 use crate::scene::quote::short;
 use crate::scene::spans::{bracket, open_comment, root, tokens};
 use crate::scene::suggest::remedy;
@@ -210,17 +211,29 @@ impl Case<'_> {
         })
     }
 
+    /// Returns the type whose fields are being read. `outer` is the innermost type whose name the parser knows: it knows none for a material
+    /// in an entity, whose type depends on the text.
+    fn owner<'a>(&self, outer: Option<&'a str>) -> Option<&'a str> {
+        let mut open = self.open.iter().rev().filter(|kind| **kind != Expectation::FieldName);
+        match open.next() {
+            Some(Expectation::Any { reader }) if reader.starts_with(SurfaceDocument::NOUN) => {
+                Some("Material")
+            }
+            _ => outer,
+        }
+    }
+
     /// Explains an unknown, missing or repeated name, and errors with a message of their own.
     fn of_names(&self) -> Option<Diagnostic> {
         let of = |outer: &Option<String>| {
-            outer.as_ref().map_or_else(String::new, |outer| format!(" of `{outer}`"))
+            self.owner(outer.as_deref()).map_or_else(String::new, |outer| format!(" of `{outer}`"))
         };
         let (message, label, help) = match self.code {
             Error::NoSuchStructField { expected, found, outer } => (
                 format!("unknown field `{}`{}", short(found), of(outer)),
                 "no such field".to_owned(),
                 self.with_names().map_or_else(
-                    || name_remedy(outer.as_deref(), found, expected, "fields"),
+                    || name_remedy(self.owner(outer.as_deref()), found, expected, "fields"),
                     |named| format!("write it as {named}"),
                 ),
             ),
@@ -337,13 +350,8 @@ impl Case<'_> {
         let before = self.text[..self.context.found.start].trim_end().strip_suffix(':')?.trim_end();
         let field =
             before.rfind(|last: char| !(last.is_alphanumeric() || last == '_')).map_or(0, |at| at + 1);
-        match &before[field..] {
-            "look_at" => Some("`look_at` takes an entity's name: write a point as `target: (0, 1, 0)`"),
-            "material" => {
-                Some("write the material in `materials: { \"name\": (..) }`, and `material: \"name\"` here")
-            }
-            _ => None,
-        }
+        (&before[field..] == "look_at")
+            .then_some("`look_at` takes an entity's name: write a point as `target: (0, 1, 0)`")
     }
 
     /// Explains a value of another type than requested.

@@ -297,7 +297,7 @@ impl<'de> Deserializer<'de> for &mut Plain<'de> {
         visitor.visit_enum(EnumVariant(self))
     }
 
-    /// Reads a string, a number without an exponent, or a tuple whose first value is a number.
+    /// Reads a string, a number without an exponent, a tuple whose first value is a number, or named fields.
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         match self.peek() {
             Some(b'"') => self.deserialize_str(visitor),
@@ -305,9 +305,12 @@ impl<'de> Deserializer<'de> for &mut Plain<'de> {
                 let start = self.at;
                 self.at += 1;
                 self.skip_space();
-                self.number()?;
+                let is_named = self.peek().is_some_and(|byte| byte.is_ascii_alphabetic());
+                if !is_named {
+                    self.number()?;
+                }
                 self.at = start;
-                self.values(visitor)
+                if is_named { self.fields(visitor) } else { self.values(visitor) }
             }
             _ => match self.number()? {
                 (number, true) if number.starts_with('-') => {
@@ -364,6 +367,11 @@ mod tests {
         (light: Directional(intensity: (007, 1, 1), direction: (0, -1, 0), casts_shadows: true)),
         (light: Area(shape: Sphere(radius: 0.5), intensity: (1, 1, 1), samples: 16)),
         (light: Area(shape: Rectangle(width: 1, height: 2), intensity: (1, 1, 1), samples: 4.0)),
+        (shape: Sphere(radius: 1), color: (255, 0, 7.5)),
+        (shape: Sphere(radius: 1), material: "red", color: "#00ff7f"),
+        (material: (k_a: 0.25, color: (1, 2, 3), ambient_color: "#ff0000", specular: (k_s: 0.5, shininess: 9))),
+        (material: ( k_d: 1, reflective: (k_r: 1), refractive: (k_t: 1, ior: 1.5, absorption: (1, 2, 3), fresnel: true))),
+        (material: (checker: (color: (1, 2, 3), size: 2)), color: (0, 0, 0)),
     ]"##;
 
     /// Adversarial pieces of text to insert anywhere.
@@ -446,12 +454,23 @@ mod tests {
             "shape: Sphere(radius: 5.)",
             "transform: Transform()",
             "transform: (scale: 1e3)",
+            "material: Material(k_d: 1)",
+            "material: Some((k_d: 1))",
         ] {
             let text = format!("[({entity})]");
             assert!(of_all(&text).is_some() && of_plain(&text).is_none(), "{text}");
         }
-        for entity in ["name: \"a\", name: \"b\"", "nam: \"a\"", "shape: Cone(radius: 1)", "shape: Sphere()"]
-        {
+        for entity in [
+            "name: \"a\", name: \"b\"",
+            "nam: \"a\"",
+            "shape: Cone(radius: 1)",
+            "shape: Sphere()",
+            "material: ()",
+            "material: red",
+            "material: (k_s: 1)",
+            "material: (k_d: 1, k_d: 1)",
+            "color: (r: 1, g: 2, b: 3)",
+        ] {
             let text = format!("[({entity})]");
             assert!(of_all(&text).is_none() && of_plain(&text).is_none(), "{text}");
         }

@@ -229,10 +229,10 @@ mod tests {
                 "expected a number",
                 "missing field `shininess` of `Specular`",
                 "unknown shape `Torus`",
-                "expected a text",
+                "expected a material",
                 "unknown field `position` of `Point`",
                 "missing field `intensity` of `Point`",
-                "expected a text",
+                "expected a material",
             ],
             "{found:#?}"
         );

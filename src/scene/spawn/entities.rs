@@ -36,6 +36,8 @@ pub(super) struct Links<'a> {
     pub(super) channels: HashMap<Entity, Vec<Channel>>,
     /// The surfaces, by material name.
     pub(super) surfaces: HashMap<&'a str, MaterialComponents>,
+    /// The surfaces of the entities with a material of their own, in document order.
+    pub(super) own_surfaces: Vec<MaterialComponents>,
 }
 
 /// An entity, identified by its document index, with its surface.
@@ -66,11 +68,16 @@ pub(super) fn spawn(
     world: &mut World,
     entities: &[Entity],
     documents: &[Arc<EntityDocument>],
-    Links { parents, looking, mut channels, surfaces }: Links<'_>,
+    Links { parents, looking, mut channels, surfaces, own_surfaces }: Links<'_>,
 ) {
     let mut groups: BTreeMap<Types, Vec<Member<'_>>> = BTreeMap::new();
+    let mut own_surfaces = own_surfaces.iter();
     for (place, document) in documents.iter().enumerate() {
-        let surface = document.material.as_deref().and_then(|name| surfaces.get(name));
+        let surface = if document.has_own_material() {
+            own_surfaces.next()
+        } else {
+            document.material_name().and_then(|name| surfaces.get(name))
+        };
         let types = Types {
             name: document.name.is_some(),
             parent: parents.contains_key(&place),

@@ -7,13 +7,14 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3, Vec3};
 use hashbrown::{HashMap, HashSet};
 use hecs::{Entity, EntityBuilder, World};
+use rayon::prelude::*;
 
 use self::entities::{Links, MaterialComponents, surface};
 use super::document::{
-    AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, FilmDocument, FogDocument,
-    KeyDocument, NoiseDocument, NormDocument, QualityDocument, RotationDocument, SamplingDocument,
-    ScaleDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument, TimelineDocument,
-    TrackDocument, TracksDocument, TransferDocument, Triple,
+    AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, EntityDocument, FilmDocument,
+    FogDocument, KeyDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument, RotationDocument,
+    SamplingDocument, ScaleDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument,
+    TimelineDocument, TrackDocument, TracksDocument, TransferDocument, Triple,
 };
 use super::files::Merged;
 use super::paths::motion_along;
@@ -74,19 +75,23 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     let parents: HashMap<usize, Entity> = named.chain(unnamed).collect();
     let looking = document.entities.iter().map(|entity| names.get(entity.look_at.as_deref()?).copied());
     let looking = looking.enumerate().filter_map(|(entity, looked_at)| Some((entity, looked_at?))).collect();
-    let surfaces: HashMap<&str, MaterialComponents> = document
-        .materials
-        .0
-        .iter()
-        .map(|(name, material)| (name.as_str(), surface(material, transfer)))
-        .collect();
-    entities::spawn(
-        &mut world,
-        &entities,
-        &document.entities,
-        Links { parents, looking, channels, surfaces },
-    );
+    let materials = || document.materials.0.iter().map(|(name, material)| (name.as_str(), material));
+    let surfaces = materials().map(|(name, material)| (name, surface(material, transfer))).collect();
+    let own_surfaces = own_surfaces(document, &materials().collect(), transfer);
+    let links = Links { parents, looking, channels, surfaces, own_surfaces };
+    entities::spawn(&mut world, &entities, &document.entities, links);
     (world, timeline)
+}
+
+/// Returns the surfaces of the entities that have a material of their own, in document order.
+fn own_surfaces(
+    document: &SceneDocument,
+    materials: &HashMap<&str, &MaterialDocument>,
+    transfer: Transfer,
+) -> Vec<MaterialComponents> {
+    let own = document.entities.par_iter().filter(|entity| entity.has_own_material());
+    let own = own.map(|entity| entity.own_material(|name| materials.get(name).copied()));
+    own.map(|material| surface(&material, transfer)).collect()
 }
 
 /// Returns the entities that are referred to by name.
@@ -261,7 +266,7 @@ fn scale(document: ScaleDocument) -> DVec3 {
 }
 
 /// Returns the channels of every animated entity. A track of a material applies to all entities with that material, before their own
-/// tracks.
+/// tracks; a track of its colour not to those with a colour of their own.
 fn animated(
     document: &SceneDocument,
     entities: &[Entity],
@@ -276,9 +281,13 @@ fn animated(
         let targets: Vec<Entity> = match (&animation.target, &animation.material) {
             (Some(name), _) => names.get(name.as_str()).copied().into_iter().collect(),
             (None, material) => {
-                let made_of_it =
-                    document.entities.iter().zip(entities).filter(|(entity, _)| entity.material == *material);
-                made_of_it.map(|(_, id)| *id).collect()
+                // A colour of the entity takes the place of the material's, also where that changes.
+                let is_color = animation.channel.0 == Property::Color;
+                let is_made_of_it = |entity: &EntityDocument| {
+                    entity.material_name() == material.as_deref() && !(is_color && entity.color.is_some())
+                };
+                let all = document.entities.iter().zip(entities);
+                all.filter(|(entity, _)| is_made_of_it(entity)).map(|(_, id)| *id).collect()
             }
         };
         for target in targets {

@@ -8,9 +8,9 @@ use super::{At, Named, Problems, check};
 use crate::animation::limits::SMALLEST;
 use crate::scene::document::{
     EntityDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument, ShapeDocument,
-    TransformDocument, Triple,
+    SurfaceDocument, TransformDocument, Triple,
 };
-use crate::scene::files::{Lookup, Scope};
+use crate::scene::files::Scope;
 use crate::scene::quote::{Figure, linked, short};
 
 /// The purpose of a `/` in names, as a label for messages.
@@ -73,49 +73,71 @@ fn aim(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Pr
     }
 }
 
-/// Reports a shape without a material, a material without a shape, and errors in the shape.
+/// Reports a shape without a material, a material or a colour without a shape, and errors in the shape.
 fn look(entity: &EntityDocument, at: &At<'_>, problems: &mut Problems) {
-    match (&entity.shape, &entity.material) {
-        (Some(shape), material) => {
-            self::shape(shape, &at.field("shape"), problems);
-            if material.is_none() {
-                problems.add(
-                    &at.field("shape"),
-                    "a shape without a material",
-                    "nothing says what it looks like",
-                    "add `material: \"name\"`, one of `materials`",
-                );
+    let Some(shape) = &entity.shape else {
+        let of_light = entity.light.as_ref().map(|_| "write the colour of a light in its `intensity`");
+        for (is_written, field, noun, help) in [
+            (entity.material.is_some(), "material", "material", None),
+            (entity.color.is_some(), "color", "colour", of_light),
+        ] {
+            if is_written {
+                let help = help.map_or_else(|| format!("add a `shape`, or remove the {noun}"), str::to_owned);
+                let message = format!("a {noun} without a shape");
+                problems.add(&at.field(field), message, "nothing has this surface", help);
             }
         }
-        (None, Some(_)) => {
-            problems.add(
-                &at.field("material"),
-                "a material without a shape",
-                "nothing has this surface",
-                "add a `shape`, or remove the material",
-            );
-        }
-        (None, None) => {}
+        return;
+    };
+    self::shape(shape, &at.field("shape"), problems);
+    if entity.material.is_none() && entity.color.is_none() {
+        problems.add(
+            &at.field("shape"),
+            "a shape without a material",
+            "nothing says what it looks like",
+            "add `color: (255, 120, 60)`, or `material: \"name\"`, one of `materials`",
+        );
     }
 }
 
-/// Reports a material that does not exist, or is incompatible with the shape.
-fn material(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
-    let Some(name) = &entity.material else { return };
-    let at = at.field("material");
-    match (scope.material(name), &entity.shape) {
-        (Lookup::Missing, _) => {
-            problems.add_unknown(&at, Named::Material, name, || scope.material_names());
+/// Reports errors in the entity's colour, and a material that does not exist, has errors, or is incompatible with the shape.
+fn material(entity: &EntityDocument, scope: Scope<'_>, entity_at: &At<'_>, problems: &mut Problems) {
+    if let Some(color) = &entity.color {
+        check::color(color.0, &entity_at.field("color"), problems);
+    }
+    let at = entity_at.field("material");
+    let material = match &entity.material {
+        Some(SurfaceDocument::Named(name)) => {
+            let found = scope.material(name);
+            if found.is_missing() {
+                problems.add_unknown(&at, Named::Material, name, || scope.material_names());
+            }
+            found.found()
         }
-        (Lookup::Found(MaterialDocument { checker: Some(_), .. }), Some(ShapeDocument::Sphere { .. })) => {
-            problems.add(
-                &at,
-                "a sphere cannot have a chequered material",
-                "`checker` is two-dimensional",
-                "give it a material without `checker`; planes and boxes can have squares",
-            );
+        Some(SurfaceDocument::Inline(material)) => {
+            super::materials::material(material, &at, problems);
+            if material.color.is_some() && entity.color.is_some() {
+                let message = "two colours of one surface";
+                problems.add(
+                    &entity_at.field("color"),
+                    message,
+                    "its material has one, too",
+                    "remove one of the two",
+                );
+            }
+            Some(&**material)
         }
-        _ => {}
+        None => None,
+    };
+    if let (Some(MaterialDocument { checker: Some(_), .. }), Some(ShapeDocument::Sphere { .. })) =
+        (material, &entity.shape)
+    {
+        problems.add(
+            &at,
+            "a sphere cannot have a chequered material",
+            "`checker` is two-dimensional",
+            "give it a material without `checker`; planes and boxes can have squares",
+        );
     }
 }
 

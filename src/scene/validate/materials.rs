@@ -27,7 +27,8 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     }
 }
 
-fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut Problems) {
+/// Checks the values of a material.
+pub(super) fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut Problems) {
     for (name, coefficient) in [("k_a", material.k_a), ("k_d", material.k_d)] {
         if let Some(coefficient) = coefficient {
             check::coefficient(coefficient, name, &at.field(name), problems);

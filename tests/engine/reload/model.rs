@@ -347,8 +347,10 @@ fn camera(names: &[String], random: &mut Random) -> String {
 }
 
 fn material(random: &mut Random) -> String {
-    let mut text =
-        format!("(k_a: {:?}, k_d: {:?}, color: {}", random.share(), random.share(), random.color());
+    let mut text = format!("(color: {}", random.color());
+    if !random.once_in(4) {
+        text += &format!(", k_a: {:?}, k_d: {:?}", random.share(), random.share());
+    }
     if random.once_in(4) {
         text += &format!(", ambient_color: {}", random.color());
     }
@@ -392,7 +394,13 @@ fn field(which: usize, names: &[String], random: &mut Random) -> String {
                 2 | 3 => format!("Box(size: (1, {:?}, 2))", 0.5 + random.share()),
                 _ => format!("Sphere(radius: {:?})", 0.25 + random.share()),
             };
-            format!("shape: {shape}, material: \"m{}\"", random.index(3))
+            let surface = match random.index(5) {
+                0 => format!("color: {}", random.color()),
+                1 => format!("material: \"m{}\", color: {}", random.index(3), random.color()),
+                2 => format!("material: {}", material(random)),
+                _ => format!("material: \"m{}\"", random.index(3)),
+            };
+            format!("shape: {shape}, {surface}")
         }
         4 => match random.index(12) {
             0 => format!("target: {}", random.triple()),
@@ -435,8 +443,11 @@ fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
         ),
         3 => (name, "Intensity", keys(random.light(), random.light())),
         4 => {
-            let channel = random.pick(&["Ka", "Kd", "Kr", "Ks"]);
-            let keys = keys(format!("{:?}", random.share()), format!("{:?}", random.share()));
+            let channel = random.pick(&["Ka", "Kd", "Kr", "Ks", "Color"]);
+            let keys = match channel {
+                "Color" => keys(random.color(), random.color()),
+                _ => keys(format!("{:?}", random.share()), format!("{:?}", random.share())),
+            };
             return format!("(material: \"m{}\", channel: {channel}, track: {keys})", random.index(3));
         }
         5 => {
