@@ -80,7 +80,7 @@
 //!
 //! # let directory = tempfile::tempdir()?;
 //! # let folder = directory.path().join("ball");
-//! let report = engine.render_to(&folder)?; // ball.0000.png to ball.0047.png
+//! let report = engine.render_to(&folder)?; // ball.0000.png to ball.0047.png; `render_movie` makes a movie
 //! assert_eq!((report.written, report.kept), (48, 0));
 //! assert_eq!(engine.render_to(&folder)?.kept, 48); // complete frames are not rendered again
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -130,6 +130,7 @@
 //! - *Timeline*: [`time::Timeline`], the frame rate and the duration; it converts frame indices to exact times.
 //! - *Frame sequence*: [`Engine::render_to`] and [`sequence::render_sequence`], which render the frames that are missing or out of date;
 //!   [`output::Sequence`] names their files.
+//! - *Movie*: [`Engine::render_movie`], and [`output::write_movie`] for finished frames.
 //! - *Reload*: [`Engine::reload`], which replaces the scene after an edit; [`scene::Reader`] parses only the edited parts.
 //!
 //! # Layers
@@ -139,6 +140,7 @@
 //!
 //! | module | holds | may import | outside crates |
 //! |---|---|---|---|
+//! | `error_text` | errors that `main` prints as their message | | |
 //! | `color` | linear colour, sRGB | | bytemuck, glam |
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `animation` | values over time, pure | color, time | glam |
@@ -149,10 +151,13 @@
 //! | `systems` | the work of each frame, `frame` to `trace`; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
-//! | `output` | frame files, sequences, sheets | trace, color, time | image, png, exr, blake3, rayon |
-//! | `sequence` | sequences in folders: existing, missing and corrupt frames | engine, trace, output, time | rayon |
+//! | `output` | frame files, sequences, sheets, movies | trace, color, time | image, png, exr, blake3, rayon |
+//! | `sequence` | sequences in folders: existing, missing and corrupt frames; movies of timelines | engine, trace, output, time | rayon |
 //! | `live` | file watching, reloading, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
 //! | `main`, `cli` | arguments, calls, and all printing; binary only | rayreel | glam, clap, clap_complete, clap_mangen, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json, tempfile |
+
+#[macro_use]
+mod error_text;
 
 pub mod accuracy;
 pub mod animation;

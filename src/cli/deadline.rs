@@ -11,14 +11,13 @@ use anyhow::{Context, anyhow};
 use rayreel::Engine;
 use rayreel::accuracy::{Deadline, FrameSamples, FrameSurvey, survey_order};
 use rayreel::components::Sampling;
-use rayreel::output::{Sequence, WriteError};
+use rayreel::output::{Sequence, WriteError, write_movie};
 use rayreel::sequence::{
     Existing, FrameRequest, FrameVerdict, SequenceObserver, frame_verdict, render_frames,
 };
 use rayreel::trace::RoundPolicy;
 
 use super::exit::Failure;
-use super::movie;
 use super::settings::OutputSettings;
 use super::settings_file::SettingsFile;
 
@@ -75,9 +74,8 @@ impl Paced {
         if let Some(movie) = movie.filter(|_| !files.is_empty()) {
             let trial = folder.path().join(movie.file_name().unwrap_or_default());
             let encode = |count: usize| {
-                let (start, files) = (Instant::now(), files[..count].to_vec());
-                let rate = engine.timeline().rate;
-                movie::make_of(&trial, files, settings.sequence.format(), rate, cancelled)?;
+                let (start, rate) = (Instant::now(), engine.timeline().rate);
+                write_movie(&trial, &files[..count], settings.sequence.format(), rate, cancelled)?;
                 anyhow::Ok(start.elapsed().as_secs_f64())
             };
             let one = encode(1)?;

@@ -20,7 +20,6 @@ mod interrupt;
 mod man;
 mod manifest;
 mod movie;
-mod movie_format;
 mod new;
 mod overrides;
 mod print;

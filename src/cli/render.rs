@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, anyhow};
 use serde_json::json;
 
-use rayreel::output::{FoundFrame, WriteError, frame_size, remove_leftovers};
+use rayreel::output::{FoundFrame, WriteError, check_movie, frame_size, remove_leftovers};
 use rayreel::scene::{Sources, input::is_stream};
 use rayreel::sequence::{FrameRequest, FrameVerdict, SequenceObserver, Surplus, find_surplus, render_frames};
 use rayreel::trace::RenderProgress;
@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         remove_leftovers(directory);
     }
     if let Some(movie) = &arguments.movie {
-        movie::ensure_possible(movie)?;
+        check_movie(movie).map_err(anyhow::Error::from)?;
     }
     let cancelled = interruption.deferred();
 

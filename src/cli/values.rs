@@ -5,10 +5,8 @@ use std::time::Duration;
 
 use rayreel::Effect;
 use rayreel::components::{FilmSettings, Quality, Sampling};
-use rayreel::output::Sheet;
+use rayreel::output::{MovieFormat, Sheet, UnknownMovieFormat};
 use rayreel::scene::{Override, OverrideError};
-
-use super::movie_format::MovieFormat;
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (most, area) = (FilmSettings::LARGEST_SIDE, FilmSettings::LARGEST_AREA);
@@ -29,7 +27,7 @@ pub(super) fn parse_sheet(text: &str) -> Result<(u32, u32), String> {
     sheet.ok_or_else(|| format!("write columns and rows, each from 1 to {most}, as in 6x4"))
 }
 
-pub(super) fn parse_movie(text: &str) -> Result<PathBuf, String> {
+pub(super) fn parse_movie(text: &str) -> Result<PathBuf, UnknownMovieFormat> {
     MovieFormat::of(Path::new(text)).map(|_| PathBuf::from(text))
 }
 

@@ -25,9 +25,11 @@ pub fn hex(text: &str) -> Result<Rgb, HexError> {
 }
 
 /// The error for a text that is not a colour in hexadecimal digits.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a colour: write six hexadecimal digits after a #, as in `#ff783c`")]
 pub struct HexError(String);
+
+debug_as_message!(HexError);
 
 /// Returns the channels, in 0..=255, of a colour in the form `#rrggbb`.
 pub(crate) fn hex_channels(text: &str) -> Option<[f64; 3]> {

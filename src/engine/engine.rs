@@ -55,7 +55,7 @@ pub struct Engine {
 }
 
 /// The reason why a frame could not be rendered.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum EngineError {
     /// The scene file could not be loaded.
     #[error(transparent)]
@@ -70,6 +70,8 @@ pub enum EngineError {
     #[error("rendering was cancelled")]
     Cancelled,
 }
+
+debug_as_message!(EngineError);
 
 /// Returns a result, or `None` if it was cancelled.
 pub(crate) fn unless_cancelled<T>(result: Result<T, EngineError>) -> Result<Option<T>, EngineError> {

@@ -19,7 +19,7 @@ pub enum LoopFormat {
 }
 
 /// An error of encoding an animation.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum LoopError {
     /// The PNG encoder reported an error.
     #[error(transparent)]
@@ -42,6 +42,8 @@ pub enum LoopError {
         count: u32,
     },
 }
+
+debug_as_message!(LoopError);
 
 /// The encoder of an animation, which writes frame by frame.
 pub struct LoopWriter<W: Write> {

@@ -77,7 +77,7 @@ impl FrameFormat {
 }
 
 /// An error of writing a frame file.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum WriteError {
     /// The file system reported an error.
     #[error("cannot write `{}`", path.display())]
@@ -97,8 +97,10 @@ pub enum WriteError {
     },
 }
 
+debug_as_message!(WriteError);
+
 /// An error of encoding a frame file.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum EncodeError {
     /// The PNG encoder reported an error, as for a picture without pixels.
     #[error(transparent)]
@@ -113,6 +115,8 @@ pub enum EncodeError {
     #[error("its format is made of linear light, of which only rounded bytes are left")]
     NoLight,
 }
+
+debug_as_message!(EncodeError);
 
 /// Encodes a film as a frame file.
 ///

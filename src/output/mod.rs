@@ -1,4 +1,4 @@
-//! Output of films: frame files, contact sheets, looping animations, and video streams.
+//! Output of films: frame files, contact sheets, movies, and video streams.
 //!
 //! Files are complete or absent: each is written under a temporary name in the same folder, and renamed once every byte is on the disk.
 //! Each frame file contains fingerprints of its picture and of its pixels, so that existing files can be compared with the expected ones.
@@ -18,6 +18,8 @@ mod hdr_file;
 #[cfg(feature = "image")]
 mod image_conversion;
 mod label;
+mod movie_format;
+mod movie_writer;
 mod pfm_file;
 mod picture;
 mod picture_file;
@@ -38,6 +40,9 @@ pub use frame_file::{
     EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,
 };
 pub use frame_pixels::{FramePixels, LinearFrame};
+pub use movie_format::{FfmpegFormat, MovieFormat, UnknownMovieFormat};
+pub(crate) use movie_writer::movie_format;
+pub use movie_writer::{MovieError, MovieWriter, check_movie, write_movie};
 pub use picture_file::PictureFile;
 pub use sequence::{FrameNames, InvalidPattern, Sequence};
 pub use sheet::{Sheet, SheetTooLarge};

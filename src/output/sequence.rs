@@ -42,7 +42,7 @@ pub struct FrameNames {
 }
 
 /// The error for a string that does not specify frame names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidPattern {
     /// The text is empty, or does not have exactly one valid place for the number.
     #[error("it takes one place for the frame's number, as #### or %04d")]
@@ -54,6 +54,8 @@ pub enum InvalidPattern {
     #[error("it is the name of a file: folders are for --out")]
     Folder,
 }
+
+debug_as_message!(InvalidPattern);
 
 impl FromStr for FrameNames {
     type Err = InvalidPattern;

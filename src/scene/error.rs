@@ -11,7 +11,7 @@ use super::spans::{PathStep, locate};
 use super::{Diagnostic, SourcePosition};
 
 /// The errors that prevent a scene from loading. `Display` renders them in compiler style, without colours.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct LoadError {
     file: String,
     faulty: Vec<FaultyFile>,
@@ -20,6 +20,8 @@ pub struct LoadError {
     repeated: usize,
     inputs: InputFiles,
 }
+
+debug_as_message!(LoadError);
 
 /// A file with errors.
 #[derive(Clone, Debug)]

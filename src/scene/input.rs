@@ -18,7 +18,7 @@ pub enum InputKind {
 }
 
 /// An error in opening or reading a file.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum InputError {
     /// The path names a device or a pipe. Reading it could block forever, or never end.
     #[error("a device or a pipe is no file")]
@@ -30,6 +30,8 @@ pub enum InputError {
     #[error(transparent)]
     System(#[from] io::Error),
 }
+
+debug_as_message!(InputError);
 
 /// The files that were looked for while a scene was read.
 #[derive(Clone, Debug, Default)]

@@ -31,10 +31,12 @@ pub(super) struct ScriptSource {
 }
 
 /// A runtime error of a script during the evaluation of a frame. `Display` renders it in compiler style, without colours.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct ScriptMistake {
     diagnostic: Diagnostic,
 }
+
+debug_as_message!(ScriptMistake);
 
 impl SceneScripts {
     pub(super) fn new(scripts: CompiledScripts, sources: Vec<ScriptSource>) -> Self {

@@ -10,6 +10,7 @@
 //! ```
 
 mod frame_request;
+mod movie;
 mod order;
 mod progress_timer;
 mod render;

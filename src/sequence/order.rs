@@ -47,9 +47,11 @@ pub struct Shard {
 }
 
 /// The error for a string that is not a shard.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a shard: write its number, from 0, and how many there are, as in 0/4")]
 pub struct ShardError(String);
+
+debug_as_message!(ShardError);
 
 impl Shard {
     /// Returns this part of a list: the frames whose index in the list, modulo the number of shards, is the index of the shard.

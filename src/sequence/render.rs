@@ -12,8 +12,8 @@ use super::verify::verdict_of;
 use super::{FrameRequest, FrameVerdict};
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::output::{
-    Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, Sequence, WriteError,
-    WrittenFrame, remove_leftovers,
+    Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, MovieError, MovieFormat,
+    Sequence, WriteError, WrittenFrame, remove_leftovers,
 };
 use crate::time::FrameList;
 use crate::trace::{EncodedFilm, RenderProgress, RenderedImage};
@@ -83,7 +83,7 @@ pub struct SequenceReport {
 }
 
 /// An error that stops the rendering of a sequence. All files written are complete.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum SequenceError {
     /// A frame could not be rendered.
     #[error(transparent)]
@@ -91,6 +91,15 @@ pub enum SequenceError {
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// A movie could not be made.
+    #[error(transparent)]
+    Movie(#[from] MovieError),
+    /// A folder for frames is named like a movie.
+    #[error(
+        "`{}` is the name of a movie, and `render_to` writes frames into a folder: call `engine.render_movie` for a movie, or name a folder",
+        .0.display()
+    )]
+    NamedLikeMovie(PathBuf),
     /// The folder does not exist and could not be created.
     #[error("cannot make the folder `{}`", path.display())]
     Folder {
@@ -101,10 +110,13 @@ pub enum SequenceError {
     },
 }
 
+debug_as_message!(SequenceError);
+
 impl Engine {
     /// Renders all frames of the timeline as PNG files into a folder, which is created if it does not exist. The files are named after the
     /// folder: `out/ball/ball.0000.png` and so on. Frames that are already complete and up to date are kept, so that the next call
-    /// continues an interrupted sequence. [`render_sequence`] renders a part of the timeline, writes other formats, and reports progress.
+    /// continues an interrupted sequence. [`render_sequence`] renders a part of the timeline, writes other formats, and reports progress;
+    /// [`render_movie`](Engine::render_movie) makes a movie.
     ///
     /// ```no_run
     /// use rayreel::Engine;
@@ -116,9 +128,13 @@ impl Engine {
     ///
     /// # Errors
     ///
-    /// As [`Engine::render_frame`], and if the file system reports an error. All files written are complete.
+    /// As [`Engine::render_frame`]; if the name of a new folder ends like that of a movie, as `ball.mp4`; and if the file system reports an
+    /// error. All files written are complete.
     pub fn render_to(&mut self, folder: impl AsRef<Path>) -> Result<SequenceReport, SequenceError> {
         let (folder, count) = (folder.as_ref(), self.timeline().frame_count());
+        if MovieFormat::of(folder).is_ok() && !folder.is_dir() {
+            return Err(SequenceError::NamedLikeMovie(folder.to_owned()));
+        }
         let name = folder.file_name().unwrap_or("frame".as_ref());
         let sequence = Sequence::new(folder.to_owned(), name, count - 1, FrameFormat::default());
         render_sequence(self, &FrameList::all(count), &sequence, |_| Continue(()))
@@ -319,7 +335,7 @@ pub fn frame_verdict(
 }
 
 /// Creates a folder, and removes partial files of killed processes from it.
-fn make_folder(folder: &Path) -> Result<(), SequenceError> {
+pub(super) fn make_folder(folder: &Path) -> Result<(), SequenceError> {
     fs::create_dir_all(folder).map_err(|source| SequenceError::Folder { path: folder.to_owned(), source })?;
     remove_leftovers(folder);
     Ok(())

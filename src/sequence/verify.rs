@@ -58,7 +58,7 @@ impl SequenceVerdict {
 }
 
 /// An error that stops the verification of a sequence.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum VerifyError {
     /// The world could not be evaluated at a frame.
     #[error(transparent)]
@@ -67,6 +67,8 @@ pub enum VerifyError {
     #[error("cannot read the folder")]
     Folder(#[from] io::Error),
 }
+
+debug_as_message!(VerifyError);
 
 /// Verifies the frames of a sequence and the other files in its folder. Before each frame, `begin` may configure the engine, and
 /// decides whether to continue.

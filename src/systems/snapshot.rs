@@ -20,7 +20,7 @@ struct Entry {
 }
 
 /// The error for a world with a component whose type a snapshot cannot copy.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "an entity carries a component of a type that was not registered, so that time could not be turned back: call \
      `engine.register::<T>()` for every component type of your own (registered: {registered})"
@@ -28,6 +28,8 @@ struct Entry {
 pub struct UnknownComponent {
     registered: String,
 }
+
+debug_as_message!(UnknownComponent);
 
 impl Default for Registry {
     /// Returns a registry of all component types of this crate.

@@ -32,7 +32,7 @@ struct FrameRange {
 const NO_END: u32 = u32::MAX;
 
 /// The reason for which the text of a frame selection is invalid.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FrameListError {
     /// A part that is neither a frame, a range nor a range with a stride.
     #[error("`{0}` is not a frame or a range: write `12`, `10-20`, `40-80x5` or `90-`, separated by commas")]
@@ -44,6 +44,8 @@ pub enum FrameListError {
     #[error("`{0}` has a stride of 0: use 1 or more")]
     ZeroStride(String),
 }
+
+debug_as_message!(FrameListError);
 
 impl FrameList {
     /// Selects frames `0..count`.

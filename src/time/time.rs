@@ -103,11 +103,13 @@ impl fmt::Display for Time {
 }
 
 /// The error of a text that is not a time.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is not a time: write seconds such as `1.5s` or `2`, with at most nine decimals, from 0 up to 1000000"
 )]
 pub struct TimeError(String);
+
+debug_as_message!(TimeError);
 
 impl FromStr for Time {
     type Err = TimeError;

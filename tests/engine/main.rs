@@ -12,6 +12,7 @@ mod encoded_films;
 mod every_channel;
 mod faults;
 mod handedness;
+mod movies;
 mod orthographic;
 mod passes;
 mod prepared_changes;

@@ -39,7 +39,7 @@ pub struct Override {
 }
 
 /// An error in parsing an [`Override`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 pub enum OverrideError {
     /// The path or the value is missing.
     #[error("write a path into the scene, = and a value, as in camera.fov=40")]
@@ -53,6 +53,8 @@ pub enum OverrideError {
     #[error("`{0}` is not one value: write it as in the file, as in 40, (1, 2, 3) or \"clay\"")]
     Value(String),
 }
+
+debug_as_message!(OverrideError);
 
 impl Override {
     /// Returns the steps of the path.

@@ -88,9 +88,11 @@ impl FromIterator<Pass> for Passes {
 }
 
 /// The error for an unknown pass name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there is no pass `{0}`: choose from {all}, with commas between them", all = Pass::ALL.map(Pass::name).join(", "))]
 pub struct UnknownPass(String);
+
+debug_as_message!(UnknownPass);
 
 impl FromStr for Passes {
     type Err = UnknownPass;
