@@ -81,7 +81,7 @@
 //! # let directory = tempfile::tempdir()?;
 //! # let folder = directory.path().join("ball");
 //! let report = engine.render_to(&folder)?; // ball.0000.png to ball.0047.png; `render_movie` makes a movie
-//! assert_eq!((report.written, report.kept), (48, 0));
+//! assert_eq!(report.to_string(), "48 frames rendered, 0 kept"); // and the faults: entities that are not drawn, and why
 //! assert_eq!(engine.render_to(&folder)?.kept, 48); // complete frames are not rendered again
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -131,6 +131,7 @@
 //! - *Frame sequence*: [`Engine::render_to`] and [`sequence::render_sequence`], which render the frames that are missing or out of date;
 //!   [`output::Sequence`] names their files.
 //! - *Movie*: [`Engine::render_movie`], and [`output::write_movie`] for finished frames.
+//! - *Fault*: [`Engine::faults`], the entities that are not drawn or not used as given, with causes and remedies.
 //! - *Reload*: [`Engine::reload`], which replaces the scene after an edit; [`scene::Reader`] parses only the edited parts.
 //!
 //! # Layers
@@ -152,7 +153,7 @@
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
 //! | `output` | frame files, sequences, sheets, movies | trace, color, time | image, png, exr, blake3, rayon |
-//! | `sequence` | sequences in folders: existing, missing and corrupt frames; movies of timelines | engine, trace, output, time | rayon |
+//! | `sequence` | sequences in folders: existing, missing and corrupt frames; movies of timelines | engine, systems, components, trace, output, time | rayon |
 //! | `live` | file watching, reloading, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
 //! | `main`, `cli` | arguments, calls, and all printing; binary only | rayreel | glam, clap, clap_complete, clap_mangen, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json, tempfile |
 

@@ -195,8 +195,10 @@ impl Engine {
     }
 
     /// Returns the faults of the world at the moment of the last frame (the last instant, if the shutter was open) or
-    /// [`seek`](Engine::seek), in document order: each entity that is not drawn or not used as given, the cause and the remedy. Empty
-    /// before the first frame or seek.
+    /// [`seek`](Engine::seek), in document order: each entity that is not drawn or not used as given, the cause and the remedy. Components
+    /// that the whole world lacks, such as lights, are faults of the first shape. With debug assertions, the undeclared
+    /// [changes](crate::Changes) of systems are faults too; finding them takes about as long as reading the world again. Empty before the
+    /// first frame or seek.
     ///
     /// ```
     /// use rayreel::components::{Material, Shape, Transform};

@@ -9,6 +9,7 @@
 //! FrameRequest -> FrameVerdict -> engine -> output::FramePixels -> output::FrameWriter -> frame file, with its provenance
 //! ```
 
+mod faults;
 mod frame_request;
 mod movie;
 mod order;
@@ -17,6 +18,7 @@ mod render;
 mod surplus;
 mod verify;
 
+pub use faults::SequenceFault;
 pub use frame_request::FrameRequest;
 pub use order::{RenderOrder, Shard, ShardError};
 pub use render::{

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::render::make_folder;
-use super::{FrameRequest, SequenceError, SequenceReport, render_encoded};
+use super::{FrameRequest, SequenceError, SequenceFault, SequenceReport, render_encoded};
 use crate::engine::Engine;
 use crate::output::{MovieWriter, folder_of, movie_format};
 use crate::time::FrameList;
@@ -40,6 +40,7 @@ impl Engine {
         let mut report = SequenceReport::default();
         for request in FrameRequest::frames(&FrameList::all(count), timeline) {
             let Some(film) = render_encoded(self, &request, &never, &mut |_| {})? else { break };
+            SequenceFault::collect(&mut report.faults, self, &request);
             writer.add(film, &never)?;
             report.written += 1;
         }

@@ -1,5 +1,6 @@
 //! Rendering of frames that are not done yet. Each frame is written while the next is traced.
 
+use std::fmt;
 use std::fs;
 use std::io;
 use std::ops::ControlFlow::{self, Continue};
@@ -9,7 +10,7 @@ use std::time::Duration;
 
 use super::progress_timer::watched;
 use super::verify::verdict_of;
-use super::{FrameRequest, FrameVerdict};
+use super::{FrameRequest, FrameVerdict, SequenceFault};
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::output::{
     Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, MovieError, MovieFormat,
@@ -73,13 +74,23 @@ pub struct SequenceProgress {
     pub total: usize,
 }
 
-/// The result of rendering a sequence.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The result of rendering a sequence. `Display` writes the numbers of frames, and each fault on a line of its own.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SequenceReport {
     /// Number of frames that were rendered and written.
     pub written: usize,
     /// Number of frames that were already complete and up to date.
     pub kept: usize,
+    /// The [faults](Engine::faults) of all frames: entities that are not drawn or not used as given, and components that the world lacks.
+    pub faults: Vec<SequenceFault>,
+}
+
+impl fmt::Display for SequenceReport {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { written, kept, faults } = self;
+        write!(formatter, "{written} frames rendered, {kept} kept")?;
+        faults.iter().try_for_each(|fault| write!(formatter, "\n{fault}"))
+    }
 }
 
 /// An error that stops the rendering of a sequence. All files written are complete.
@@ -122,7 +133,7 @@ impl Engine {
     /// use rayreel::Engine;
     ///
     /// let report = Engine::load("scenes/first_light.ron")?.render_to("out/first_light")?;
-    /// println!("{} frames rendered, {} kept", report.written, report.kept);
+    /// println!("{report}"); // the numbers of frames, and the faults: entities that are not drawn, and why
     /// # Ok::<(), rayreel::sequence::SequenceError>(())
     /// ```
     ///
@@ -352,7 +363,7 @@ struct Counted<F> {
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
     fn report_progress(&mut self, request: &FrameRequest, kept: bool) {
-        let SequenceReport { written, kept: kept_before } = self.report;
+        let SequenceReport { written, kept: kept_before, .. } = self.report;
         let progress = SequenceProgress {
             frame: request.frame.unwrap_or_default(),
             kept,
@@ -366,13 +377,15 @@ impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
 }
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted<F> {
-    fn kept(&mut self, _: &Engine, request: &FrameRequest) -> ControlFlow<()> {
+    fn kept(&mut self, engine: &Engine, request: &FrameRequest) -> ControlFlow<()> {
+        SequenceFault::collect(&mut self.report.faults, engine, request);
         self.report.kept += 1;
         self.report_progress(request, true);
         self.flow
     }
 
-    fn rendered(&mut self, _: &Engine, _: &FrameRequest) -> ControlFlow<()> {
+    fn rendered(&mut self, engine: &Engine, request: &FrameRequest) -> ControlFlow<()> {
+        SequenceFault::collect(&mut self.report.faults, engine, request);
         self.flow
     }
 

@@ -5,7 +5,8 @@ use hecs::Entity;
 /// A record of writes to the world.
 ///
 /// A system that declares no writes may have written anything, so the whole world is read again. After a system that declares its writes
-/// with the methods here, only these are read. Undeclared writes of such a system leave the image out of date.
+/// with the methods here, only these are read. Undeclared writes of such a system leave the image out of date; in builds with debug
+/// assertions, [`Engine::faults`](crate::Engine::faults) and the reports of sequences list them, with the method that declares them.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     all: bool,

@@ -35,6 +35,16 @@ pub enum Consequence {
     ShortTurn,
     /// The image is mirrored or collapsed.
     Distorted,
+    /// The surface reflects more light than it receives.
+    TooBright,
+    /// The surface is black.
+    Black,
+    /// The image shows the view of a default camera.
+    DefaultView,
+    /// The light is at the origin.
+    AtOrigin,
+    /// The shape or the material is drawn as it was before a change.
+    OutOfDate,
     /// A replacement is used for an invalid number or part.
     Fallback(Fallback),
 }
@@ -48,6 +58,8 @@ pub enum Fallback {
     Nothing,
     /// The world's +z as the view direction of a camera, or as the direction to which another entity points.
     AlongZ,
+    /// The world's +y as the up vector of a camera.
+    AlongY,
 }
 
 /// The cause of a [`Fault`].
@@ -55,8 +67,24 @@ pub enum Fallback {
 pub enum FaultCause {
     /// The entity has a [`Shape`](crate::components::Shape) and no [`Material`](crate::components::Material).
     NoMaterial,
+    /// The entity has a [`Light`](crate::components::Light) and no [`Transform`](crate::components::Transform).
+    NoTransform,
+    /// No entity has a [`Light`](crate::components::Light) or an [`Ambient`](crate::components::Ambient).
+    NoLight,
+    /// No entity has a [`Camera`](crate::components::Camera).
+    NoCamera,
     /// The entity was spawned without being declared, see [`Changes::mark_all`](super::Changes::mark_all).
     Undeclared,
+    /// A system has changed the named components of the entity, and has declared other changes but not this one. Found in builds with debug
+    /// assertions only.
+    UndeclaredChange(UndeclaredChange),
+    /// A channel of the named colour, which surfaces reflect, is above 1.
+    AboveWhite {
+        /// The name of the colour.
+        what: &'static str,
+        /// The channel.
+        value: f32,
+    },
     /// A number in the named part is not finite.
     NotFinite(&'static str),
     /// The entity's own transform is finite, but its product with the transforms of its parents is not.
@@ -98,13 +126,52 @@ pub enum FaultCause {
     },
 }
 
+/// A change that a system made to an entity and did not declare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UndeclaredChange {
+    /// A change of the [`Transform`](crate::components::Transform), of the entity or of one of its parents.
+    Transform,
+    /// A change of the [`Shape`](crate::components::Shape).
+    Shape,
+    /// A change of the [`Material`](crate::components::Material) or of another component of the surface.
+    Material,
+    /// The entity was despawned, or its [`Shape`](crate::components::Shape) or [`Material`](crate::components::Material) was removed.
+    Removal,
+}
+
 impl Fault {
     /// Returns the remedy.
     #[must_use]
     pub fn remedy(&self) -> String {
         match self.cause {
-            FaultCause::NoMaterial => "give it a material".to_owned(),
-            FaultCause::Undeclared => "call `changes.mark_all()` where it is spawned".to_owned(),
+            FaultCause::NoMaterial => {
+                "give it a material, in code as `Material::matte(color)`, or `Material::default()` for mirrors and glass"
+                    .to_owned()
+            }
+            FaultCause::NoTransform => {
+                "give it a position, as `Transform::at(-4.0, 6.0, -4.0)`".to_owned()
+            }
+            FaultCause::NoLight => {
+                "spawn a light, as `(Light::point(Rgb::ONE), Transform::at(-4.0, 6.0, -4.0))`, or ambient light, as `(Ambient(Rgb::ONE),)`"
+                    .to_owned()
+            }
+            FaultCause::NoCamera => {
+                "spawn a camera, as `(Camera::looking_at(position, target),)`".to_owned()
+            }
+            FaultCause::Undeclared => {
+                "spawn it with `context.spawn`, or call `context.changes.mark_all()` after the change".to_owned()
+            }
+            FaultCause::UndeclaredChange(change) => match change {
+                UndeclaredChange::Transform => "call `context.changes.mark_transform(entity)` after the change",
+                UndeclaredChange::Shape => "call `context.changes.mark_shape(entity)` after the change",
+                UndeclaredChange::Material => "call `context.changes.mark_material(entity)` after the change",
+                UndeclaredChange::Removal => "call `context.changes.mark_all()` after the change",
+            }
+            .to_owned(),
+            FaultCause::AboveWhite { .. } => {
+                "keep its channels from 0 to 1: scene files write 0 to 255, code converts them with `color::srgb(255, 120, 60)`"
+                    .to_owned()
+            }
             FaultCause::NotFinite(_) => {
                 "look for a division by zero or an overflow in what sets it: a track, a script or a system"
                     .to_owned()
@@ -153,12 +220,20 @@ impl fmt::Display for Fault {
             Consequence::FixedTarget => write!(formatter, "moves on past a fixed target: {}", self.cause),
             Consequence::ShortTurn => write!(formatter, "turns the short way: {}", self.cause),
             Consequence::Distorted => write!(formatter, "shows a distorted picture: {}", self.cause),
+            Consequence::TooBright => {
+                write!(formatter, "reflects more light than it receives: {}", self.cause)
+            }
+            Consequence::Black => write!(formatter, "is black: {}", self.cause),
+            Consequence::DefaultView => write!(formatter, "is seen by a default camera: {}", self.cause),
+            Consequence::AtOrigin => write!(formatter, "shines from the origin: {}", self.cause),
+            Consequence::OutOfDate => write!(formatter, "is drawn as before: {}", self.cause),
             Consequence::Fallback(instead) => {
                 write!(formatter, "is not as it says: {}, and ", self.cause)?;
                 match instead {
                     Fallback::Number(number) => write!(formatter, "counts as {}", brief(number)),
                     Fallback::Nothing => write!(formatter, "is omitted"),
                     Fallback::AlongZ => write!(formatter, "looks along +z"),
+                    Fallback::AlongY => write!(formatter, "has +y upwards"),
                 }
             }
         }
@@ -169,7 +244,26 @@ impl fmt::Display for FaultCause {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoMaterial => write!(formatter, "it has a shape but no material"),
+            Self::NoTransform => write!(formatter, "it has a light but no transform"),
+            Self::NoLight => write!(formatter, "no entity has a light, and none has ambient light"),
+            Self::NoCamera => write!(formatter, "no entity has a camera"),
             Self::Undeclared => write!(formatter, "it was spawned without being declared"),
+            Self::UndeclaredChange(change) => {
+                let change = match change {
+                    UndeclaredChange::Transform => "its `Transform`, or that of a parent, was changed",
+                    UndeclaredChange::Shape => "its `Shape` was changed",
+                    UndeclaredChange::Material => {
+                        "its `Material`, or another component of its surface, was changed"
+                    }
+                    UndeclaredChange::Removal => {
+                        "it was despawned, or its `Shape` or `Material` was removed,"
+                    }
+                };
+                write!(formatter, "{change} without being declared")
+            }
+            Self::AboveWhite { what, value } => {
+                write!(formatter, "its {what} has a channel of {}, and 1 is white", brief((*value).into()))
+            }
             Self::NotFinite(what) => write!(formatter, "its {what} is not finite"),
             Self::Overflow => {
                 write!(formatter, "its transform and those of its parents together are not finite")

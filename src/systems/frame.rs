@@ -231,6 +231,8 @@ impl Simulation {
         };
         if let Some(preparation) = &mut self.preparation {
             preparation.configure(&frame.settings);
+            // Tracks and scripts declare all their changes.
+            preparation.relies_on_declarations &= !self.schedule.is_empty();
         }
         report.bvh_builds += u32::from(changed.bvh == BvhUpdate::Built);
         report.bvh_refits += u32::from(changed.bvh == BvhUpdate::Refitted);

@@ -3,7 +3,11 @@
 use hecs::{Entity, World};
 
 use super::world_transform;
-use crate::components::{Light, Order, Shape, Transform, WorldTransform};
+use crate::components::{Light, LightKind, Order, Shape, Transform, WorldTransform};
+
+/// Marks a light with a position that was given no transform, and is therefore at the origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unplaced;
 
 /// Assigns an [`Order`] to visible entities and lights that have none, after all existing ones: first to `spawned`, in that order, then to
 /// the others by id, which in a fresh world is the order in which they were spawned. A missing world transform is added in the same
@@ -23,7 +27,11 @@ pub(crate) fn order_newcomers(world: &mut World, spawned: &[Entity]) {
     for entity in spawned.iter().chain(&newcomers) {
         let newcomer = world.query_one_mut::<hecs::Without<(MaybePlaced<'_>, Visible<'_>), &Order>>(*entity);
         let Ok(((transform, complete), _)) = newcomer else { continue };
-        let transform = transform.copied().unwrap_or(Transform::IDENTITY);
+        let (is_placed, transform) = (transform.is_some(), transform.copied().unwrap_or(Transform::IDENTITY));
+        let light = world.get::<&Light>(*entity).map(|light| light.kind);
+        if !is_placed && light.is_ok_and(|kind| !matches!(kind, LightKind::Directional { .. })) {
+            let _ = world.insert_one(*entity, Unplaced);
+        }
         // The entity exists: it satisfied the query above.
         let _ = if complete {
             world.insert_one(*entity, Order(next))

@@ -4,6 +4,7 @@ use std::any::{TypeId, type_name};
 
 use hecs::{BuiltEntityClone, Component, Entity, EntityBuilderClone, EntityRef, World};
 
+use super::Unplaced;
 use crate::components::{self, with_components};
 
 /// The component types that a snapshot copies.
@@ -22,10 +23,13 @@ struct Entry {
 /// The error for a world with a component whose type a snapshot cannot copy.
 #[derive(Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "an entity carries a component of a type that was not registered, so that time could not be turned back: call \
-     `engine.register::<T>()` for every component type of your own (registered: {registered})"
+    "{entity} has a component of a type that was not registered, so that time could not be turned back: call \
+     `engine.register::<T>()` for every component type of your own; registered are {registered}"
 )]
 pub struct UnknownComponent {
+    /// The entity, with its components of registered types.
+    entity: String,
+    /// The registered types that are not of this crate.
     registered: String,
 }
 
@@ -41,6 +45,7 @@ impl Default for Registry {
             };
         }
         with_components!(register);
+        registry.register::<Unplaced>();
         registry
     }
 }
@@ -61,12 +66,24 @@ impl Registry {
 
     fn check(&self, world: &World) -> Result<(), UnknownComponent> {
         let known = |type_id: TypeId| self.entries.iter().any(|entry| entry.type_id == type_id);
-        let occupied = world.archetypes().filter(|archetype| !archetype.is_empty());
-        if occupied.flat_map(hecs::Archetype::component_types).all(known) {
+        let mut occupied = world.archetypes().filter(|archetype| !archetype.is_empty());
+        let Some(unknown) = occupied.find(|archetype| !archetype.component_types().all(known)) else {
             return Ok(());
-        }
-        let names: Vec<&str> = self.entries.iter().map(|entry| entry.name).collect();
-        Err(UnknownComponent { registered: names.join(", ") })
+        };
+        let short = |entry: &Entry| entry.name.rsplit("::").next().unwrap_or(entry.name).to_owned();
+        let has = |entry: &&Entry| unknown.component_types().any(|type_id| type_id == entry.type_id);
+        let components: Vec<String> = self.entries.iter().filter(has).map(short).collect();
+        let entity = unknown.ids().first().map_or_else(String::new, |id| format!(" {id}"));
+        let own = |entry: &&Entry| !entry.name.starts_with(concat!(env!("CARGO_CRATE_NAME"), "::"));
+        let registered: Vec<String> = self.entries.iter().filter(own).map(short).collect();
+        let listed = |names: Vec<String>, none: &str| match names.is_empty() {
+            true => none.to_owned(),
+            false => names.join(", "),
+        };
+        Err(UnknownComponent {
+            entity: format!("entity{entity} (with {})", listed(components, "no other component")),
+            registered: listed(registered, "none so far"),
+        })
     }
 }
 

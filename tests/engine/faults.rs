@@ -478,10 +478,9 @@ fn faults_have_messages_and_remedies() {
     assert_eq!(remedy, "make it longer than 1.862645149230957e-9, or bring it nearer to the origin");
 
     let bare = message_of(|world| world.spawn((ball,)));
-    assert_eq!(
-        bare,
-        ("is not drawn: it has a shape but no material".to_owned(), "give it a material".to_owned())
-    );
+    assert_eq!(bare.0, "is not drawn: it has a shape but no material");
+    let remedy = "give it a material, in code as `Material::matte(color)`, or `Material::default()` for mirrors and glass";
+    assert_eq!(bare.1, remedy);
     let through_parents = message_of(|world| {
         let parent = world.spawn((scaled(1e200),));
         world.spawn((ball, scaled(1e200), Parent(parent), clay()))

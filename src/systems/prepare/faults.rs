@@ -15,11 +15,11 @@ use super::shape::prepared_shape;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
-    Material, Motion, Order, Projection, Property, Quality, Quantity, Refractive, Sampling, Shape, Shots,
-    Specular, Stars, Sun, Target, Transform, ValidRange, View, WorldTransform,
+    Material, Motion, Order, Parent, Projection, Property, Quality, Quantity, Refractive, Sampling, Shape,
+    Shots, Specular, Stars, Sun, Target, Transform, ValidRange, View, WorldTransform,
 };
 use crate::systems::aim::circular_aims;
-use crate::systems::{Consequence, Fallback, Fault, FaultCause};
+use crate::systems::{Consequence, Fallback, Fault, FaultCause, Unplaced};
 use crate::trace::LightSource;
 
 impl Preparation {
@@ -39,9 +39,35 @@ impl Preparation {
         camera_faults(world, self, &mut faults);
         setting_faults(world, &mut faults);
         turn_faults(world, &mut faults);
+        parent_faults(world, &mut faults);
+        self.lacking_faults(world, &mut faults);
+        if cfg!(debug_assertions) && self.relies_on_declarations {
+            self.undeclared_changes(world, &mut faults);
+        }
         let order = |fault: &Fault| world.get::<&Order>(fault.entity).map_or(u64::MAX, |order| order.0);
         faults.sort_by_key(|fault| (order(fault), fault.entity.id()));
         faults
+    }
+
+    /// Reports the components that the world lacks, at the first shape in document order.
+    fn lacking_faults(&self, world: &World, faults: &mut Vec<Fault>) {
+        let Some(entity) = self.entities.first().copied() else { return };
+        if first_entity::<Camera>(world).is_none() {
+            faults.push(Fault { entity, consequence: Consequence::DefaultView, cause: FaultCause::NoCamera });
+        }
+        if first_entity::<Light>(world).is_none() && first_entity::<Ambient>(world).is_none() {
+            let is_lit = |entity: &&Entity| {
+                world
+                    .get::<&Material>(**entity)
+                    .is_ok_and(|material| material.k_a > 0.0 || material.k_d > 0.0)
+            };
+            let first_lit = self.entities.iter().find(is_lit);
+            faults.extend(first_lit.map(|entity| Fault {
+                entity: *entity,
+                consequence: Consequence::Black,
+                cause: FaultCause::NoLight,
+            }));
+        }
     }
 
     fn shape_faults(&self, world: &World, faults: &mut Vec<Fault>) {
@@ -129,6 +155,17 @@ impl Checked {
         }
     }
 
+    /// Checks a colour that a surface reflects. It is used as given if it is brighter than white.
+    fn reflected_color(&mut self, what: &'static str, color: Rgb) {
+        self.color(what, color);
+        let brightest = color.max_element();
+        if brightest > 1.0 {
+            let cause = FaultCause::AboveWhite { what, value: brightest };
+            let (entity, consequence) = (self.entity, Consequence::TooBright);
+            self.fault.get_or_insert(Fault { entity, consequence, cause });
+        }
+    }
+
     /// Checks an optional part of an entity, which is ignored if it is invalid.
     fn part(&mut self, what: &'static str, value: f64, is_good: bool, range: ValidRange) {
         if !is_good {
@@ -151,8 +188,8 @@ pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fa
     };
     share(&mut checked, "k_a", material.k_a);
     share(&mut checked, "k_d", material.k_d);
-    checked.color("color", material.color);
-    checked.color("ambient_color", material.ambient_color.unwrap_or_default());
+    checked.reflected_color("color", material.color);
+    checked.reflected_color("ambient_color", material.ambient_color.unwrap_or_default());
     if let Some(Specular { k_s, shininess }) = specular {
         share(&mut checked, "k_s", *k_s);
         checked.number("shininess", f64::from(*shininess), Quantity::Shininess.range());
@@ -168,14 +205,19 @@ pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fa
     }
     if let Some(checker) = checker {
         checked.part("square size", checker.size, checker.size > 0.0, ValidRange::Positive);
-        checked.color("checker colour", checker.color);
+        checked.reflected_color("checker colour", checker.color);
     }
     checked.fault
 }
 
 fn light_faults(world: &World, faults: &mut Vec<Fault>) {
-    let mut query = world.query::<(Entity, &Light, Option<&Transform>, Option<&WorldTransform>)>();
-    for (entity, light, own, transform) in &mut query {
+    type Placed<'a> = (Option<&'a Transform>, Option<&'a WorldTransform>, hecs::Satisfies<&'a Unplaced>);
+    let mut query = world.query::<(Entity, &Light, Placed<'_>)>();
+    for (entity, light, (own, transform, is_unplaced)) in &mut query {
+        // A light with a parent is at the parent's origin.
+        if is_unplaced && own == Some(&Transform::IDENTITY) && !world.satisfies::<&Parent>(entity) {
+            faults.push(Fault { entity, consequence: Consequence::AtOrigin, cause: FaultCause::NoTransform });
+        }
         let prepared = transform
             .ok_or(FaultCause::Undeclared)
             .and_then(|transform| prepared_light(light, transform, None));
@@ -259,6 +301,13 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     };
     if !looked.is_finite() {
         faults.push(instead(entity, FaultCause::NotFinite("view"), Fallback::AlongZ));
+    } else if camera.view == View::Direction(DVec3::ZERO) && !looks_at_entity {
+        faults.push(instead(entity, FaultCause::NoDirection("view"), Fallback::AlongZ));
+    }
+    if !camera.up.is_finite() {
+        faults.push(instead(entity, FaultCause::NotFinite("up vector"), Fallback::AlongY));
+    } else if camera.up == DVec3::ZERO {
+        faults.push(instead(entity, FaultCause::NoDirection("up vector"), Fallback::AlongY));
     }
     let mut checked = Checked::new(entity);
     checked.part("roll", camera.roll, camera.roll.is_finite(), ValidRange::Any);
@@ -307,6 +356,17 @@ fn projection_fault(projection: Projection) -> Option<(FaultCause, f64)> {
             cause("field of view", angle, ValidRange::FieldOfView, angle > 0.0 && angle < PI)
         }
     }
+}
+
+/// Reports entities whose parent does not exist.
+fn parent_faults(world: &World, faults: &mut Vec<Fault>) {
+    let mut query = world.query::<(Entity, &Parent)>();
+    faults.extend(
+        query
+            .iter()
+            .filter(|(_, parent)| !world.contains(parent.0))
+            .map(|(entity, _)| instead(entity, FaultCause::Missing("is a child of"), Fallback::Nothing)),
+    );
 }
 
 /// Reports rotation tracks with neighbouring keys more than half a turn apart, between which the rotation takes the shorter way.

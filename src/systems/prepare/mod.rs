@@ -8,6 +8,7 @@ mod read;
 mod render_settings;
 mod settings;
 mod shape;
+mod undeclared;
 
 use std::collections::BTreeSet;
 
@@ -57,6 +58,8 @@ pub struct Preparation {
     slots: SlotTable,
     /// Entities whose surfaces have out-of-range numbers.
     unsound: BTreeSet<Entity>,
+    /// True if only declared changes have been read.
+    pub(super) relies_on_declarations: bool,
 }
 
 /// Slots by entity. Entity ids are small and dense, so a list suffices.
@@ -95,6 +98,7 @@ impl Preparation {
             lights: Vec::new(),
             slots: SlotTable::default(),
             unsound: BTreeSet::new(),
+            relies_on_declarations: false,
         };
         preparation.read_all(world);
         preparation
@@ -108,6 +112,7 @@ impl Preparation {
         self.slots.fill(&drawn.entities);
         self.entities = drawn.entities;
         self.unsound = drawn.unsound.into_iter().collect();
+        self.relies_on_declarations = false;
         self.read_settings(world);
     }
 
@@ -150,6 +155,7 @@ impl Preparation {
             Some((slot, surface_material(surface)))
         });
         let materials = self.scene.replace_materials(materials);
+        self.relies_on_declarations = true;
         SceneChanges { shapes, bvh, materials, ..self.read_settings(world) }
     }
 
