@@ -35,7 +35,7 @@ const AT_MOST: Duration = Duration::from_secs(60);
 const VERSIONS: usize = 30;
 
 /// The texts of the files that a scene includes.
-type Included = [(&'static str, String); 2];
+type Included = Vec<(&'static str, String)>;
 
 #[test]
 fn long_sessions_do_not_leak_and_stay_correct() {
@@ -113,7 +113,7 @@ fn versions(folder: &Path) -> Vec<(String, Included)> {
 }
 
 /// Replaces the files, each atomically.
-fn write(folder: &Path, text: &str, files: &Included) {
+fn write(folder: &Path, text: &str, files: &[(&'static str, String)]) {
     let all = files.iter().map(|(name, text)| (*name, text.as_str())).chain([("scene.ron", text)]);
     for (name, text) in all {
         fs::write(folder.join("new"), text).unwrap();

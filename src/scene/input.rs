@@ -1,6 +1,7 @@
 //! Safe reading of files at arbitrary paths. A path may name a device, a pipe, or a virtual file whose content the system generates on
 //! reading.
 
+use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{self, Read, Take};
 use std::path::{Path, PathBuf};
@@ -38,11 +39,22 @@ debug_as_message!(InputError);
 pub(super) struct InputFiles {
     /// The paths, including those of missing files.
     pub(super) paths: Vec<PathBuf>,
+    /// The keys of the scene files among them.
+    keys: HashSet<PathBuf>,
     /// True if a file exists but could not be read. It may become readable without being changed.
     pub(super) is_transient: bool,
 }
 
 impl InputFiles {
+    /// Adds the path of a scene file, and returns the key of the file: its canonical path, or `path` if it has none.
+    pub(super) fn add(&mut self, path: &Path) -> PathBuf {
+        let key = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        if self.keys.insert(key.clone()) {
+            self.paths.push(path.to_owned());
+        }
+        key
+    }
+
     /// Reads a file like [`read`], and records whether a failure is transient.
     pub(super) fn read(&mut self, path: &Path, offered: InputKind, most: u64) -> Result<Vec<u8>, InputError> {
         let content = read(path, offered, most);

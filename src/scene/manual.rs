@@ -165,6 +165,8 @@ mod tests {
         for (variant, inside) in check_variants::<AreaShapeDocument>("AreaShape", all).variants {
             assert_eq!(inside, known::<AreaShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }
+        // It describes no type.
+        assert!(sections.remove("Extended scenes").is_some());
         assert!(sections.is_empty(), "the manual describes what the format has not: {:?}", sections.keys());
     }
 

@@ -7,6 +7,7 @@
 //! ```
 //!
 //! A scene may `include` others. Each file is read and validated once, independently of the others; all documents are then merged into one.
+//! A scene may also extend another: `extend` composes the texts of both before they are parsed, and `source_text` keeps the positions.
 //! A [`Reader`], which loads a scene repeatedly, parses only the edited parts.
 //!
 //! Parsing a file stops at its first syntax error (a missing bracket, an unknown field). Semantic errors (an unknown material, a radius of
@@ -20,6 +21,7 @@ mod diagnostic;
 mod document;
 mod error;
 mod escape;
+mod extend;
 mod files;
 #[doc(hidden)]
 pub mod input;
@@ -34,6 +36,7 @@ mod quote;
 mod reader;
 mod script_sources;
 mod scripts;
+mod source_text;
 mod sources;
 mod spans;
 mod spawn;
@@ -42,7 +45,7 @@ mod suggest_file;
 mod validate;
 
 pub use diagnostic::{Diagnostic, Source, SourcePosition};
-pub use error::{Inclusion, LoadError, Mistake};
+pub use error::{Inclusion, InclusionKind, LoadError, Mistake};
 #[doc(hidden)]
 pub use escape::{Printable, is_printable};
 pub use load::{Scene, TEMPLATE};
@@ -50,4 +53,5 @@ pub use overrides::{Override, OverrideError};
 pub use reader::Reader;
 pub use script_sources::ScriptMistake;
 pub(crate) use script_sources::{SceneScripts, ScriptSources};
-pub use sources::{SourceLine, Sources};
+pub use source_text::SourceLine;
+pub use sources::Sources;

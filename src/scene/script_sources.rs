@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use super::source_text::{SourceText, TextFile};
 use super::spans::{PathStep, inside_text, locate};
 use super::validate::help_for;
 use super::{Diagnostic, Source, SourcePosition};
@@ -24,10 +25,11 @@ pub(crate) struct ScriptSources {
 
 /// The location of a script.
 #[derive(Clone, Debug)]
-pub(super) struct ScriptSource {
-    pub(super) source: Arc<Source>,
-    /// The index of its animation in the list `animate`; `None` for a script file.
-    pub(super) animation: Option<usize>,
+pub(super) enum ScriptSource {
+    /// A script file.
+    File(Arc<Source>),
+    /// A scene, and the index of an animation in its list `animate`.
+    Scene(Arc<SourceText>, usize),
 }
 
 /// A runtime error of a script during the evaluation of a frame. `Display` renders it in compiler style, without colours.
@@ -54,20 +56,20 @@ impl ScriptSources {
     pub(crate) fn mistake(&self, script: ScriptId, about: &str, error: &ScriptError) -> ScriptMistake {
         let (message, label) = (format!("{about}: {}", error.message), error.label.clone());
         let (span, source) = match self.list.get(script.0) {
-            Some(ScriptSource { source, animation: Some(animation) }) => {
+            Some(ScriptSource::Scene(scene, animation)) => {
                 let path = [
                     PathStep::Field("animate"),
                     PathStep::Index(*animation),
                     PathStep::Field("track"),
                     PathStep::Index(0),
                 ];
-                let span = locate(&source.text, &[path.to_vec()])[0].clone();
-                let span = inside_text(&source.text, span, &error.span);
-                (Some(span), Some(Arc::clone(source)))
+                let span = locate(scene.text(), &[path.to_vec()])[0].clone();
+                let (file, span) = scene.original(&inside_text(scene.text(), span, &error.span));
+                let TextFile { name, text, .. } = &scene.files()[file];
+                let source = Source { file: name.clone(), text: text.as_str().to_owned() };
+                (Some(span), Some(Arc::new(source)))
             }
-            Some(ScriptSource { source, animation: None }) => {
-                (Some(error.span.clone()), Some(Arc::clone(source)))
-            }
+            Some(ScriptSource::File(source)) => (Some(error.span.clone()), Some(Arc::clone(source))),
             None => (None, None),
         };
         ScriptMistake { diagnostic: Diagnostic::new(message, label, help_for(error), span).within(source) }

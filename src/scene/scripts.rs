@@ -11,6 +11,7 @@ use super::diagnostic::Source;
 use super::document::{EntityDocument, SceneDocument, ScriptDocument};
 use super::input::{InputError, InputFiles, InputKind};
 use super::script_sources::{SceneScripts, ScriptSource};
+use super::source_text::SourceText;
 use super::spawn::transfer;
 use super::suggest_file::nearby;
 use super::validate::{At, Problems};
@@ -19,7 +20,7 @@ use crate::script::{CompiledScripts, Language, ScriptError, SpawnBudget, limits,
 /// Runs the spawning scripts. Their entities are appended to the document and deducted from `budget`.
 pub(super) fn spawn(
     document: &mut SceneDocument,
-    folder: &Path,
+    scene_text: &SourceText,
     seed: u64,
     budget: &mut SpawnBudget,
     inputs: &mut InputFiles,
@@ -28,7 +29,9 @@ pub(super) fn spawn(
     let scene = At::scene();
     let list = scene.field("spawn");
     problems.spawned_from(document.entities.len());
-    for (index, script) in document.spawn.iter().enumerate() {
+    let values: Vec<_> = (0..document.spawn.len()).map(|index| list.index(index).path()).collect();
+    let folders = scene_text.folders(&values).into_iter();
+    for (index, (script, folder)) in document.spawn.iter().zip(folders).enumerate() {
         let at = list.index(index);
         let Some(code) = Code::read(script, folder, inputs, &at, problems) else { continue };
         let (result, spawned) = run(&code.text, seed, budget);
@@ -76,15 +79,22 @@ impl Compiler {
         &mut self,
         file: usize,
         document: &mut SceneDocument,
-        folder: &Path,
+        scene_text: &SourceText,
         inputs: &mut InputFiles,
         problems: &mut Problems,
     ) {
         let Compiled { scripts, origins } = &mut self.compiled;
         let scene = At::scene();
         let list = scene.field("animate");
-        for (index, animation) in document.animate.iter_mut().enumerate() {
-            let Some(script) = animation.track.script() else { continue };
+        let scripted: Vec<_> = document
+            .animate
+            .iter_mut()
+            .enumerate()
+            .filter_map(|(index, animation)| Some((index, animation.track.script()?, animation)))
+            .collect();
+        let values: Vec<_> = scripted.iter().map(|(index, ..)| list.index(*index).path()).collect();
+        let folders = scene_text.folders(&values).into_iter();
+        for ((index, script, animation), folder) in scripted.into_iter().zip(folders) {
             let animation_at = list.index(index);
             let at = animation_at.field("track");
             let Some(code) = Code::read(&script, folder, inputs, &at, problems) else { continue };
@@ -107,23 +117,21 @@ impl Compiler {
 impl Compiled {
     /// Adds the uses of the scripts and the source texts. Only texts that contain a script are kept.
     pub(super) fn link(mut self, uses: &[(usize, String)], sources: &Sources) -> SceneScripts {
-        let mut kept: HashMap<usize, Arc<Source>> = HashMap::new();
-        let written: Vec<ScriptSource> = self
+        let mut kept: HashMap<usize, Arc<SourceText>> = HashMap::new();
+        let written: Vec<Option<ScriptSource>> = self
             .origins
             .iter()
             .map(|origin| match &origin.source {
-                Some(source) => ScriptSource { source: Arc::clone(source), animation: None },
+                Some(source) => Some(ScriptSource::File(Arc::clone(source))),
                 None => {
-                    let source = kept.entry(origin.file).or_insert_with(|| {
-                        let (file, text) = sources.file(origin.file).unwrap_or_default();
-                        Arc::new(Source { file: file.to_owned(), text: text.to_owned() })
-                    });
-                    ScriptSource { source: Arc::clone(source), animation: Some(origin.animation) }
+                    let scene = sources.file(origin.file)?;
+                    let scene = kept.entry(origin.file).or_insert_with(|| Arc::new(scene.clone()));
+                    Some(ScriptSource::Scene(Arc::clone(scene), origin.animation))
                 }
             })
             .collect();
         self.scripts.uses = uses.to_vec();
-        let written = uses.iter().filter_map(|(script, _)| written.get(*script).cloned()).collect();
+        let written = uses.iter().filter_map(|(script, _)| written.get(*script)?.clone()).collect();
         SceneScripts::new(self.scripts, written)
     }
 }

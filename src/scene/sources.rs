@@ -1,11 +1,7 @@
 //! The source locations of scene elements.
 
-use std::fmt;
-use std::sync::Arc;
-
-use super::SourcePosition;
-use super::escape::Printable;
 use super::files::Origin;
+use super::source_text::{SourceLine, SourceText};
 use super::spans::{PathStep, locate};
 
 /// The texts of all files of a scene, for looking up the locations of its elements.
@@ -23,8 +19,8 @@ use super::spans::{PathStep, locate};
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
-    /// The names and texts; the first is the scene file.
-    files: Vec<(String, Arc<String>)>,
+    /// The texts; the first is that of the scene file.
+    files: Vec<SourceText>,
     /// The runs of entities, in document order.
     runs: Vec<Run>,
     /// The camera names in the map `cameras`.
@@ -39,17 +35,8 @@ pub(super) struct Run {
     pub(super) origin: Origin,
 }
 
-/// A line of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SourceLine<'a> {
-    /// The file, as named by the caller or by the include.
-    pub file: &'a str,
-    /// The line, from 1.
-    pub line: usize,
-}
-
 impl Sources {
-    pub(super) fn new(files: Vec<(String, Arc<String>)>, runs: Vec<Run>, cameras: Vec<String>) -> Self {
+    pub(super) fn new(files: Vec<SourceText>, runs: Vec<Run>, cameras: Vec<String>) -> Self {
         Self { files, runs, cameras }
     }
 
@@ -94,7 +81,7 @@ impl Sources {
     #[must_use]
     pub fn material(&self, entity: usize) -> Option<String> {
         let origin = self.origin(entity);
-        let (_, text) = self.file(origin.file)?;
+        let text = self.file(origin.file)?.text();
         let path =
             vec![PathStep::Field(origin.list), PathStep::Index(origin.index), PathStep::Field("material")];
         let written = locate(text, &[path]).pop()?;
@@ -102,9 +89,9 @@ impl Sources {
         ron::from_str(text.get(written)?).ok()
     }
 
-    /// Returns the name and the text of a file.
-    pub(super) fn file(&self, file: usize) -> Option<(&str, &str)> {
-        self.files.get(file).map(|(name, text)| (name.as_str(), text.as_str()))
+    /// Returns the text of a file.
+    pub(super) fn file(&self, file: usize) -> Option<&SourceText> {
+        self.files.get(file)
     }
 
     fn origin(&self, entity: usize) -> Origin {
@@ -116,19 +103,9 @@ impl Sources {
     }
 
     fn lines(&self, file: usize, paths: &[Vec<PathStep>]) -> impl Iterator<Item = SourceLine<'_>> {
-        let found = self.files.get(file).map(|(name, text)| {
-            let spans = locate(text, paths).into_iter();
-            spans.map(|span| SourceLine {
-                file: name.as_str(),
-                line: SourcePosition::of(text, span.start).line,
-            })
-        });
-        found.into_iter().flatten()
-    }
-}
-
-impl fmt::Display for SourceLine<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{}:{}", Printable(self.file), self.line)
+        let found = self.files.get(file);
+        let spans =
+            found.map(|source| locate(source.text(), paths).into_iter().map(|span| source.line(&span)));
+        spans.into_iter().flatten()
     }
 }

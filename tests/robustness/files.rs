@@ -86,7 +86,7 @@ fn alone(folder: &str) -> impl Iterator<Item = Files> {
 /// Returns the template, the shipped scenes, and scenes that use every field.
 pub(crate) fn good_scenes() -> Vec<Files> {
     let mut scenes = vec![Files::of_text(TEMPLATE)];
-    for path in scenes_in(&root().join("scenes")) {
+    for path in ["scenes", "scenes/lesson"].into_iter().flat_map(|folder| scenes_in(&root().join(folder))) {
         let made_of = Scene::load(&path).unwrap().files;
         scenes.push(Files::of(&path, |file| made_of.iter().any(|part| part == file)));
     }

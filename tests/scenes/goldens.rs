@@ -24,8 +24,9 @@ use crate::{root, scenes_in};
 
 const SIZE: (u32, u32) = (320, 180);
 
+/// Returns the shipped scenes, and those of the lesson, which extend each other.
 fn scenes() -> Vec<PathBuf> {
-    scenes_in("scenes")
+    [scenes_in("scenes"), scenes_in("scenes/lesson")].concat()
 }
 
 /// Returns small scenes of two frames each, at the sizes written in them.
@@ -123,6 +124,12 @@ fn stem(path: &Path) -> &str {
     path.file_stem().unwrap().to_str().unwrap()
 }
 
+/// Returns the name of a shipped scene's goldens.
+fn golden_name(path: &Path) -> String {
+    let is_of_lesson = path.parent().is_some_and(|folder| folder.ends_with("lesson"));
+    format!("{}{}", if is_of_lesson { "lesson." } else { "" }, stem(path))
+}
+
 #[test]
 fn shipped_scenes_match_their_goldens() {
     let mut wrong = Vec::new();
@@ -131,7 +138,7 @@ fn shipped_scenes_match_their_goldens() {
     for path in scenes {
         let engine = load(&path, SIZE);
         let frames = frames(&engine);
-        wrong.extend(mismatches(stem(&path), engine, &frames));
+        wrong.extend(mismatches(&golden_name(&path), engine, &frames));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

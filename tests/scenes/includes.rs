@@ -20,7 +20,7 @@ use rayreel::{Engine, Entity, Scene, World};
 const CAMERA: &str = "camera: (position: (0, 1, -6), target: (0, 0, 0))";
 
 /// Returns a folder with files of these names and texts.
-fn folder(files: &[(&str, &str)]) -> TempDir {
+pub(crate) fn folder(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
         let path = folder.path().join(name);
@@ -30,20 +30,20 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-fn load(folder: &TempDir) -> Scene {
+pub(crate) fn load(folder: &TempDir) -> Scene {
     Scene::load(&folder.path().join("scene.ron")).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn refused(folder: &TempDir) -> LoadError {
+pub(crate) fn refused(folder: &TempDir) -> LoadError {
     Scene::load(&folder.path().join("scene.ron")).err().unwrap()
 }
 
-fn messages(error: &LoadError) -> Vec<&str> {
+pub(crate) fn messages(error: &LoadError) -> Vec<&str> {
     error.mistakes().map(|mistake| mistake.diagnostic.message.as_str()).collect()
 }
 
 /// Returns all properties of entities that a file can set, in document order.
-fn described(world: &World) -> Vec<String> {
+pub(crate) fn described(world: &World) -> Vec<String> {
     fn part<T: hecs::Component + std::fmt::Debug>(world: &World, entity: Entity) -> String {
         world.get::<&T>(entity).map_or_else(|_| String::new(), |part| format!(" {:?}", *part))
     }
@@ -71,7 +71,7 @@ fn described(world: &World) -> Vec<String> {
     described
 }
 
-fn names(scene: &Scene) -> Vec<String> {
+pub(crate) fn names(scene: &Scene) -> Vec<String> {
     let mut query = scene.world.query::<(&Order, &Name)>();
     let mut names: Vec<(Order, String)> =
         query.iter().map(|(order, name)| (*order, name.0.clone())).collect();

@@ -14,6 +14,8 @@ use crate::components::{FilmSettings, Quality, Sampling, Stars};
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Scene")]
 pub(crate) struct SceneDocument {
+    pub(crate) extends: Option<String>,
+    pub(crate) without: Vec<String>,
     pub(crate) include: Vec<IncludeDocument>,
     pub(crate) timeline: TimelineDocument,
     pub(crate) film: FilmDocument,

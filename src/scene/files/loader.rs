@@ -1,26 +1,25 @@
 //! Loads a scene file and its includes.
 
-use std::collections::{HashMap, HashSet};
-use std::fs;
+use std::collections::HashMap;
 use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::bases::{BaseReader, ChainLink, without_mark};
 use super::foreign::foreign_file;
 use super::names;
-use super::read::{FileContent, ReadFailure, read, read_included};
-use super::{Files, SceneFile, Scope};
+use super::read::{DEEPEST, FileContent, ReadFailure, read, read_included};
+use super::{Files, Origin, SceneFile, Scope};
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
+use crate::scene::extend::EXTENDS;
 use crate::scene::overrides::{Override, Unplaced};
 use crate::scene::parse::{ParsedEntities, parse};
 use crate::scene::quote::{linked, short};
 use crate::scene::scripts::{self, Compiled};
+use crate::scene::source_text::SourceText;
 use crate::scene::validate::{At, Problems, validate};
 use crate::script::SpawnBudget;
-
-/// Maximum depth of nested includes.
-const DEEPEST: usize = 32;
 
 impl Files {
     /// Reads a scene file and its includes, and applies overrides.
@@ -69,8 +68,7 @@ impl Files {
         let mut compiler = scripts::Compiler::new(own);
         for (index, file) in self.files.iter_mut().enumerate() {
             if let Some(document) = &mut file.document {
-                let folder = Path::new(&file.name).parent().unwrap_or(Path::new(""));
-                compiler.compile(index, document, folder, &mut self.inputs, &mut file.problems);
+                compiler.compile(index, document, &file.source, &mut self.inputs, &mut file.problems);
             }
         }
         compiler.finish()
@@ -91,12 +89,13 @@ struct Loader {
     texts: Option<Texts>,
     /// The indices of the loaded files, by canonical path.
     known: HashMap<PathBuf, usize>,
-    tried: HashSet<PathBuf>,
     /// The stack of files being read: the current file is last, after the files that include it.
     include_stack: Vec<usize>,
     /// The remaining budget of spawning scripts.
     budget: SpawnBudget,
     overrides: Unplaced,
+    /// The number of bytes of all extended scenes.
+    extended_bytes: u64,
 }
 
 impl Loader {
@@ -109,7 +108,7 @@ impl Loader {
     }
 
     fn load(&mut self, path: &Path, content: FileContent) -> Files {
-        let key = self.try_path(path);
+        let key = self.loaded.inputs.add(path);
         self.add(path, key, content, None);
         if let (Some(mistake), Some(own)) = (self.overrides.mistake(), self.loaded.files.first_mut()) {
             own.mistake.get_or_insert(mistake);
@@ -117,48 +116,41 @@ impl Loader {
         mem::take(&mut self.loaded)
     }
 
-    /// Adds a path to the files of the scene, and returns the key of the file: its canonical path, or `path` if it has none.
-    fn try_path(&mut self, path: &Path) -> PathBuf {
-        let key = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        if self.tried.insert(key.clone()) {
-            self.loaded.inputs.paths.push(path.to_owned());
-        }
-        key
-    }
-
-    fn add(
-        &mut self,
-        path: &Path,
-        key: PathBuf,
-        mut content: FileContent,
-        from: Option<(usize, usize)>,
-    ) -> usize {
+    fn add(&mut self, path: &Path, key: PathBuf, content: FileContent, from: Option<Origin>) -> usize {
         let index = self.loaded.files.len();
-        let overridden = match &mut content {
+        let mut file = match content {
             FileContent::Text(text) => {
-                // A byte order mark is not part of the scene, and editors do not count it as a column.
-                if text.starts_with('\u{feff}') {
-                    text.remove(0);
+                let source = SourceText::new(path, without_mark(text));
+                let mut bases =
+                    BaseReader { inputs: &mut self.loaded.inputs, bytes: &mut self.extended_bytes };
+                match bases.compose(path, &key, source) {
+                    Ok(source) => self.parsed(path, &key, source),
+                    Err(chain) => {
+                        self.known.insert(key, index);
+                        self.add_faulty(chain, from);
+                        return index;
+                    }
                 }
-                self.overrides.place(text)
             }
-            FileContent::Invalid(..) => Vec::new(),
+            FileContent::Invalid(text, mistake) => {
+                let mistake = foreign_file(path).unwrap_or(mistake);
+                SceneFile { mistake: Some(mistake), ..SceneFile::new(SourceText::new(path, text)) }
+            }
         };
-        let mut file = SceneFile::new(path, content, from, |text| self.parse(&key, text));
-        file.overridden = overridden;
+        file.from = from;
         self.known.insert(key, index);
-        let folder = path.parent().unwrap_or(Path::new(""));
         let own = self.loaded.files.first().unwrap_or(&file);
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
         if let Some(document) = &mut file.document {
             let Self { loaded: Files { inputs, .. }, budget, .. } = self;
-            scripts::spawn(document, folder, seed, budget, inputs, &mut file.problems);
+            scripts::spawn(document, &file.source, seed, budget, inputs, &mut file.problems);
         }
-        let wanted: Vec<String> = file.document.iter().flat_map(SceneDocument::included_files).collect();
+        let wanted = file.included_files();
         self.loaded.files.push(file);
         self.include_stack.push(index);
-        for (place, written) in wanted.iter().enumerate() {
-            let found = self.include(&folder.join(written), Path::new(written), (index, place));
+        for (place, (folder, written)) in wanted.iter().enumerate() {
+            let from = Origin { file: index, list: "include", index: place };
+            let found = self.include(&folder.join(written), Path::new(written), from);
             let file = &mut self.loaded.files[index];
             if let Err(failure) = &found {
                 failure.add_to(place, &mut file.problems);
@@ -170,6 +162,28 @@ impl Loader {
         index
     }
 
+    /// Adds the files of a chain that cannot be composed, each after the one that extends it.
+    fn add_faulty(&mut self, chain: Vec<ChainLink>, mut from: Option<Origin>) {
+        for ChainLink { source, mistake, problems, .. } in chain {
+            let index = self.loaded.files.len();
+            self.loaded.files.push(SceneFile { from, mistake, problems, ..SceneFile::new(source) });
+            self.loaded.parts_first.push(index);
+            from = Some(Origin { file: index, list: EXTENDS, index: 0 });
+        }
+    }
+
+    /// Applies overrides to a text, and parses it.
+    fn parsed(&mut self, path: &Path, key: &Path, mut source: SourceText) -> SceneFile {
+        let overridden = self.overrides.place(&mut source);
+        let mut file = SceneFile { overridden, ..SceneFile::new(source) };
+        match self.parse(key, file.source.text()) {
+            Err(_) if let Some(mistake) = foreign_file(path) => file.mistake = Some(mistake),
+            Ok(document) => file.document = Some(document),
+            Err(mistakes) => file.mistake = file.problems.add_located(mistakes),
+        }
+        file
+    }
+
     /// Parses a text. If it differs little from the previous text of the file, only the difference is parsed.
     fn parse(&mut self, key: &Path, text: &Arc<String>) -> Result<SceneDocument, Vec<Diagnostic>> {
         match &mut self.texts {
@@ -178,8 +192,8 @@ impl Loader {
         }
     }
 
-    fn include(&mut self, path: &Path, written: &Path, from: (usize, usize)) -> Result<usize, ReadFailure> {
-        let key = self.try_path(path);
+    fn include(&mut self, path: &Path, written: &Path, from: Origin) -> Result<usize, ReadFailure> {
+        let key = self.loaded.inputs.add(path);
         if let Some(index) = self.known.get(&key) {
             return match self.include_stack.iter().position(|file| file == index) {
                 Some(start) => Err(self.ring(start)),
@@ -203,7 +217,7 @@ impl Loader {
         let names: Vec<String> = members
             .iter()
             .chain(&members[..1])
-            .map(|index| format!("`{}`", short(&self.loaded.files[*index].name)))
+            .map(|index| format!("`{}`", short(self.loaded.files[*index].source.name())))
             .collect();
         ReadFailure {
             message: linked(&names, " includes "),
@@ -223,31 +237,18 @@ impl ReadFailure {
 }
 
 impl SceneFile {
-    fn new(
-        path: &Path,
-        content: FileContent,
-        from: Option<(usize, usize)>,
-        parse: impl FnOnce(&Arc<String>) -> Result<SceneDocument, Vec<Diagnostic>>,
-    ) -> Self {
-        let mut problems = Problems::default();
-        let (text, document, mistake) = match content {
-            FileContent::Invalid(text, mistake) => {
-                (Arc::new(text), None, Some(foreign_file(path).unwrap_or(mistake)))
-            }
-            FileContent::Text(text) => {
-                let text = Arc::new(text);
-                match parse(&text) {
-                    Err(_) if let Some(mistake) = foreign_file(path) => (text, None, Some(mistake)),
-                    Ok(document) => (text, Some(document), None),
-                    Err(mistakes) => {
-                        let mistake = problems.add_located(mistakes);
-                        (text, None, mistake)
-                    }
-                }
-            }
-        };
-        let name = path.display().to_string();
-        let (includes, overridden) = (Vec::new(), Vec::new());
-        Self { name, text, overridden, document, includes, from, mistake, problems }
+    fn new(source: SourceText) -> Self {
+        let (includes, problems) = (Vec::new(), Problems::default());
+        let (overridden, document, from, mistake) = (Vec::new(), None, None, None);
+        Self { source, overridden, document, includes, from, mistake, problems }
+    }
+
+    /// Returns the paths of the includes as written, each with the folder that it is relative to.
+    fn included_files(&self) -> Vec<(PathBuf, String)> {
+        let written: Vec<String> = self.document.iter().flat_map(SceneDocument::included_files).collect();
+        let scene = At::scene();
+        let list = scene.field("include");
+        let values: Vec<_> = (0..written.len()).map(|index| list.index(index).path()).collect();
+        self.source.folders(&values).into_iter().map(Path::to_owned).zip(written).collect()
     }
 }

@@ -28,7 +28,7 @@ impl Files {
         let mut texts = Vec::new();
         for file in self.files {
             parts.extend(file.document.map(|document| (document, file.includes)));
-            texts.push((file.name, file.text));
+            texts.push(file.source);
         }
         let mut parts = parts.into_iter();
         let scene = parts.next().map(|(document, includes)| (document, flat(includes)));

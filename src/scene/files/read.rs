@@ -7,6 +7,9 @@ use crate::scene::Diagnostic;
 use crate::scene::input::{InputError, InputFiles, InputKind, LARGEST_FILE};
 use crate::scene::suggest_file::nearby;
 
+/// Maximum depth of nested includes, and number of scenes that a scene extends, one through the other.
+pub(super) const DEEPEST: usize = 32;
+
 /// The content of a file.
 #[derive(Debug)]
 pub(super) enum FileContent {

@@ -4,9 +4,7 @@ use std::borrow::Cow;
 
 use super::names::{Clashes, Meaning, Names};
 use super::{Origin, SceneFile};
-use crate::scene::SourcePosition;
 use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument};
-use crate::scene::spans::{PathStep, locate};
 
 /// The result of looking up a name.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +62,11 @@ impl<'a> Scope<'a> {
     pub(in crate::scene) fn space(self) -> SpaceDocument {
         let scene = self.files.first().and_then(|scene| scene.document.as_ref());
         scene.and_then(|scene| scene.space).unwrap_or_default()
+    }
+
+    /// Returns whether the file extends another one.
+    pub(in crate::scene) fn is_extended(self) -> bool {
+        self.files[self.file].source.is_composed()
     }
 
     pub(in crate::scene) fn entity(self, name: &str) -> Lookup<KnownEntity<'a>> {
@@ -155,18 +158,12 @@ impl<'a> Scope<'a> {
 
     /// Returns the name of an origin's file, for example `parts/car.ron`.
     pub(in crate::scene) fn file_name(self, origin: Origin) -> &'a str {
-        &self.files[origin.file].name
+        self.files[origin.file].source.name()
     }
 
     /// Returns the file and line of an origin, for example `parts/car.ron:12`.
     pub(in crate::scene) fn file_and_line(self, origin: Origin) -> String {
-        let file = &self.files[origin.file];
-        let step = match origin.list {
-            "materials" => PathStep::Key(origin.index),
-            _ => PathStep::Index(origin.index),
-        };
-        let span = &locate(&file.text, &[vec![PathStep::Field(origin.list), step]])[0];
-        format!("{}:{}", file.name, SourcePosition::of(&file.text, span.start).line)
+        self.files[origin.file].source.line_of(&origin.path()).to_string()
     }
 
     fn own(self) -> &'a Names<'a> {

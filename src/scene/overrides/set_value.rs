@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{NAMED, Override};
 use crate::scene::quote::short;
-use crate::scene::spans::{Bracket, bracket, root};
+use crate::scene::spans::{Bracket, bracket, literal_text, own_name, root};
 use crate::scene::suggest::{listed, remedy};
 
 /// An error in resolving the path of an override.
@@ -48,18 +48,25 @@ impl PathError {
     }
 }
 
-/// Returns the text of a scene with the overriding value at its path. Newlines of the replaced value are kept, so that the following text
-/// stays on its line. A text that is not a scene is returned unchanged.
-pub(in crate::scene) fn put(text: &str, overriding: &Override) -> Result<String, PathError> {
+/// A replacement of a part of a text.
+#[derive(Clone, Debug)]
+pub(super) struct Edit {
+    pub(super) range: Range<usize>,
+    pub(super) text: String,
+}
+
+/// Returns the edit that puts the overriding value at its path in the text of a scene. Newlines of the replaced value are kept, so that the
+/// following text stays on its line. `None` for a text that is not a scene.
+pub(super) fn edit_for(text: &str, overriding: &Override) -> Result<Option<Edit>, PathError> {
     let Override { path, value } = overriding;
+    if let Some(step) = path.first().filter(|step| ["extends", "without"].contains(&step.as_str())) {
+        let message = format!("`{step}` applies before values are set");
+        return Err(PathError::NoParts { message, help: "write it in the file".to_owned() });
+    }
     let mut place = root(text)..text.len();
     for (depth, step) in path.iter().enumerate() {
         let Some(parts) = bracket(text, place.start) else {
-            return if depth == 0 {
-                Ok(text.to_owned())
-            } else {
-                Err(no_parts(&path[..depth], &text[place]))
-            };
+            return if depth == 0 { Ok(None) } else { Err(no_parts(&path[..depth], &text[place])) };
         };
         let kind = if depth == 1 { named_kind(path) } else { None };
         place = match parts.find(text, step, kind.is_some()) {
@@ -74,20 +81,20 @@ pub(in crate::scene) fn put(text: &str, overriding: &Override) -> Result<String,
             {
                 return Err(parts.many_cameras(text, &path[1..]));
             }
-            None if parts.takes_field(step) => return Ok(parts.with_field(text, &path[depth..], value)),
+            None if parts.takes_field(step) => return Ok(Some(parts.with_field(&path[depth..], value))),
             None => return Err(parts.unknown(text, &path[..=depth], kind)),
         };
     }
     let lines = |text: &str| text.matches('\n').count();
     let kept = "\n".repeat(lines(&text[place.clone()]).saturating_sub(lines(value)));
-    Ok([&text[..place.start], value, &kept, &text[place.end..]].concat())
+    Ok(Some(Edit { range: place, text: [value.as_str(), &kept].concat() }))
 }
 
 impl Bracket {
     /// Returns the value of a field or an entry, or the value at an index. With `by_name`, an entity is also found by its name.
     fn find(&self, text: &str, step: &str, by_name: bool) -> Option<Range<usize>> {
         let named = self.members.iter().find(|member| match &member.name {
-            Some(name) if self.opening == b'{' => quoted(&text[name.clone()]).as_deref() == Some(step),
+            Some(name) if self.opening == b'{' => literal_text(&text[name.clone()]).as_deref() == Some(step),
             Some(name) => &text[name.clone()] == step,
             None => by_name && own_name(text, &member.value).as_deref() == Some(step),
         });
@@ -103,20 +110,12 @@ impl Bracket {
         self.opening == b'(' && is_name && self.members.iter().all(|member| member.name.is_some())
     }
 
-    /// Returns the text with an additional field for the path. Later steps of the path become nested fields.
-    fn with_field(&self, text: &str, path: &[String], value: &str) -> String {
+    /// Returns the edit that adds a field for the path. Later steps of the path become nested fields.
+    fn with_field(&self, path: &[String], value: &str) -> Edit {
         let leading: String = path.iter().map(|step| format!("{step}: (")).collect();
         let (leading, closing) = (leading.trim_end_matches('('), ")".repeat(path.len() - 1));
-        match self.members.last() {
-            Some(last) => {
-                let (before, after) = text.split_at(last.value.end);
-                format!("{before}, {leading}{value}{closing}{after}")
-            }
-            None => {
-                let (before, after) = text.split_at(self.start);
-                format!("{before}{leading}{value}{closing}{after}")
-            }
-        }
+        let (at, comma) = self.members.last().map_or((self.start, ""), |last| (last.value.end, ", "));
+        Edit { range: at..at, text: format!("{comma}{leading}{value}{closing}") }
     }
 
     /// Returns the error for a scene with `cameras` instead of `camera`. The remedy shows how to refer to one of them.
@@ -141,7 +140,7 @@ impl Bracket {
 
     /// Returns the keys of a map.
     fn names(&self, text: &str) -> Vec<String> {
-        self.members.iter().filter_map(|member| quoted(&text[member.name.clone()?])).collect()
+        self.members.iter().filter_map(|member| literal_text(&text[member.name.clone()?])).collect()
     }
 
     /// Returns the error for an unknown last step of a path. `kind` is the noun for named elements of the bracket, if it has any.
@@ -181,19 +180,6 @@ fn no_parts(path: &[String], found: &str) -> PathError {
     }
 }
 
-/// Returns the value of an entity's `name` field.
-fn own_name(text: &str, value: &Range<usize>) -> Option<String> {
-    let entity = bracket(text, value.start)?;
-    let name =
-        entity.members.iter().find(|member| member.name.clone().is_some_and(|name| &text[name] == "name"))?;
-    quoted(&text[name.value.clone()])
-}
-
-/// Returns the content of a string literal.
-fn quoted(literal: &str) -> Option<String> {
-    ron::from_str(literal).ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -212,6 +198,14 @@ Scene( // a scene
         (shape: Box(size: (1, 1, 1))),
     ],
 )";
+
+    fn put(text: &str, overriding: &Override) -> Result<String, PathError> {
+        let mut text = text.to_owned();
+        if let Some(Edit { range, text: with }) = edit_for(&text, overriding)? {
+            text.replace_range(range, &with);
+        }
+        Ok(text)
+    }
 
     fn with(overridden: &str) -> Result<String, PathError> {
         put(SCENE, &overridden.parse().unwrap())
@@ -284,6 +278,10 @@ Scene( // a scene
                     .to_owned()
             )
         );
+        for field in ["extends=\"a.ron\"", "without.0=\"a\""] {
+            let name = field.split(['=', '.']).next().unwrap();
+            assert_eq!(text(field), format!("`{name}` applies before values are set: write it in the file"));
+        }
         assert_eq!(
             text("film.width.pixels=1"),
             "`film.width` is `1280`, which has no parts: end the path there"

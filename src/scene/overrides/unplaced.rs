@@ -1,9 +1,10 @@
 //! Assignment of overrides to the files of a scene.
 
 use super::Override;
-use super::set_value::{PathError, put};
+use super::set_value::{Edit, PathError, edit_for};
 use crate::scene::Diagnostic;
 use crate::scene::quote::short;
+use crate::scene::source_text::SourceText;
 
 /// Overrides that have not been applied to any file yet.
 #[derive(Debug, Default)]
@@ -19,15 +20,17 @@ impl Unplaced {
 
     /// Applies overrides to the text of a file, and returns the applied ones as written. The scene file comes first. Overrides of named
     /// elements are also tried in included files.
-    pub(in crate::scene) fn place(&mut self, text: &mut String) -> Vec<String> {
+    pub(in crate::scene) fn place(&mut self, source: &mut SourceText) -> Vec<String> {
         let mut placed = Vec::new();
         self.values.retain_mut(|(value, reason)| {
             if reason.is_some() && !value.is_named() {
                 return true;
             }
-            match put(text, value) {
-                Ok(changed) => {
-                    *text = changed;
+            match edit_for(source.text(), value) {
+                Ok(edit) => {
+                    if let Some(Edit { range, text }) = edit {
+                        source.replace(range, &text);
+                    }
                     placed.push(value.to_string());
                     false
                 }

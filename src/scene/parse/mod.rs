@@ -24,4 +24,4 @@ mod token_context;
 pub(super) use entities::ParsedEntities;
 #[cfg(test)]
 pub(super) use general_parser::options;
-pub(super) use read::parse;
+pub(super) use read::{check_notation, parse};

@@ -2,11 +2,16 @@
 
 use std::sync::Arc;
 
+use serde::de::IgnoredAny;
+
 use super::entities::{PART, ParsedEntities};
-use super::general_parser::read_general;
+use super::expectations::Trail;
+use super::explain::explain;
+use super::general_parser::{options, read_general};
 use super::recover::find_mistakes;
 use crate::scene::Diagnostic;
 use crate::scene::document::SceneDocument;
+use crate::scene::extend::is_scene;
 use crate::scene::spans::tokens;
 
 /// Parses a scene's text, given the entities of its previous version or none, which the entities of this one replace. Returns its mistakes
@@ -23,6 +28,25 @@ pub(super) fn parse_general(text: &str) -> Result<SceneDocument, Vec<Diagnostic>
         let holds_nothing = tokens(text).next().is_none() && error.code != ron::Error::UnclosedBlockComment;
         if holds_nothing { vec![nothing(text)] } else { find_mistakes(text, error) }
     })
+}
+
+/// Checks the notation of a text that may lack what a scene requires, because another scene has it. Otherwise returns its mistakes.
+pub(in crate::scene) fn check_notation(text: &Arc<String>) -> Result<(), Vec<Diagnostic>> {
+    // Most texts are scenes, which are parsed faster.
+    if ParsedEntities::default().parse_next(text, PART).is_some() {
+        return Ok(());
+    }
+    let Err(error) = options().from_str::<IgnoredAny>(text) else {
+        return if is_scene(text) { Ok(()) } else { parse_general(text).map(|_| ()) };
+    };
+    let mut mistakes = parse_general(text).err().unwrap_or_default();
+    if mistakes.iter().any(|mistake| mistake.span.is_none()) {
+        return Err(mistakes);
+    }
+    // The mistakes before this one can be those of an incomplete scene.
+    let mistake = explain(text, &error, &Trail::default());
+    mistakes.retain(|other| other.span == mistake.span);
+    Err(if mistakes.is_empty() { vec![mistake] } else { mistakes })
 }
 
 fn nothing(text: &str) -> Diagnostic {

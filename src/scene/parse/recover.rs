@@ -24,7 +24,7 @@ use super::explain::explain;
 use super::general_parser::{read_general, trail};
 use super::token_context::TokenContext;
 use crate::scene::Diagnostic;
-use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, is_one_value, root};
+use crate::scene::spans::{Bracket, BracketMember, after_comma, bracket, first_item, is_one_value, root};
 
 /// A part of a text that can be removed.
 struct Part {
@@ -132,20 +132,13 @@ fn parts_around(text: &str, at: usize) -> Vec<Part> {
 /// Returns whether a byte is directly in the bracket of a value: in none of its members, but for their names. An error there can be the
 /// consequence of a removed member.
 fn is_in_bracket(text: &str, value: usize, at: usize) -> bool {
-    let Some(Bracket { members, start, .. }) = bracket(text, value) else { return false };
-    let close = members.last().map_or(first_item(text, start), |last| after_comma(text, last.value.end));
-    at <= close && !members.iter().any(|member| member.value.contains(&at))
+    let Some(within) = bracket(text, value) else { return false };
+    at <= within.close(text) && !within.members.iter().any(|member| member.value.contains(&at))
 }
 
 /// Returns the span of a member with its name.
 fn span_of(member: &BracketMember) -> Range<usize> {
-    member.name.as_ref().map_or(member.value.start, |name| name.start)..member.value.end
-}
-
-/// Returns the start of the token after a value that ends at a byte, and after its comma, if there is one.
-fn after_comma(text: &str, end: usize) -> usize {
-    let next = first_item(text, end);
-    if text[next..].starts_with(',') { first_item(text, next + 1) } else { next }
+    member.start()..member.value.end
 }
 
 /// Replaces a part of a text by spaces, except for the ends of lines.

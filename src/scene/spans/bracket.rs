@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Scanner;
+use super::{Scanner, first_item};
 
 /// A bracket with its members.
 #[derive(Clone, Debug)]
@@ -60,6 +60,58 @@ pub(in crate::scene) fn bracket(text: &str, start: usize) -> Option<Bracket> {
     }
 }
 
+/// Returns the value of the scene's first field if it has this name. The text may be malformed.
+pub(in crate::scene) fn first_field(text: &str, name: &str) -> Option<Range<usize>> {
+    let mut scanner = Scanner { text, at: root(text), found: &mut [] };
+    if scanner.peek() != Some(b'(') {
+        scanner.atom();
+        scanner.skip_space();
+    }
+    if scanner.peek() != Some(b'(') {
+        return None;
+    }
+    scanner.at += 1;
+    scanner.skip_space();
+    (scanner.field_name()? == name).then(|| scanner.member_value())
+}
+
+/// Returns the start of the token after a value that ends at a byte, and after its comma, if there is one.
+pub(in crate::scene) fn after_comma(text: &str, end: usize) -> usize {
+    let next = first_item(text, end);
+    if text[next..].starts_with(',') { first_item(text, next + 1) } else { next }
+}
+
+/// Returns the content of a string literal, which may be in `Some(..)`.
+pub(in crate::scene) fn literal_text(literal: &str) -> Option<String> {
+    ron::from_str(literal).ok().or_else(|| ron::from_str::<Option<String>>(literal).ok().flatten())
+}
+
+/// Returns the value of an entity's `name` field.
+pub(in crate::scene) fn own_name(text: &str, value: &Range<usize>) -> Option<String> {
+    literal_text(&text[bracket(text, value.start)?.field(text, "name")?])
+}
+
+impl Bracket {
+    /// Returns the value of a field.
+    pub(in crate::scene) fn field(&self, text: &str, name: &str) -> Option<Range<usize>> {
+        let is_named =
+            |member: &&BracketMember| member.name.as_ref().is_some_and(|span| &text[span.clone()] == name);
+        self.members.iter().find(is_named).map(|member| member.value.clone())
+    }
+
+    /// Returns the byte offset of the closing bracket.
+    pub(in crate::scene) fn close(&self, text: &str) -> usize {
+        self.members.last().map_or(first_item(text, self.start), |last| after_comma(text, last.value.end))
+    }
+}
+
+impl BracketMember {
+    /// Returns the byte offset of the name, or of the value if it has no name.
+    pub(in crate::scene) fn start(&self) -> usize {
+        self.name.as_ref().map_or(self.value.start, |name| name.start)
+    }
+}
+
 /// Returns whether a text is exactly one value, with all brackets and strings closed.
 pub(in crate::scene) fn is_one_value(text: &str) -> bool {
     // An unclosed bracket, string or comment swallows this suffix.
@@ -88,9 +140,14 @@ impl Scanner<'_, '_> {
         } else {
             self.field_name().map(|name| start..start + name.len())
         };
+        BracketMember { name, value: self.member_value() }
+    }
+
+    /// Scans the value of a member, after its name and colon.
+    fn member_value(&mut self) -> Range<usize> {
         self.skip_space();
         let start = self.at;
         self.value(&[]);
-        BracketMember { name, value: start..self.at }
+        start..self.at
     }
 }

@@ -9,7 +9,9 @@ mod tests;
 
 use std::ops::Range;
 
-pub(super) use bracket::{Bracket, BracketMember, bracket, is_one_value, root};
+pub(super) use bracket::{
+    Bracket, BracketMember, after_comma, bracket, first_field, is_one_value, literal_text, own_name, root,
+};
 
 /// A step from a value to one of its members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,6 +5,7 @@ mod cameras;
 mod channels;
 mod easing;
 mod entities;
+mod extends;
 mod includes;
 mod lights;
 mod materials;
@@ -14,12 +15,14 @@ mod settings;
 
 use super::document::SceneDocument;
 use super::files::Scope;
+pub(super) use extends::add_misplaced_extends;
 pub(super) use problems::{At, Problems, help_for};
 use problems::{Named, check};
 
 /// Adds all semantic errors of a file's document to `problems`. `scope` holds the names that the file can refer to.
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, problems: &mut Problems) {
     let scene = At::scene();
+    extends::validate(document, scope, &scene, problems);
     settings::validate(document, &scene, problems);
     includes::validate(document, scope, &scene, problems);
     cameras::validate(document, scope, &scene, problems);

@@ -113,7 +113,7 @@ impl<'a> At<'a> {
         Self { step: Some((self, PathStep::Key(index))) }
     }
 
-    fn path(&self) -> Vec<PathStep> {
+    pub(in crate::scene) fn path(&self) -> Vec<PathStep> {
         let mut path = Vec::new();
         let mut at = self;
         while let Some((above, step)) = &at.step {

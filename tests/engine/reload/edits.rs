@@ -21,10 +21,10 @@ fn edits_equal_a_cold_start() {
     for seed in 0..cases {
         sequence(seed, |_| (), &mut tally);
     }
-    // Enough edits must be valid, invalid, and without effect on the BVH.
+    // Enough edits must be valid, invalid, without effect on the BVH, and of scenes that extend another.
     let edits = usize::try_from(cases).unwrap() * EDITS;
     assert!(tally.reloads > edits * 6 / 10 && tally.broken > edits / 20, "{tally:?}");
-    assert!(tally.kept_bvhs > edits / 5, "{tally:?}");
+    assert!(tally.kept_bvhs > edits / 5 && tally.extended > edits / 5, "{tally:?}");
 }
 
 #[test]
@@ -41,6 +41,8 @@ struct Tally {
     broken: usize,
     /// Number of frames after an edit that needed no BVH build.
     kept_bvhs: usize,
+    /// Number of valid edits of a scene that extends another, or of its base.
+    extended: usize,
 }
 
 /// Edits a random scene repeatedly, in an engine that reloads it and in engines that start from each version.
@@ -67,6 +69,7 @@ fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
         if let Some(scene) = load(&edited, &folder, &mut reader) {
             engine.reload(scene);
             tally.reloads += 1;
+            tally.extended += usize::from(edited.is_extended());
             let mut cold = Engine::load(folder.path().join("scene.ron")).unwrap();
             prepare(&mut cold);
             assert_eq!(engine.timeline(), cold.timeline(), "{}", about());

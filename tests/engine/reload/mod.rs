@@ -2,8 +2,8 @@
 //!
 //! `RAYREEL_CASES` sets the number of sequences of random edits.
 
-mod described;
+pub(crate) mod described;
 mod edits;
 mod kept;
 mod model;
-mod random;
+pub(crate) mod random;

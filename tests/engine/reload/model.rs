@@ -7,6 +7,8 @@ use super::random::Random;
 pub(crate) struct Model {
     scene: Document,
     part: Document,
+    /// The changes of a scene that extends the main file.
+    change: Option<Document>,
     /// Number of entities that the script spawns.
     row: usize,
     names: usize,
@@ -37,8 +39,13 @@ const SETTINGS: [&str; 11] =
 
 impl Model {
     pub(crate) fn new(random: &mut Random) -> Self {
-        let mut model =
-            Self { scene: Document::default(), part: Document::default(), row: random.index(4), names: 0 };
+        let mut model = Self {
+            scene: Document::default(),
+            part: Document::default(),
+            change: None,
+            row: random.index(4),
+            names: 0,
+        };
         model.scene.settings = SETTINGS.map(|field| (field, setting(field, &[], random))).into();
         for _ in 0..random.index(8) {
             model.insert(random, false);
@@ -52,19 +59,28 @@ impl Model {
         model
     }
 
-    /// Returns the text of the main file, and the names and texts of the included files, `part.ron` and `row.rhai`.
-    pub(crate) fn files(&self) -> (String, [(&'static str, String); 2]) {
+    /// Returns the text of the main file, and the names and texts of the other files: the included `part.ron` and `row.rhai`, and
+    /// `base.ron` if the main file extends it.
+    pub(crate) fn files(&self) -> (String, Vec<(&'static str, String)>) {
         let row = format!(
             "for i in 0..{} {{ spawn(#{{ shape: sphere(0.5), material: `m0`, translation: [i, 2 * i, 1] }}); }}",
             self.row
         );
-        (self.scene.text(), [("part.ron", self.part.text()), ("row.rhai", row)])
+        let mut files = vec![("part.ron", self.part.text()), ("row.rhai", row)];
+        let Some(change) = &self.change else { return (self.scene.text(), files) };
+        files.push(("base.ron", self.scene.text()));
+        (change.text(), files)
+    }
+
+    pub(crate) fn is_extended(&self) -> bool {
+        self.change.is_some()
     }
 
     /// Makes a random edit. The result may be an invalid scene.
     pub(crate) fn edit(&mut self, random: &mut Random) {
         let in_part = random.once_in(4);
-        match random.index(16) {
+        match random.index(20) {
+            16..=19 => self.change_extension(random),
             0 | 1 => self.insert(random, in_part),
             2 => self.rename(random, in_part),
             3 => self.row = random.index(5),
@@ -84,6 +100,45 @@ impl Model {
                     }
                     _ => document.change_animations(random),
                 }
+            }
+        }
+    }
+
+    /// Adds, changes or removes the changes of a scene that extends the main file.
+    fn change_extension(&mut self, random: &mut Random) {
+        let names = self.scene.names();
+        let fresh = self.fresh_name();
+        if random.once_in(8) {
+            self.change = None;
+            return;
+        }
+        let change = self.change.get_or_insert_with(|| Document {
+            settings: vec![("extends", "\"base.ron\"".to_owned())],
+            ..Document::default()
+        });
+        match random.index(6) {
+            0 => {
+                let field = SETTINGS[random.index(SETTINGS.len())];
+                change.settings.retain(|(known, _)| *known != field);
+                change.settings.push((field, setting(field, &names, random)));
+            }
+            1 => change.materials = (0..random.index(4)).map(|_| material(random)).collect(),
+            2 => change.change_animations(random),
+            3 if !names.is_empty() => {
+                change.settings.retain(|(known, _)| *known != "without");
+                let name = &names[random.index(names.len())];
+                change.settings.push(("without", format!("[\"{name}\"]")));
+            }
+            4 => change.settings.retain(|(known, _)| *known == "extends"),
+            _ => {
+                let known = (!names.is_empty() && !random.once_in(4))
+                    .then(|| names[random.index(names.len())].clone());
+                let name = known.unwrap_or(fresh);
+                change.things.retain(|thing| thing.name.as_ref() != Some(&name));
+                let mut fields: [String; 4] = Default::default();
+                let which = random.index(4);
+                fields[which] = field(which, &names, random);
+                change.things.push(Thing { name: Some(name), fields });
             }
         }
     }
@@ -139,7 +194,9 @@ impl Document {
         let includes: Vec<String> = self.includes.iter().map(|(name, rest)| include(name, rest)).collect();
         text += &format!("  include: [{}],\n", list(&includes));
         text += &format!("  cameras: {{{}}},\n", list(&pairs(&self.cameras)));
-        text += &format!("  shots: [{}],\n", list(&self.shots));
+        if !self.shots.is_empty() {
+            text += &format!("  shots: [{}],\n", list(&self.shots));
+        }
         text += &format!("  materials: {{{}}},\n", list(&pairs(&materials)));
         text += &format!("  entities: [\n    {}\n  ],\n", things.join(",\n    "));
         text += &format!("  spawn: [{}],\n", if self.spawns { "File(\"row.rhai\")" } else { "" });
