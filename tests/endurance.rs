@@ -51,6 +51,7 @@ fn long_sessions_do_not_leak_and_stay_correct() {
             scene: scene.clone(),
             overrides: Vec::new(),
             without: EffectSet::default(),
+            allowed: Vec::new(),
             frame: 3,
             watching: Watching::Events,
             finish: false,

@@ -40,6 +40,7 @@ fn main() {
         scene: scene.clone(),
         overrides: Vec::new(),
         without: EffectSet::default(),
+        allowed: Vec::new(),
         frame: 0,
         watching: Watching::Events,
         finish: false,

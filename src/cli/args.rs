@@ -19,7 +19,7 @@ use rayreel::trace::{Passes, Precision};
 
 use super::values::{
     parse_cutoff, parse_duration, parse_index, parse_max_error, parse_movie, parse_pixel, parse_sheet,
-    parse_size, parse_threads,
+    parse_size, parse_threads, parse_warning,
 };
 
 pub(super) use measuring::{AccuracyArguments, CompareArguments};
@@ -201,7 +201,19 @@ pub(super) struct RenderArguments {
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]
+    pub(super) allowed: AllowArguments,
+    #[command(flatten)]
     pub(super) overrides: OverrideArguments,
+}
+
+/// The warnings that are not given.
+#[derive(Clone, Debug, Args)]
+pub(super) struct AllowArguments {
+    /// Do not warn of these, as in --allow one-color,idle-light: dark-color, not-drawn, no-light, nothing-seen, passed-target,
+    /// short-turn, distorted, replaced-value, one-color, cut-off, idle-light, too-bright, black-surface, default-view, at-origin,
+    /// out-of-date [can be repeated]
+    #[arg(long = "allow", value_name = "WARNINGS", value_parser = parse_warning, value_delimiter = ',')]
+    pub(super) warnings: Vec<&'static str>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -303,6 +315,8 @@ pub(super) struct WatchArguments {
     #[arg(long)]
     pub(super) poll: bool,
     #[command(flatten)]
+    pub(super) allowed: AllowArguments,
+    #[command(flatten)]
     pub(super) overrides: OverrideArguments,
 }
 
@@ -318,6 +332,8 @@ pub(super) struct CheckArguments {
     /// Print the errors as a JSON list, with line, column, cause and remedy
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) allowed: AllowArguments,
     #[command(flatten)]
     pub(super) overrides: OverrideArguments,
 }

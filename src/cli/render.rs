@@ -187,9 +187,9 @@ fn warn(arguments: &RenderArguments, text: &str) {
     }
 }
 
-/// Reads the scene's source text again if there are warnings to locate in it. Warnings are rare, so the text is not kept in memory.
+/// Reads the scene's source text again if there are faults to locate in it. Faults are rare, so the text is not kept in memory.
 fn sources_for(report: &RenderReport, arguments: &RenderArguments) -> Option<Sources> {
-    if report.warnings.is_empty() || is_stream(&arguments.scene) {
+    if report.warnings.are_of_files() || is_stream(&arguments.scene) {
         return None;
     }
     Scene::load_overridden(&arguments.scene, &arguments.overrides.all()).ok().map(|(_, sources)| sources)

@@ -74,7 +74,7 @@ impl RenderReport {
             kept: Vec::new(),
             sheet: None,
             chosen: None,
-            warnings: Warnings::default(),
+            warnings: Warnings::except(&arguments.allowed),
             total: Duration::ZERO,
             interrupted: false,
             unread: false,
@@ -247,7 +247,7 @@ impl RenderedFrameReport {
 
     pub(super) fn to_json(&self) -> Value {
         let RayCounts { camera, shadow, reflection, refraction } = self.cost.rays;
-        let TreeEnds { depth, cutoff } = self.cost.ends;
+        let TreeEnds { depth, strong, cutoff } = self.cost.ends;
         let Escalations { ambiguous, contested, rough, overflowed } = self.cost.escalations;
         json!({
             "frame": self.frame,
@@ -269,7 +269,7 @@ impl RenderedFrameReport {
             "estimated_error_deviation": self.cost.error.map(|error| error.deviation),
             "hidden_error": self.cost.error.map(|error| error.hidden),
             "needed": self.needed().map(Effect::name).collect::<Vec<_>>(),
-            "not_followed": { "depth": depth, "cutoff": cutoff },
+            "not_followed": { "depth": depth, "strong": strong, "cutoff": cutoff },
             "guards": { "open": ambiguous, "contested": contested, "rough": rough, "overflowed": overflowed },
         })
     }

@@ -6,7 +6,8 @@ use std::time::Duration;
 use rayreel::Effect;
 use rayreel::components::{FilmSettings, Quality, Sampling};
 use rayreel::output::{MovieFormat, Sheet, UnknownMovieFormat};
-use rayreel::scene::{Override, OverrideError};
+use rayreel::scene::{Override, OverrideError, SceneWarning};
+use rayreel::systems::Consequence;
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (most, area) = (FilmSettings::LARGEST_SIDE, FilmSettings::LARGEST_AREA);
@@ -90,6 +91,14 @@ pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
     let by_name = Effect::ALL.into_iter().find(|effect| effect_name(*effect) == named);
     let by_word = || EFFECT_WORDS.into_iter().find(|(word, _)| *word == named).map(|(_, effect)| effect);
     by_name.or_else(by_word).ok_or_else(|| format!("the effects are {}", names()))
+}
+
+/// Parses the name of a warning.
+pub(super) fn parse_warning(text: &str) -> Result<&'static str, String> {
+    let named = text.trim().to_lowercase();
+    let names = || [SceneWarning::NAME].into_iter().chain(Consequence::NAMES);
+    let name = names().find(|name| *name == named);
+    name.ok_or_else(|| format!("the warnings are {}", names().collect::<Vec<_>>().join(", ")))
 }
 
 /// Returns the name of an effect in arguments.

@@ -6,17 +6,23 @@ use std::mem::discriminant;
 use serde_json::{Value, json};
 
 use rayreel::components::{Camera, Name, Order};
-use rayreel::scene::{SourceLine, Sources};
+use rayreel::scene::{SceneWarning, SourceLine, Sources};
 use rayreel::{Engine, Entity, Fault, World};
 
+use super::args::AllowArguments;
 use super::print;
 
 /// Maximum number of warnings listed; further entities are only counted.
 const MOST: usize = 10;
 
-/// Faults collected over several moments.
+/// Warnings about a scene's files, and faults collected over several moments.
 #[derive(Debug, Default)]
 pub(super) struct Warnings {
+    /// The names of the warnings that are not given.
+    allowed: Vec<&'static str>,
+    /// The number of moments so far.
+    moments: usize,
+    files: Vec<SceneWarning>,
     listed: Vec<Warning>,
     /// Entities with faults that are not listed.
     others: HashSet<Entity>,
@@ -75,10 +81,27 @@ impl Owner {
     }
 }
 
+impl Warning {
+    /// Returns whether the fault counts after this number of moments.
+    fn counts(&self, moments: usize) -> bool {
+        !self.fault.may_pass() || self.more + 1 == moments
+    }
+}
+
 impl Warnings {
+    /// Creates a list without these warnings.
+    pub(super) fn except(AllowArguments { warnings }: &AllowArguments) -> Self {
+        Self { allowed: warnings.clone(), ..Self::default() }
+    }
+
     /// Collects the faults at the engine's current moment, which is reported as `moment`.
     pub(super) fn collect(&mut self, engine: &Engine, moment: &str) {
-        for fault in engine.faults() {
+        self.moments += 1;
+        let is_allowed = |name: &str| self.allowed.contains(&name);
+        if !is_allowed(SceneWarning::NAME) {
+            self.files = engine.scene_warnings().to_vec();
+        }
+        for fault in engine.faults().into_iter().filter(|fault| !is_allowed(fault.consequence.name())) {
             let same = |known: &&mut Warning| {
                 known.fault.entity == fault.entity
                     && discriminant(&known.fault.cause) == discriminant(&fault.cause)
@@ -94,13 +117,19 @@ impl Warnings {
         }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.listed.is_empty()
+    /// Returns whether no warning refers to an entity.
+    pub(super) fn are_of_files(&self) -> bool {
+        self.faults().next().is_none()
+    }
+
+    /// Returns the listed faults.
+    fn faults(&self) -> impl Iterator<Item = &Warning> {
+        self.listed.iter().filter(|warning| warning.counts(self.moments))
     }
 
     /// Formats the number of warnings as `, 3 warnings`, or as an empty string if there are none.
     pub(super) fn count(&self) -> String {
-        match self.listed.len() + self.others.len() {
+        match self.files.len() + self.faults().count() + self.others.len() {
             0 => String::new(),
             1 => ", 1 warning".to_owned(),
             count => format!(", {count} warnings"),
@@ -109,7 +138,11 @@ impl Warnings {
 
     /// Prints the warnings, with line numbers for entities found in `sources`.
     pub(super) fn print(&self, sources: Option<&Sources>) {
-        for Warning { fault, owner, moment, more } in &self.listed {
+        for SceneWarning { file, position, message, help } in &self.files {
+            let about = [format!(" --> {file}:{position}"), format!("  = help: {help}")];
+            print::warning(message, &about);
+        }
+        for Warning { fault, owner, moment, more } in self.faults() {
             let line = sources.and_then(|sources| owner.line(sources));
             let line = line.map_or_else(String::new, |line| format!("{line}, "));
             let more = match more {
@@ -145,6 +178,7 @@ impl Warnings {
         let one = |Warning { fault, owner, moment, more }: &Warning| {
             let line = sources.and_then(|sources| owner.line(sources));
             json!({
+                "name": fault.consequence.name(),
                 "entity": owner.text(),
                 "file": line.map(|line| line.file),
                 "line": line.map(|line| line.line),
@@ -154,6 +188,18 @@ impl Warnings {
                 "more": more,
             })
         };
-        self.listed.iter().map(one).collect()
+        let of_file = |SceneWarning { file, position, message, help }: &SceneWarning| {
+            json!({
+                "name": SceneWarning::NAME,
+                "entity": null,
+                "file": file,
+                "line": position.line,
+                "message": message,
+                "help": help,
+                "first": null,
+                "more": 0,
+            })
+        };
+        self.files.iter().map(of_file).chain(self.faults().map(one)).collect()
     }
 }

@@ -33,6 +33,7 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         scene: arguments.scene.clone(),
         overrides: arguments.overrides.all(),
         without: arguments.overrides.without(),
+        allowed: arguments.allowed.warnings.clone(),
         frame: arguments.frame.unwrap_or(0),
         watching: if arguments.poll { Watching::Polling } else { Watching::Events },
         finish: arguments.out.is_some(),

@@ -5,7 +5,7 @@ use super::Rgb;
 /// The encoding of a film's pixels: linear light, or output bytes by a [`Transfer`](super::Transfer).
 pub trait Encoding: Copy + Send + Sync {
     /// An encoded pixel.
-    type Pixel: Copy + Send + Sync;
+    type Pixel: Copy + PartialEq + Send + Sync;
 
     /// Returns black pixels without writing to their memory. The system provides zeroed pages to the threads that write to them first.
     fn black(self, count: usize) -> Vec<Self::Pixel>;

@@ -6,7 +6,7 @@ use hecs::{Component, World};
 
 use super::cast::{Hit, IntoRay, Ray};
 use crate::color::Encoding;
-use crate::scene::{LoadError, Scene, SceneScripts, ScriptMistake, ScriptSources};
+use crate::scene::{LoadError, Scene, SceneScripts, SceneWarning, ScriptMistake, ScriptSources};
 use crate::systems::{
     self, Context, EffectiveSettings, Fault, FrameReport, Interrupted, Preparation, RenderRequest,
     RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
@@ -52,6 +52,7 @@ pub struct Engine {
     memory: SampleMemory,
     report: FrameReport,
     script_sources: ScriptSources,
+    scene_warnings: Vec<SceneWarning>,
 }
 
 /// The reason why a frame could not be rendered.
@@ -94,17 +95,18 @@ impl Engine {
     /// Creates an engine for a loaded scene.
     #[must_use]
     pub fn from_scene(scene: Scene) -> Self {
-        let Scene { world, timeline, scripts, .. } = scene;
+        let Scene { world, timeline, scripts, warnings, .. } = scene;
         let mut engine = Self::new(world);
-        engine.start(timeline, scripts);
+        engine.start(timeline, scripts, warnings);
         engine
     }
 
-    /// Starts with the timeline and the scripts of a scene, after its world has been set.
-    pub(super) fn start(&mut self, timeline: Timeline, scripts: SceneScripts) {
+    /// Starts with the timeline, the scripts and the warnings of a scene, after its world has been set.
+    pub(super) fn start(&mut self, timeline: Timeline, scripts: SceneScripts, warnings: Vec<SceneWarning>) {
         let (scripts, sources) = scripts.into_parts();
         self.simulation.start(timeline, Scripts::new(scripts, timeline));
         self.script_sources = sources;
+        self.scene_warnings = warnings;
     }
 
     /// Creates an engine for a world. Its timeline has 24 frames per second and a single frame; [`set_timeline`](Engine::set_timeline)
@@ -119,6 +121,7 @@ impl Engine {
             memory: SampleMemory::default(),
             report: FrameReport::default(),
             script_sources: ScriptSources::default(),
+            scene_warnings: Vec::new(),
         }
     }
 
@@ -217,7 +220,19 @@ impl Engine {
     /// ```
     #[must_use]
     pub fn faults(&self) -> Vec<Fault> {
-        self.prepared().map_or_else(Vec::new, |prepared| prepared.faults(self.world()))
+        let Some(prepared) = self.prepared() else { return Vec::new() };
+        let mut faults = prepared.faults(self.world());
+        // Without some effects, an image may be black as requested.
+        if self.settings.without.is_empty() {
+            faults.extend(systems::image_faults(self.world(), prepared, &self.report));
+        }
+        faults
+    }
+
+    /// Returns the [warnings](Scene::warnings) about the scene's files.
+    #[must_use]
+    pub fn scene_warnings(&self) -> &[SceneWarning] {
+        &self.scene_warnings
     }
 
     /// Returns the report of the last frame.

@@ -18,7 +18,7 @@ use super::progressive::{
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
-use crate::scene::{Scene, Sources};
+use crate::scene::{Scene, SceneWarning, Sources};
 use crate::systems::{Effect, EffectSet, EffectiveSettings, RenderSettings};
 use crate::trace::{Film, RenderJob, RenderedImage, Signals};
 
@@ -28,8 +28,8 @@ const PREVIEW_DELAY: Duration = Duration::from_millis(50);
 /// Minimum time slice of the full picture due after an edit, even when another picture is requested: half a frame interval at 25 frames
 /// per second, so that the picture progresses during playback, which stays smooth.
 const MIN_SLICE: Duration = Duration::from_millis(20);
-/// Maximum number of faults that are listed. A fault may occur in every entity.
-const MOST_FAULTS: usize = 10;
+/// Maximum number of warnings that are listed. A fault may occur in every entity.
+const MOST_WARNINGS: usize = 10;
 /// Maximum time of a curve point other than the scene's own, in milliseconds, so that the curve of a slow frame ends.
 const LONGEST_POINT: f64 = 2000.0;
 
@@ -88,6 +88,7 @@ pub(super) struct Renderer {
     engine: Engine,
     sources: Sources,
     without: EffectSet,
+    allowed: Vec<&'static str>,
     commands: Arc<CommandQueue>,
     publisher: Publisher,
     timings: Timings,
@@ -106,11 +107,17 @@ impl RenderInProgress {
 }
 
 impl Renderer {
-    pub(super) fn new(without: EffectSet, commands: Arc<CommandQueue>, publisher: Publisher) -> Self {
+    pub(super) fn new(
+        without: EffectSet,
+        allowed: Vec<&'static str>,
+        commands: Arc<CommandQueue>,
+        publisher: Publisher,
+    ) -> Self {
         Self {
             engine: Engine::new(World::new()),
             sources: Sources::default(),
             without,
+            allowed,
             commands,
             publisher,
             timings: Timings::default(),
@@ -472,20 +479,25 @@ impl Renderer {
         Ok(report.plan.as_ref().map(Planned::all).unwrap_or_default())
     }
 
-    /// Returns the faults at the moment of the last picture, one line each, with remedies.
+    /// Returns the warnings about the files and the faults at the moment of the last picture, one line each, with remedies.
     fn warnings(&self) -> Vec<String> {
+        let is_allowed = |name: &str| self.allowed.contains(&name);
+        let of_files = self.engine.scene_warnings().iter().filter(|_| !is_allowed(SceneWarning::NAME)).map(
+            |SceneWarning { file, position, message, help }| format!("{file}:{position} {message}; {help}"),
+        );
         let faults = self.engine.faults();
-        let mut warnings: Vec<String> = faults
-            .iter()
-            .take(MOST_FAULTS)
-            .map(|fault| {
+        let faults = faults.iter().filter(|fault| !is_allowed(fault.consequence.name()));
+        let mut warnings: Vec<String> = of_files
+            .chain(faults.map(|fault| {
                 let (name, place) = name_and_place(self.engine.world(), &self.sources, fault.entity);
                 let place = place.map_or_else(String::new, |place| format!(" ({place})"));
                 format!("{name:?}{place} {fault}; {}", fault.remedy())
-            })
+            }))
             .collect();
-        if faults.len() > MOST_FAULTS {
-            warnings.push(format!("and {} more", faults.len() - MOST_FAULTS));
+        let more = warnings.len().saturating_sub(MOST_WARNINGS);
+        warnings.truncate(MOST_WARNINGS);
+        if more > 0 {
+            warnings.push(format!("and {more} more"));
         }
         warnings
     }

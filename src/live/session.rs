@@ -25,6 +25,9 @@ pub struct SessionSettings {
     pub overrides: Vec<Override>,
     /// Effects that are disabled even if the scene needs them.
     pub without: EffectSet,
+    /// Names of warnings that are not given: of [consequences](crate::systems::Consequence::NAMES), or
+    /// [`SceneWarning::NAME`](crate::scene::SceneWarning::NAME).
+    pub allowed: Vec<&'static str>,
     /// Index of the first frame to be shown.
     pub frame: u32,
     /// Method of detecting file changes.
@@ -67,12 +70,12 @@ impl Session {
         let handle = Handle { commands: Arc::default(), published: Arc::new(Published::new(state)) };
         let Handle { commands, published } = handle.clone();
         let thread = thread::spawn(move || {
-            let SessionSettings { scene, overrides, without, frame, watching, finish } = settings;
+            let SessionSettings { scene, overrides, without, allowed, frame, watching, finish } = settings;
             let queue = Arc::clone(&commands);
             let watcher = Watcher::start(watching, move || queue.send(SessionCommand::Reload));
             let files = SceneFiles::new(scene, Reader::overriding(overrides), watcher);
             let publisher = Publisher::new(Arc::clone(&published), Box::new(emit));
-            let renderer = Renderer::new(without, Arc::clone(&commands), publisher);
+            let renderer = Renderer::new(without, allowed, Arc::clone(&commands), publisher);
             Worker::new(files, renderer, commands, published, frame, finish).run();
         });
         Self { handle, thread: Some(thread) }

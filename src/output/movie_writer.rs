@@ -246,8 +246,7 @@ impl MovieWriter {
         Ok(MovieEncoder::start(size, Some(ffmpeg), move |films| {
             let Some(mut input) = input else { return Ok(()) };
             films
-                .map(|film| input.write_all(film.bytes()))
-                .collect::<io::Result<()>>()
+                .try_for_each(|film| input.write_all(film.bytes()))
                 .map_err(MovieError::Closed)
         }))
     }

@@ -86,8 +86,9 @@ impl LoadError {
         let mut faulty = Vec::new();
         for (file, included_from) in files.files.into_iter().zip(inclusions) {
             let SceneFile { source, overridden, mistake, problems, .. } = file;
-            repeated += problems.repeated();
-            let (located, more) = problems.locate(source.text());
+            let errors = problems.into_errors();
+            repeated += errors.repeated();
+            let (located, more) = errors.locate(source.text());
             unlisted += more;
             let mut by_file = vec![Vec::new(); source.files().len()];
             by_file[0].extend(mistake);
@@ -210,7 +211,7 @@ fn extensions_of(source: &SourceText, first: Vec<Inclusion>) -> Vec<Vec<Inclusio
 }
 
 /// Returns the file of a text that contains an error, and the error with its position there.
-fn original(source: &SourceText, mut diagnostic: Diagnostic) -> (usize, Diagnostic) {
+pub(super) fn original(source: &SourceText, mut diagnostic: Diagnostic) -> (usize, Diagnostic) {
     match &mut diagnostic {
         Diagnostic { span: Some(span), source: None, .. } => {
             let (file, original) = source.original(span);

@@ -6,7 +6,8 @@ use hecs::World;
 
 use super::files::{Files, Texts};
 use super::spawn::spawn;
-use super::{LoadError, Override, SceneScripts, Sources};
+use super::warning::warnings_of;
+use super::{LoadError, Override, SceneScripts, SceneWarning, Sources};
 use crate::time::Timeline;
 
 /// A small commented scene as a starting point.
@@ -20,6 +21,8 @@ pub struct Scene {
     pub timeline: Timeline,
     /// The files of the scene: the scene file, included files and script files, each once and after a file that refers to it.
     pub files: Vec<PathBuf>,
+    /// The warnings about the files.
+    pub warnings: Vec<SceneWarning>,
     /// The scripts that drive values.
     pub(crate) scripts: SceneScripts,
 }
@@ -88,11 +91,12 @@ impl Scene {
         if !files.are_good() {
             return Err(LoadError::new(files));
         }
+        let warnings = warnings_of(&mut files);
         let paths = std::mem::take(&mut files.inputs.paths);
         let (merged, sources) = files.merge();
         let scripts = compiled.link(&merged.uses, &sources);
         let kept = keep(sources);
         let (world, timeline) = spawn(&merged);
-        Ok((Self { world, timeline, files: paths, scripts }, kept))
+        Ok((Self { world, timeline, files: paths, warnings, scripts }, kept))
     }
 }

@@ -18,8 +18,9 @@ mod tests {
         CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
         LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument,
         ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument, StarsDocument,
-        SunDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
+        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument,
+        StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument,
+        Triple,
     };
     use crate::scene::parse::options;
     use crate::script::Data;

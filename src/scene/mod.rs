@@ -10,8 +10,8 @@
 //! A scene may also extend another: `extend` composes the texts of both before they are parsed, and `source_text` keeps the positions.
 //! A [`Reader`], which loads a scene repeatedly, parses only the edited parts.
 //!
-//! Parsing a file stops at its first syntax error (a missing bracket, an unknown field). Semantic errors (an unknown material, a radius of
-//! 0) are all found at once, each with its position in the text. `spans` locates the positions afterwards, so that a valid scene costs
+//! All syntax errors of a file (a missing bracket, an unknown field) are found at once, and in files without them all semantic errors (an
+//! unknown material, a radius of 0), each with its position in the text. `spans` locates the positions afterwards, so that a valid scene costs
 //! nothing extra.
 //!
 //! The types in `document` mirror the file format and serve no other purpose; components do not depend on them.
@@ -43,6 +43,7 @@ mod spawn;
 mod suggest;
 mod suggest_file;
 mod validate;
+mod warning;
 
 pub use diagnostic::{Diagnostic, Source, SourcePosition};
 pub use error::{Inclusion, InclusionKind, LoadError, Mistake};
@@ -55,3 +56,4 @@ pub use script_sources::ScriptMistake;
 pub(crate) use script_sources::{SceneScripts, ScriptSources};
 pub use source_text::SourceLine;
 pub use sources::Sources;
+pub use warning::SceneWarning;

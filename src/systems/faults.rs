@@ -5,14 +5,16 @@
 
 use std::fmt;
 
+use glam::DVec3;
 use hecs::Entity;
 
+use super::OneColor;
 use crate::components::{RangeError, ShortTurn};
 
 /// A reason why an entity does not appear as specified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// The entity.
+    /// The entity: the active camera for faults of the image, and [`Entity::DANGLING`] if there is none.
     pub entity: Entity,
     /// The consequence.
     pub consequence: Consequence,
@@ -47,6 +49,12 @@ pub enum Consequence {
     OutOfDate,
     /// A replacement is used for an invalid number or part.
     Fallback(Fallback),
+    /// The whole image has one colour.
+    OneColor(OneColor),
+    /// The image shows the background in place of much of its reflected and refracted light.
+    CutOff,
+    /// The light reaches no surface that the camera can see.
+    ReachesNothing,
 }
 
 /// The replacement for an invalid number or part.
@@ -124,6 +132,83 @@ pub enum FaultCause {
         /// The end of the position's path in seconds.
         position: f64,
     },
+    /// No shape is drawn.
+    NoShapes,
+    /// No shape is in view.
+    OutOfView {
+        /// The number of shapes.
+        shapes: usize,
+        /// The middle of the bounded ones.
+        middle: Option<DVec3>,
+    },
+    /// The image needs neither ambient light nor the light of lights.
+    Unlit {
+        /// The reason why it needs no ambient light.
+        ambient: &'static str,
+        /// The reason why it needs no lights.
+        lights: &'static str,
+    },
+    /// No light reaches the surfaces in view.
+    NoLightArrives,
+    /// The surfaces in view have equal radiance.
+    EqualRadiance,
+    /// Fog hides the surfaces in view.
+    HiddenByFog,
+    /// Rays that would contribute much are beyond the maximum depth.
+    DepthReached {
+        /// The maximum depth.
+        depth: u32,
+        /// The number of such rays per camera ray.
+        share: f64,
+    },
+    /// No shape is inside the cone of a spot light.
+    OutsideCone,
+    /// An opaque surface separates a light from everything that the camera can see.
+    Separated,
+}
+
+impl Consequence {
+    /// The names of all consequences, as in `--allow` of the command.
+    pub const NAMES: [&str; 15] = [
+        "not-drawn",
+        "no-light",
+        "nothing-seen",
+        "passed-target",
+        "short-turn",
+        "distorted",
+        "replaced-value",
+        "one-color",
+        "cut-off",
+        "idle-light",
+        "too-bright",
+        "black-surface",
+        "default-view",
+        "at-origin",
+        "out-of-date",
+    ];
+
+    /// Returns the name of the consequence.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        let index = match self {
+            Self::NotDrawn => 0,
+            Self::NoLight => 1,
+            Self::NothingSeen => 2,
+            Self::FixedTarget => 3,
+            Self::ShortTurn => 4,
+            Self::Distorted => 5,
+            Self::Fallback(_) => 6,
+            Self::OneColor(_) => 7,
+            Self::CutOff => 8,
+            Self::ReachesNothing => 9,
+            Self::TooBright => 10,
+            Self::Black => 11,
+            Self::DefaultView => 12,
+            Self::AtOrigin => 13,
+            Self::OutOfDate => 14,
+        };
+        Self::NAMES[index]
+    }
 }
 
 /// A change that a system made to an entity and did not declare.
@@ -140,6 +225,13 @@ pub enum UndeclaredChange {
 }
 
 impl Fault {
+    /// Returns whether this is a fault only if it occurs at all moments of interest: a film may begin with a black frame, and a spot light
+    /// may pass over nothing.
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        matches!(self.consequence, Consequence::OneColor(_) | Consequence::ReachesNothing)
+    }
+
     /// Returns the remedy.
     #[must_use]
     pub fn remedy(&self) -> String {
@@ -206,6 +298,35 @@ impl Fault {
                     "add {between} degrees between them: neighbouring keys may be up to 180 degrees apart; or write whole turns as Turns(axis: .., turns: .., duration: ..)"
                 )
             }
+            FaultCause::NoShapes => "add an entity with a shape and a material".to_owned(),
+            FaultCause::OutOfView { middle: Some(middle), .. } => {
+                let [x, y, z] = middle.to_array().map(rounded);
+                format!("turn or move the camera: the middle of the shapes is at ({x}, {y}, {z})")
+            }
+            FaultCause::OutOfView { middle: None, .. } => "turn or move the camera".to_owned(),
+            FaultCause::Unlit { .. } => {
+                "give the materials a `k_d` and add a light, or a `k_a` and give the scene `ambient` light"
+                    .to_owned()
+            }
+            FaultCause::NoLightArrives => {
+                "`rayreel probe` says for a pixel why a light does not reach it".to_owned()
+            }
+            FaultCause::EqualRadiance => {
+                "add a light: surfaces get brighter the more they face it".to_owned()
+            }
+            FaultCause::HiddenByFog => {
+                "lower the density of the fog: exp(-density l) of the light is left after a length l"
+                    .to_owned()
+            }
+            FaultCause::DepthReached { depth, .. } => {
+                format!("allow more bounces, as `quality: (depth: {})`", depth.saturating_mul(2))
+            }
+            FaultCause::OutsideCone => {
+                "turn it, so that its own +z axis points to a shape, or widen its angle".to_owned()
+            }
+            FaultCause::Separated => {
+                "move it to the camera's side of that surface, or let it shine without shadows".to_owned()
+            }
         }
     }
 }
@@ -236,6 +357,16 @@ impl fmt::Display for Fault {
                     Fallback::AlongY => write!(formatter, "has +y upwards"),
                 }
             }
+            Consequence::OneColor(OneColor::Black) => write!(formatter, "sees only black: {}", self.cause),
+            Consequence::OneColor(OneColor::Other) => write!(formatter, "sees one colour: {}", self.cause),
+            Consequence::CutOff => {
+                write!(
+                    formatter,
+                    "sees the background in place of reflected or refracted light: {}",
+                    self.cause
+                )
+            }
+            Consequence::ReachesNothing => write!(formatter, "lights nothing in view: {}", self.cause),
         }
     }
 }
@@ -295,8 +426,30 @@ impl fmt::Display for FaultCause {
             ),
             Self::CircularAim => write!(formatter, "it looks at an entity that turns with it"),
             Self::Missing(what) => write!(formatter, "the entity that it {what} does not exist"),
+            Self::NoShapes => write!(formatter, "no shape is drawn"),
+            Self::OutOfView { shapes: 1, .. } => write!(formatter, "the only shape is not in view"),
+            Self::OutOfView { shapes, .. } => write!(formatter, "none of the {shapes} shapes is in view"),
+            Self::Unlit { ambient, lights } if ambient == lights => write!(formatter, "{ambient}"),
+            Self::Unlit { ambient, lights } => write!(formatter, "{ambient}, and {lights}"),
+            Self::NoLightArrives => write!(formatter, "no light reaches the surfaces in view"),
+            Self::EqualRadiance => write!(formatter, "the surfaces in view are equally bright"),
+            Self::HiddenByFog => write!(formatter, "fog hides the surfaces in view"),
+            Self::DepthReached { depth, share } => write!(
+                formatter,
+                "{} rays per 100 camera rays end at the depth of {depth} with at least half of their light",
+                rounded(100.0 * share)
+            ),
+            Self::OutsideCone => write!(formatter, "no shape is inside its cone"),
+            Self::Separated => {
+                write!(formatter, "an opaque surface separates it from all that the camera sees")
+            }
         }
     }
+}
+
+/// Formats a number, rounded to three digits.
+fn rounded(value: f64) -> String {
+    brief(format!("{value:.2e}").parse().unwrap_or(value))
 }
 
 /// Formats a number, with an exponent if it is very large or very small.

@@ -29,12 +29,23 @@ pub struct FrameReport {
     pub error: Option<EstimatedError>,
     /// The number of rays that surfaces spawned but that were not traced.
     pub ends: TreeEnds,
+    /// The colour of the image, if all of its pixels, at least two, are equal.
+    pub one_color: Option<OneColor>,
     /// The number of escalations to more exact arithmetic.
     pub escalations: Escalations,
     /// The effects that the frame needs or omits, with reasons.
     pub plan: Option<Plan>,
     /// The least gains of the rounds, if a policy chose them. A [`Replay`](crate::trace::Replay) of them gives the same image.
     pub rounds: Vec<u32>,
+}
+
+/// The colour of an image of equal pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OneColor {
+    /// Black.
+    Black,
+    /// Another colour.
+    Other,
 }
 
 impl FrameReport {

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::fingerprint::HashedInstants;
 use super::{
-    FrameInstants, FrameReport, Interrupted, NextInstants, Preparation, PreparedInstant, RenderRequest,
-    Simulation,
+    FrameInstants, FrameReport, Interrupted, NextInstants, OneColor, Preparation, PreparedInstant,
+    RenderRequest, Simulation,
 };
 use crate::color::Encoding;
 use crate::trace::reference::{RayTree, Reference, ReferenceSums};
@@ -32,17 +32,28 @@ pub(crate) fn render<E: Encoding>(
     memory: &mut SampleMemory,
     report: &mut FrameReport,
 ) -> Result<RenderedImage<E::Pixel>, Interrupted> {
-    let (has_passes, cancelled) = (request.passes, request.signals.cancelled);
+    let (has_passes, encoding, cancelled) = (request.passes, request.encoding, request.signals.cancelled);
     let mut image = match request.reference {
         true => trace_reference(simulation, frame, &request, policy, report)?,
         false => trace(simulation, frame, request, policy, memory, report)?,
     };
+    report.one_color = one_color(encoding, &image.film);
     if has_passes {
         let start = Instant::now();
         image.passes = Some(trace_passes(simulation, frame, cancelled)?);
         report.trace += start.elapsed();
     }
     Ok(image)
+}
+
+/// Returns the colour of a film of two or more equal pixels.
+fn one_color<E: Encoding>(encoding: E, film: &Film<E::Pixel>) -> Option<OneColor> {
+    let [first, others @ ..] = film.pixels() else { return None };
+    let are_equal = !others.is_empty() && others.iter().all(|pixel| pixel == first);
+    are_equal.then(|| match encoding.black(1).first() == Some(first) {
+        true => OneColor::Black,
+        false => OneColor::Other,
+    })
 }
 
 /// Renders a frame by the fast path.

@@ -48,6 +48,8 @@ pub struct RayCounts {
 pub struct TreeEnds {
     /// Rays beyond the last bounce, or beyond the maximum number of rays of a sample.
     pub depth: u64,
+    /// Those of them whose contribution would be half of their radiance or more, in some channel.
+    pub strong: u64,
     /// Rays whose contribution is negligible.
     pub cutoff: u64,
 }
@@ -77,6 +79,7 @@ impl AddAssign for RayCounts {
 impl AddAssign for TreeEnds {
     fn add_assign(&mut self, other: Self) {
         self.depth += other.depth;
+        self.strong += other.strong;
         self.cutoff += other.cutoff;
     }
 }

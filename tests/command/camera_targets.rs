@@ -9,7 +9,8 @@ use crate::{rayreel, stdout_of, text};
 fn scene(duration: f64, position: &str, target: &str) -> String {
     format!(
         "(timeline: (fps: 5, duration: {duration}), film: (width: 8, height: 4),
-        camera: (position: (0, 1, -5), target: (0, 0, 0)), entities: [],
+        camera: (position: (0, 1, -5), target: (0, 0, 0)), background: (bottom: (0, 0, 0), top: (255, 255, 255)),
+        entities: [],
         animate: [
             (target: \"camera\", channel: Position, {position}),
             (target: \"camera\", channel: Target, {target}),

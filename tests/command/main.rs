@@ -25,6 +25,7 @@ mod sheet;
 #[path = "../random/splitmix.rs"]
 mod splitmix;
 mod usage;
+mod warnings;
 
 use std::ffi::OsStr;
 use std::fs;

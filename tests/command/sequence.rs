@@ -555,7 +555,7 @@ fn progress_formats_print_their_events() {
     assert!(run(&["--progress", "none", "--overwrite"]).lines().count() == 2);
     // All warnings are reported, too.
     let faulty = r#"(camera: (position: (0, 0, -5), target: (0, 0, 0)), materials: { "m": (k_a: 1) }, film: (width: 16, height: 9),
-        entities: [(name: "far", shape: Box(size: (1, 1, 1)), material: "m", transform: (translation: (1e17, 0, 0)))])"#;
+        background: (bottom: (0, 0, 0), top: (255, 255, 255)), entities: [(name: "far", shape: Box(size: (1, 1, 1)), material: "m", transform: (translation: (1e17, 0, 0)))])"#;
     fs::write(folder.join("faulty.ron"), faulty).unwrap();
     fs::create_dir(folder.join("faulty")).unwrap();
     for surplus in 20..27 {

@@ -275,7 +275,8 @@ impl Generator<'_> {
         if !self.is_change {
             entities.insert(self.random.index(4), self.entity(None));
         } else if self.random.once_in(3) {
-            entities.push(self.entity(Some(4 + self.random.index(2))));
+            let name = 4 + self.random.index(2);
+            entities.push(self.entity(Some(name)));
         }
         fields.push(("entities".to_owned(), List(entities)));
         if self.random.once_in(3) {

@@ -58,6 +58,7 @@ impl Stage {
             scene: path,
             overrides: Vec::new(),
             without: EffectSet::default(),
+            allowed: Vec::new(),
             frame: 0,
             watching: Watching::Events,
             finish,

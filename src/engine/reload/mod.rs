@@ -43,7 +43,7 @@ impl Engine {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn reload(&mut self, scene: Scene) {
-        let Scene { world, timeline, scripts, .. } = scene;
+        let Scene { world, timeline, scripts, warnings, .. } = scene;
         let simulation = &mut self.simulation;
         if simulation.schedule.is_empty() {
             simulation.changes.merge(&patch(&mut simulation.world, world));
@@ -52,6 +52,6 @@ impl Engine {
             simulation.rewind();
             simulation.world = world;
         }
-        self.start(timeline, scripts);
+        self.start(timeline, scripts, warnings);
     }
 }

@@ -22,8 +22,8 @@ pub(super) use include::IncludeDocument;
 pub(super) use material::MaterialDocument;
 pub(super) use settings::{
     CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument, QualityDocument,
-    SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument, TimelineDocument,
-    TransferDocument,
+    SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument,
+    TimelineDocument, TransferDocument,
 };
 pub(super) use surface::SurfaceDocument;
 pub(super) use values::{

@@ -5,7 +5,7 @@ use hashbrown::hash_map::Entry;
 
 use super::{Files, Origin, SceneFile};
 use crate::scene::document::{EntityDocument, MaterialDocument};
-use crate::scene::validate::Problems;
+use crate::scene::validate::ProblemList;
 
 /// The names visible in a file: its own, the names given to its includes, and all names in its unnamed includes.
 #[derive(Debug, Default)]
@@ -24,7 +24,7 @@ pub(in crate::scene) struct Names<'a> {
 /// Maximum number of entities, materials and animations from included files.
 pub(in crate::scene) const MOST_INCLUDED: u64 = 4_000_000;
 
-/// Names defined in several files. Beyond [`Problems::MOST`] they are only counted.
+/// Names defined in several files. Beyond [`ProblemList::MOST`] they are only counted.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Clashes<'a> {
     pub(in crate::scene) listed: Vec<Clash<'a>>,
@@ -106,7 +106,7 @@ impl<'a> Clashes<'a> {
                 return;
             }
         }
-        if self.listed.len() < Problems::MOST {
+        if self.listed.len() < ProblemList::MOST {
             self.listed.push(clash);
         } else {
             self.unlisted += 1;
@@ -219,7 +219,7 @@ mod tests {
         assert_eq!(names[0].included, 200 * 4);
         let Clashes { listed, unlisted, .. } = &names[0].clashes;
         // Each include of the second file adds three clashes. The first file is repeated 99 times, each time as one clash.
-        assert_eq!((listed.len(), listed.len() + unlisted), (Problems::MOST, 100 * 3 + 99));
+        assert_eq!((listed.len(), listed.len() + unlisted), (ProblemList::MOST, 100 * 3 + 99));
         assert_eq!(listed.iter().filter(|clash| clash.is_repeated()).count(), 12);
     }
 }

@@ -4,7 +4,9 @@ use std::borrow::Cow;
 
 use super::names::{Clashes, Meaning, Names};
 use super::{Origin, SceneFile};
-use crate::scene::document::{LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument};
+use crate::scene::document::{
+    LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument,
+};
 
 /// The result of looking up a name.
 #[derive(Clone, Copy, Debug)]

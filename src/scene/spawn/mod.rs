@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use self::entities::{Links, MaterialComponents, surface};
 use super::document::{
     AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, EntityDocument, FilmDocument,
-    FogDocument, KeyDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument, RotationDocument,
-    SamplingDocument, ScaleDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument,
-    TimelineDocument, TrackDocument, TracksDocument, TransferDocument, Triple,
+    FogDocument, KeyDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument,
+    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShotDocument, SpaceDocument,
+    StarsDocument, SunDocument, TimelineDocument, TrackDocument, TracksDocument, TransferDocument, Triple,
 };
 use super::files::Merged;
 use super::paths::motion_along;
@@ -23,8 +23,8 @@ use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ErrorNorm, Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
-    Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars, Sun,
-    Transform, View, Way, WorldTransform,
+    Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars,
+    Sun, Transform, View, Way, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 

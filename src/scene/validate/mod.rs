@@ -16,7 +16,7 @@ mod settings;
 use super::document::SceneDocument;
 use super::files::Scope;
 pub(super) use extends::add_misplaced_extends;
-pub(super) use problems::{At, Problems, help_for};
+pub(super) use problems::{At, ProblemList, Problems, help_for};
 use problems::{Named, check};
 
 /// Adds all semantic errors of a file's document to `problems`. `scope` holds the names that the file can refer to.

@@ -1,4 +1,4 @@
-//! A list of errors with their paths in the document.
+//! Errors and warnings with their paths in the document.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -11,14 +11,22 @@ use crate::scene::suggest::remedy;
 use crate::scene::{Diagnostic, Source};
 use crate::script::ScriptError;
 
-/// The errors found so far. Beyond [`Problems::MOST`] they are only counted.
+/// The errors and warnings found so far.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Problems {
+    errors: ProblemList,
+    /// Values that are valid and surely not meant.
+    warnings: ProblemList,
+    spawned: SpawnCalls,
+}
+
+/// Problems of one kind. Beyond [`ProblemList::MOST`] they are only counted.
+#[derive(Debug, Default)]
+pub(in crate::scene) struct ProblemList {
     listed: Vec<Problem>,
     unlisted: usize,
-    /// The number of errors counted with the last of [`Problems::EQUAL`] equal errors.
+    /// The number of problems counted with the last of [`ProblemList::EQUAL`] equal ones.
     repeated: usize,
-    spawned: SpawnCalls,
 }
 
 /// A call of `spawn` in a script.
@@ -126,15 +134,10 @@ impl<'a> At<'a> {
 }
 
 impl Problems {
-    /// Maximum number of listed errors.
-    pub(in crate::scene) const MOST: usize = 50;
-
-    /// Maximum number of listed errors that are equal.
-    const EQUAL: usize = 3;
-
     /// The label for an unknown name.
     const UNKNOWN: &'static str = "unknown";
 
+    /// Adds an error.
     pub(in crate::scene) fn add(
         &mut self,
         at: &At<'_>,
@@ -142,40 +145,18 @@ impl Problems {
         label: impl Into<String>,
         help: impl Into<String>,
     ) {
-        let (path, message, label) = (at.path(), message.into(), label.into());
-        let repeatable = self.spawned.repeatable(&path, &label);
-        if self.is_repeated(repeatable.as_ref(), &message, &label) || self.is_unlisted() {
-            return;
-        }
-        let help = Some(help.into());
-        let (path, inside) = match &repeatable {
-            Some(Repeatable { call, .. }) => (call.path(), Some(self.spawned.inside(*call))),
-            None => (path, None),
-        };
-        let problem = Problem::new(path, message, label, help);
-        self.listed.push(Problem { inside, repeatable, ..problem });
+        self.errors.add(&self.spawned, at, message.into(), label.into(), help.into());
     }
 
-    /// Counts an error as repeated if it was found before in the same call, or if [`Self::EQUAL`] equal errors are listed. Returns whether
-    /// it is repeated.
-    fn is_repeated(&mut self, repeatable: Option<&Repeatable>, message: &str, label: &str) -> bool {
-        let is_same =
-            |problem: &&mut Problem| repeatable.is_some() && problem.repeatable.as_ref() == repeatable;
-        if let Some(same) = self.listed.iter_mut().find(is_same) {
-            same.times += 1;
-            return true;
-        }
-        let is_equal = |problem: &&mut Problem| problem.message == message && problem.label == label;
-        let Some(last) = self.listed.iter_mut().filter(is_equal).nth(Self::EQUAL - 1) else { return false };
-        last.more += 1;
-        self.repeated += 1;
-        true
-    }
-
-    /// Counts an error if the list is full. Returns whether the list is full.
-    fn is_unlisted(&mut self) -> bool {
-        self.unlisted += usize::from(self.is_full());
-        self.is_full()
+    /// Adds a warning, which does not prevent the scene from loading.
+    pub(super) fn warn(
+        &mut self,
+        at: &At<'_>,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.warnings.add(&self.spawned, at, message.into(), label.into(), help.into());
     }
 
     /// Adds an error in a script, which is written at this position or in a file of its own.
@@ -186,12 +167,9 @@ impl Problems {
         error: &ScriptError,
     ) {
         let (message, label) = (error.message.clone(), error.label.clone());
-        if self.is_repeated(None, &message, &label) || self.is_unlisted() {
-            return;
-        }
         let inside = Some(Inside { source, span: error.span.clone() });
         let (path, help) = (at.index(0).path(), help_for(error));
-        self.listed.push(Problem { inside, ..Problem::new(path, message, label, help) });
+        self.errors.push(Problem { inside, ..Problem::new(path, message, label, help) });
     }
 
     /// Adds errors whose positions in the text are known. Returns the one that has none, if there is one.
@@ -203,9 +181,7 @@ impl Problems {
                 continue;
             }
             let Diagnostic { message, label, help, span, .. } = diagnostic;
-            if !self.is_repeated(None, &message, &label) && !self.is_unlisted() {
-                self.listed.push(Problem { span, ..Problem::new(Vec::new(), message, label, help) });
-            }
+            self.errors.push(Problem { span, ..Problem::new(Vec::new(), message, label, help) });
         }
         without_position
     }
@@ -239,7 +215,8 @@ impl Problems {
         };
         let message = format!("there is no {singular} \"{}\"", short(name));
         let repeatable = self.spawned.repeatable(&at.path(), Self::UNKNOWN);
-        if self.is_repeated(repeatable.as_ref(), &message, Self::UNKNOWN) || self.is_unlisted() {
+        if self.errors.is_repeated(repeatable.as_ref(), &message, Self::UNKNOWN) || self.errors.is_unlisted()
+        {
             return;
         }
         let known = known();
@@ -249,24 +226,88 @@ impl Problems {
 
     /// Counts errors that are not listed.
     pub(super) fn add_unlisted(&mut self, count: usize) {
-        self.unlisted += count;
-    }
-
-    /// Returns the number of errors that are counted with equal ones.
-    pub(in crate::scene) fn repeated(&self) -> usize {
-        self.repeated
+        self.errors.unlisted += count;
     }
 
     /// Returns whether further errors are only counted.
     pub(super) fn is_full(&self) -> bool {
+        self.errors.is_full()
+    }
+
+    /// Returns whether there are no errors.
+    pub(in crate::scene) fn is_empty(&self) -> bool {
+        self.errors.listed.is_empty()
+    }
+
+    /// Returns the errors.
+    pub(in crate::scene) fn into_errors(self) -> ProblemList {
+        self.errors
+    }
+
+    /// Returns the warnings.
+    pub(in crate::scene) fn into_warnings(self) -> ProblemList {
+        self.warnings
+    }
+}
+
+impl ProblemList {
+    /// Maximum number of listed problems.
+    pub(in crate::scene) const MOST: usize = 50;
+
+    /// Maximum number of listed problems that are equal.
+    const EQUAL: usize = 3;
+
+    fn add(&mut self, spawned: &SpawnCalls, at: &At<'_>, message: String, label: String, help: String) {
+        let path = at.path();
+        let repeatable = spawned.repeatable(&path, &label);
+        let (path, inside) = match &repeatable {
+            Some(Repeatable { call, .. }) => (call.path(), Some(spawned.inside(*call))),
+            None => (path, None),
+        };
+        let problem = Problem::new(path, message, label, Some(help));
+        self.push(Problem { inside, repeatable, ..problem });
+    }
+
+    /// Adds a problem, unless it is only counted.
+    fn push(&mut self, problem: Problem) {
+        let Problem { repeatable, message, label, .. } = &problem;
+        if !self.is_repeated(repeatable.as_ref(), message, label) && !self.is_unlisted() {
+            self.listed.push(problem);
+        }
+    }
+
+    /// Counts a problem as repeated if it was found before in the same call, or if [`Self::EQUAL`] equal ones are listed. Returns whether
+    /// it is repeated.
+    fn is_repeated(&mut self, repeatable: Option<&Repeatable>, message: &str, label: &str) -> bool {
+        let is_same =
+            |problem: &&mut Problem| repeatable.is_some() && problem.repeatable.as_ref() == repeatable;
+        if let Some(same) = self.listed.iter_mut().find(is_same) {
+            same.times += 1;
+            return true;
+        }
+        let is_equal = |problem: &&mut Problem| problem.message == message && problem.label == label;
+        let Some(last) = self.listed.iter_mut().filter(is_equal).nth(Self::EQUAL - 1) else { return false };
+        last.more += 1;
+        self.repeated += 1;
+        true
+    }
+
+    /// Counts a problem if the list is full. Returns whether the list is full.
+    fn is_unlisted(&mut self) -> bool {
+        self.unlisted += usize::from(self.is_full());
+        self.is_full()
+    }
+
+    fn is_full(&self) -> bool {
         self.listed.len() == Self::MOST
     }
 
-    pub(in crate::scene) fn is_empty(&self) -> bool {
-        self.listed.is_empty()
+    /// Returns the number of problems that are counted with equal ones.
+    pub(in crate::scene) fn repeated(&self) -> usize {
+        self.repeated
     }
 
-    /// Returns the errors with their positions in the text, in text order, and the number of unlisted errors.
+    /// Returns the problems with their positions in the text, in text order, and the number of unlisted ones.
     pub(in crate::scene) fn locate(self, text: &str) -> (Vec<Diagnostic>, usize) {
         let paths: Vec<Vec<PathStep>> = self.listed.iter().map(|problem| problem.path.clone()).collect();
         let spans = locate(text, &paths);
@@ -451,8 +492,13 @@ pub(super) mod check {
         }
     }
 
-    /// Checks colour channels in 0..=255.
+    /// Checks colour channels in 0..=255. Warns of colours that are written from 0 to 1.
     pub(crate) fn color(value: Triple, at: &At<'_>, problems: &mut Problems) {
+        if value != [0.0; 3] && value.iter().all(|channel| (0.0..=1.0).contains(channel)) {
+            let [red, green, blue] = value.map(|channel| (255.0 * channel).round());
+            let help = format!("channels are from 0 to 255: write ({red}, {green}, {blue})");
+            problems.warn(at, "a colour that is almost black", "no channel is above 1", help);
+        }
         for (index, value) in value.into_iter().enumerate() {
             if !(0.0..=255.0).contains(&value) {
                 let message = format!("a colour's channels are from 0 to 255, not {}", Figure(value));

@@ -36,6 +36,7 @@ impl Preparation {
         }));
         light_faults(world, &mut faults);
         aim_faults(world, &mut faults);
+        faults.extend(self.idle_lights());
         camera_faults(world, self, &mut faults);
         setting_faults(world, &mut faults);
         turn_faults(world, &mut faults);

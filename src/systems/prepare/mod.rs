@@ -2,6 +2,7 @@
 
 mod camera;
 mod faults;
+mod idle_lights;
 mod light;
 mod material;
 mod read;

@@ -104,6 +104,14 @@ impl Geometry {
         }
     }
 
+    /// Returns a shape if it is a plane.
+    pub(crate) fn plane(&self, id: ShapeId) -> Option<&Plane> {
+        match self.shape(id) {
+            ShapeRef::Plane(plane) => Some(plane),
+            _ => None,
+        }
+    }
+
     /// Replaces a shape by another of the same kind. Returns `false`, and does nothing, if the kinds differ.
     #[must_use]
     pub fn replace(&mut self, id: ShapeId, shape: PreparedShape) -> bool {

@@ -60,6 +60,7 @@ pub(super) fn terminate(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
         let light = *throughput * context.scene.miss_radiance(*direction);
         let (packet, lane) = (*slot as usize / LANES, *slot as usize % LANES);
         pixels[packet].set(lane, pixels[packet].get(lane) + light);
+        trees_ended.strong += u64::from(throughput.max_element() >= 0.5);
     }
     trees_ended.depth += beyond.len() as u64;
     beyond.clear();

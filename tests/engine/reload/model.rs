@@ -34,8 +34,19 @@ struct Thing {
     fields: [String; 5],
 }
 
-const SETTINGS: [&str; 11] =
-    ["timeline", "film", "quality", "sampling", "camera", "ambient", "background", "space", "sun", "stars", "fog"];
+const SETTINGS: [&str; 11] = [
+    "timeline",
+    "film",
+    "quality",
+    "sampling",
+    "camera",
+    "ambient",
+    "background",
+    "space",
+    "sun",
+    "stars",
+    "fog",
+];
 
 impl Model {
     pub(crate) fn new(random: &mut Random) -> Self {
@@ -135,8 +146,8 @@ impl Model {
                     .then(|| names[random.index(names.len())].clone());
                 let name = known.unwrap_or(fresh);
                 change.things.retain(|thing| thing.name.as_ref() != Some(&name));
-                let mut fields: [String; 4] = Default::default();
-                let which = random.index(4);
+                let mut fields: [String; 5] = Default::default();
+                let which = random.index(5);
                 fields[which] = field(which, &names, random);
                 change.things.push(Thing { name: Some(name), fields });
             }

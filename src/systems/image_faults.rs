@@ -1,0 +1,59 @@
+//! Faults of a rendered image.
+
+use glam::DVec3;
+use hecs::{Entity, World};
+
+use super::{
+    Consequence, Effect, Fault, FaultCause, FrameReport, OneColor, Plan, Preparation, active_camera,
+};
+use crate::trace::{Bounds, Geometry, Signals};
+
+/// The number of strong rays at the maximum depth per camera ray from which the image is wrong in a visible part.
+const VISIBLE: f64 = 0.05;
+
+/// Returns the faults of the image that `report` describes, whose last instant has been prepared.
+pub(crate) fn image_faults(world: &World, prepared: &Preparation, report: &FrameReport) -> Vec<Fault> {
+    let entity = active_camera(world, report.time).map_or(Entity::DANGLING, |camera| camera.entity);
+    let fault = |consequence, cause| Fault { entity, consequence, cause };
+    let share = report.ends.strong as f64 / report.rays.camera.max(1) as f64;
+    if share >= VISIBLE {
+        let depth = prepared.scene().depth;
+        return vec![fault(Consequence::CutOff, FaultCause::DepthReached { depth, share })];
+    }
+    let one_color = report.one_color.zip(report.plan.as_ref());
+    let one_color = one_color
+        .map(|(color, plan)| fault(Consequence::OneColor(color), cause_of_one_color(prepared, plan, color)));
+    one_color.into_iter().collect()
+}
+
+fn cause_of_one_color(prepared: &Preparation, plan: &Plan, color: OneColor) -> FaultCause {
+    let scene = prepared.scene();
+    let passes = scene.passes(prepared.camera(), Signals::none().cancelled);
+    let pixels = passes.as_ref().map_or(&[][..], |passes| passes.pixels());
+    let closest = pixels.iter().map(|pixel| f64::from(pixel.distance)).fold(f64::INFINITY, f64::min);
+    let is_lit = || [Effect::Diffuse, Effect::Specular].into_iter().any(|effect| plan.needs(effect));
+    match scene.geometry() {
+        geometry if geometry.is_empty() => FaultCause::NoShapes,
+        geometry if closest.is_infinite() => {
+            FaultCause::OutOfView { shapes: geometry.len(), middle: middle(geometry) }
+        }
+        _ if scene.fog.layer.is_none() && libm::exp(-scene.fog.density * closest) < 1.0 / 512.0 => {
+            FaultCause::HiddenByFog
+        }
+        _ if color != OneColor::Black => FaultCause::EqualRadiance,
+        _ if plan.needs(Effect::Ambient) || is_lit() => FaultCause::NoLightArrives,
+        _ => {
+            let [ambient, lights] =
+                [Effect::Ambient, Effect::Diffuse].map(|effect| plan.need(effect).reason());
+            FaultCause::Unlit { ambient, lights }
+        }
+    }
+}
+
+/// Returns the middle of the bounded shapes.
+fn middle(geometry: &Geometry) -> Option<DVec3> {
+    let bounds = geometry.ids().filter_map(|id| geometry.bounds(id));
+    let around =
+        bounds.reduce(|one, other| Bounds { min: one.min.min(other.min), max: one.max.max(other.max) });
+    around.map(|around| around.center())
+}
