@@ -34,7 +34,7 @@ const AT_MOST: Duration = Duration::from_secs(60);
 /// Number of scene versions, used in turns so that the resources they need stay the same.
 const VERSIONS: usize = 30;
 
-/// The texts of the files that a scene includes.
+/// The names and texts of the files of a scene, except the main file.
 type Included = Vec<(&'static str, String)>;
 
 #[test]

@@ -243,11 +243,9 @@ impl MovieWriter {
         let read = |errors| io::read_to_string(errors).unwrap_or_default();
         let messages = thread::spawn(move || errors.map(read).unwrap_or_default());
         let ffmpeg = Ffmpeg { child, messages: Some(messages) };
-        Ok(MovieEncoder::start(size, Some(ffmpeg), move |films| {
+        Ok(MovieEncoder::start(size, Some(ffmpeg), move |mut films| {
             let Some(mut input) = input else { return Ok(()) };
-            films
-                .try_for_each(|film| input.write_all(film.bytes()))
-                .map_err(MovieError::Closed)
+            films.try_for_each(|film| input.write_all(film.bytes())).map_err(MovieError::Closed)
         }))
     }
 }

@@ -375,7 +375,7 @@ mod tests {
             text.text().as_str(),
             "#![enable(implicit_some)]\nScene(film: (width: 9, height: 2), camera: (position: (1, 2, 3), view: (0, 0, 1)), \
              materials: {\"clay\": Material(k_a: 0.5,k_d: 1), \"tin\": ()},
-        entities: [(name: \"ball\", shape: Sphere(radius: 3)), (),(name: \"new\")], ambient: (1, 1, 1), extends: \"b\")"
+        entities: [(name: \"ball\", shape: Sphere(radius: 3)), (),(name: \"new\")], ambient: (1, 1, 1), extends: \"b\", )"
         );
         check_places(&text);
     }

@@ -249,7 +249,7 @@ fn overrides_apply_to_the_extended_scene() {
         "shape: (radius: -3)",
         "base.ron:3:19",
         "film: (width: 0, height: 36",
-        "base.ron:7:34",
+        "base.ron:7:33",
         "k_d: 7",
         "= note: read with film.width=0",
     ] {
@@ -266,7 +266,7 @@ fn commands_report_the_file_of_a_value() {
             "scene.ron",
             "(\n extends: \"base.ron\",\n entities: [\n  (name: \"other\", shape: Sphere(radius: 0), material: \"clay\"),\n ])",
         ),
-        ("good.ron", "(extends: \"base.ron\", without: [\"floor\"])"),
+        ("good.ron", "(extends: \"base.ron\", without: [\"lamp\"])"),
     ]);
     let run = |arguments: &[&str], input: &str| {
         let mut command = Command::cargo_bin("rayreel").unwrap();
@@ -289,7 +289,7 @@ fn commands_report_the_file_of_a_value() {
     // Standard input can be the scene that extends another, but not the one that is extended.
     let piped = run(
         &["probe", "-", "--pixel", "32,18", "--json"],
-        "(extends: \"base.ron\", without: [\"floor\"], fog: None)",
+        "(extends: \"base.ron\", without: [\"lamp\"], fog: None)",
     );
     let file = run(&["probe", "good.ron", "--set", "fog=None", "--pixel", "32,18", "--json"], "");
     let rays = |output: &[u8]| serde_json::from_slice::<Value>(output).unwrap()["rays"].clone();

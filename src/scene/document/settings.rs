@@ -14,8 +14,6 @@ use crate::components::{FilmSettings, Quality, Sampling, Stars};
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Scene")]
 pub(crate) struct SceneDocument {
-    pub(crate) extends: Option<String>,
-    pub(crate) without: Vec<String>,
     pub(crate) include: Vec<IncludeDocument>,
     pub(crate) timeline: TimelineDocument,
     pub(crate) film: FilmDocument,
@@ -36,6 +34,8 @@ pub(crate) struct SceneDocument {
     pub(crate) entities: Vec<Arc<EntityDocument>>,
     pub(crate) spawn: Vec<ScriptDocument>,
     pub(crate) animate: Vec<AnimationDocument>,
+    pub(crate) extends: Option<String>,
+    pub(crate) without: Vec<String>,
 }
 
 impl SceneDocument {

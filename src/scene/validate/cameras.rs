@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use glam::DVec3;
 
-use super::entities::SLASH;
+use super::materials::SLASH;
 use super::{At, Named, Problems, check};
 use crate::components::{Quantity, ValidRange};
 use crate::scene::document::{CameraDocument, SceneDocument, ShotDocument, Triple};

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use hashbrown::HashMap;
 
+use super::materials::SLASH;
 use super::{At, Named, Problems, check};
 use crate::animation::limits::SMALLEST;
 use crate::scene::document::{
@@ -12,9 +13,6 @@ use crate::scene::document::{
 };
 use crate::scene::files::Scope;
 use crate::scene::quote::{Figure, linked, short};
-
-/// The purpose of a `/` in names, as a label for messages.
-pub(super) const SLASH: &str = "it is for names in parts, as \"car/wheel\"";
 
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_>, problems: &mut Problems) {
     let at = scene.field("entities");

@@ -2,10 +2,12 @@
 
 use std::collections::HashMap;
 
-use super::entities::SLASH;
 use super::{At, Problems, check};
 use crate::scene::document::{MaterialDocument, SceneDocument};
 use crate::scene::quote::short;
+
+/// The purpose of a `/` in names, as a label for messages.
+pub(super) const SLASH: &str = "it is for names in parts, as \"car/wheel\"";
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
     let at = scene.field("materials");

@@ -5,8 +5,8 @@ use std::fmt::Debug;
 
 use rayreel::components::{
     Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
-    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular, Target,
-    Transform, WorldTransform,
+    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular, Stars, Sun,
+    Target, Transform, WorldTransform,
 };
 use rayreel::{Entity, Film, World};
 
@@ -53,6 +53,8 @@ impl Words<'_> {
             self.one::<FilmSettings>(),
             self.one::<Ambient>(),
             self.one::<Background>(),
+            self.one::<Sun>(),
+            self.one::<Stars>(),
             self.one::<Fog>(),
             self.one::<Quality>(),
             self.one::<Sampling>(),
