@@ -33,6 +33,7 @@ const EFFECTS: &[(&str, &[(&str, &str)])] = &[
         &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5, absorption: (1, 0.5, 0.2)),")],
     ),
     ("checker", &[("/* clay */", "checker: (color: (20, 20, 20), size: 1),")]),
+    ("emission", &[("/* clay */", "emission: (0.1, 0.1, 0.1),")]),
     ("fog", &[("/* scene */", "fog: (color: (90, 90, 100), density: 0.05),")]),
     ("gradient", &[("/* scene */", "background: (bottom: (20, 20, 20), top: (80, 120, 200)),")]),
     ("4 samples a pixel", &[("/* scene */", "sampling: (samples: 4),")]),

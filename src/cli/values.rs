@@ -68,9 +68,11 @@ pub(super) fn parse_count(path: &str, text: &str) -> Result<Override, String> {
 }
 
 /// Other words for effects.
-const EFFECT_WORDS: [(&str, Effect); 13] = [
+const EFFECT_WORDS: [(&str, Effect); 15] = [
     ("ambient", Effect::Ambient),
     ("diffuse", Effect::Diffuse),
+    ("emissive", Effect::Emission),
+    ("emitted", Effect::Emission),
     ("specular", Effect::Specular),
     ("specular-highlights", Effect::Specular),
     ("reflected", Effect::Reflection),

@@ -23,6 +23,7 @@ macro_rules! with_components {
             Reflective: material,
             Refractive: material,
             Checker: material,
+            Emission: material,
             Light: rewritten,
             Camera: rewritten,
             Follow: rewritten,

@@ -103,6 +103,13 @@ impl Refractive {
     pub const LARGEST_IOR: f64 = 1e3;
 }
 
+/// Light that a surface gives off by itself, as RGB radiance, 0 or more: 1 is full white. The presence of this component enables it.
+///
+/// It is added to the other light of the surface on both sides, also where the surface is seen in a mirror or through glass. It lights no
+/// other surface: for that, add a [`Light`](super::Light) to the entity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission(pub Rgb);
+
 /// A checker pattern: every second square of the surface has another colour.
 ///
 /// Squares are measured in the entity's own units, before its transform. On a plane they start at the entity's origin, on each face of a

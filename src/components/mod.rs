@@ -8,6 +8,7 @@
 //! | [`Reflective`] | a surface that reflects |
 //! | [`Refractive`] | a surface that transmits light |
 //! | [`Checker`] | a surface with squares of two colours |
+//! | [`Emission`] | a surface that gives off light |
 //! | [`Light`] | a light source |
 //! | [`Camera`], [`FilmSettings`] | the view, and the size and encoding of the image |
 //! | [`LookAt`], [`Target`] | the entity that a camera looks at, or the entity or point that another entity points to |
@@ -36,7 +37,7 @@ pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, 
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub(crate) use list::with_components;
-pub use material::{Checker, Material, Reflective, Refractive, Specular};
+pub use material::{Checker, Emission, Material, Reflective, Refractive, Specular};
 pub use property::Property;
 pub(crate) use property::Requirement;
 pub(crate) use quantity::Quantity;

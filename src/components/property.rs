@@ -36,6 +36,8 @@ pub(crate) enum Requirement {
     Refractive,
     /// A surface with a checker pattern.
     Checker,
+    /// A surface that gives off light.
+    Emission,
     /// A light of any kind.
     Light,
     /// A directional light.
@@ -125,6 +127,8 @@ table! {
         CheckerColor => (Requirement::Checker, Quantity::Color),
         /// [`Checker::size`](super::Checker::size).
         CheckerSize => (Requirement::Checker, Quantity::Length),
+        /// [`Emission`](super::Emission).
+        Emission => (Requirement::Emission, Quantity::Light),
         /// [`Light::intensity`](super::Light::intensity).
         Intensity => (Requirement::Light, Quantity::Light),
         /// The direction of a [`LightKind::Directional`](super::LightKind).

@@ -26,11 +26,12 @@ use super::spans::{
 
 /// The name of the field with the path of the extended scene.
 pub(super) const EXTENDS: &str = "extends";
-/// The name of the field with the names that are left out.
+/// The name of the field with the names that are removed.
 pub(super) const WITHOUT: &str = "without";
 
 /// Fields of which only one can be written: each replaces the others.
-const EXCLUSIVE: [&[&str]; 2] = [&["target", "view", "look_at"], &["screen", "fov"]];
+const EXCLUSIVE: [&[&str]; 2] =
+    [&["target", "view", "look_at"], &["screen", "fov", "horizontal_fov", "orthographic"]];
 
 /// The treatment of a value that both files write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,11 +40,11 @@ enum CompositionRule {
     Scene,
     /// Groups and maps are composed; other values are replaced.
     Value,
-    /// A map whose entries can be left out by name.
+    /// A map whose entries can be removed by name.
     Cameras,
-    /// A list whose items are composed if they have the same name, and can be left out by name.
+    /// A list whose items are composed if they have the same name, and can be removed by name.
     Named,
-    /// A list whose items are replaced if they are of the same value, and left out with their targets.
+    /// A list whose items are replaced if they are of the same value, and removed with their targets.
     Animations,
     /// A list that is continued.
     Continued,
@@ -102,7 +103,7 @@ pub(super) struct MissingName {
     /// The index in the list.
     pub(super) index: usize,
     pub(super) name: String,
-    /// The names that can be left out.
+    /// The names that can be removed.
     pub(super) known: Vec<String>,
 }
 
@@ -112,7 +113,7 @@ pub(super) fn is_scene(text: &str) -> bool {
 }
 
 /// Composes the text of a scene that extends `base` by `changes`, the text of a single file. Both must be groups of fields. Returns the
-/// names that should be left out and do not exist.
+/// names that should be removed and do not exist.
 pub(super) fn extend(base: &SourceText, changes: &SourceText) -> Result<SourceText, Vec<MissingName>> {
     let [base_root, root] = [base, changes].map(|source| root(source.text()));
     let mut composer = Composer {
@@ -152,7 +153,7 @@ struct Composer<'a> {
     pieces: Vec<Piece>,
     /// The names to leave out.
     without: Vec<String>,
-    /// The names in the base that can be left out.
+    /// The names in the base that can be removed.
     known: BTreeSet<String>,
 }
 
@@ -276,7 +277,7 @@ impl Composer<'_> {
         }
     }
 
-    /// Returns whether a member of the base is left out because of its name, and records the name.
+    /// Returns whether a member of the base is removed because of its name, and records the name.
     fn is_left_out(&mut self, key: &str, member: &BracketMember, rule: CompositionRule) -> bool {
         if self.without.is_empty() || key.is_empty() {
             return false;

@@ -44,7 +44,8 @@ impl Changes {
 
     /// Declares a write to an entity's [`Material`](crate::components::Material),
     /// [`Specular`](crate::components::Specular), [`Reflective`](crate::components::Reflective),
-    /// [`Refractive`](crate::components::Refractive) or [`Checker`](crate::components::Checker).
+    /// [`Refractive`](crate::components::Refractive), [`Checker`](crate::components::Checker) or
+    /// [`Emission`](crate::components::Emission).
     pub fn mark_material(&mut self, entity: Entity) {
         self.declared = true;
         self.materials.push(entity);

@@ -15,15 +15,16 @@ const VISIBLE: f64 = 0.05;
 pub(crate) fn image_faults(world: &World, prepared: &Preparation, report: &FrameReport) -> Vec<Fault> {
     let entity = active_camera(world, report.time).map_or(Entity::DANGLING, |camera| camera.entity);
     let fault = |consequence, cause| Fault { entity, consequence, cause };
+    let one_color = report.one_color.zip(report.plan.as_ref());
+    let one_color = one_color.map(|(color, plan)| (color, cause_of_one_color(prepared, plan, color)));
     let share = report.ends.strong as f64 / report.rays.camera.max(1) as f64;
-    if share >= VISIBLE {
+    let is_explained =
+        !matches!(one_color, None | Some((_, FaultCause::NoLightArrives | FaultCause::EqualRadiance)));
+    if share >= VISIBLE && !is_explained {
         let depth = prepared.scene().depth;
         return vec![fault(Consequence::CutOff, FaultCause::DepthReached { depth, share })];
     }
-    let one_color = report.one_color.zip(report.plan.as_ref());
-    let one_color = one_color
-        .map(|(color, plan)| fault(Consequence::OneColor(color), cause_of_one_color(prepared, plan, color)));
-    one_color.into_iter().collect()
+    one_color.into_iter().map(|(color, cause)| fault(Consequence::OneColor(color), cause)).collect()
 }
 
 fn cause_of_one_color(prepared: &Preparation, plan: &Plan, color: OneColor) -> FaultCause {

@@ -7,7 +7,7 @@ use hecs::{Component, World};
 
 use super::{Effect, EffectSet, Preparation};
 use crate::color::Rgb;
-use crate::components::{Checker, Fog, Light, Reflective, Refractive, Specular, Stars, Sun};
+use crate::components::{Checker, Emission, Fog, Light, Reflective, Refractive, Specular, Stars, Sun};
 use crate::trace::{self, Effects, LightSource, Lighting, Paths, PreparedBackground, ShapeId};
 
 /// The need for an effect, with a reason.
@@ -149,6 +149,9 @@ impl<'a> EffectScan<'a> {
             Effect::Ambient if scene.ambient == Rgb::ZERO => Omitted("there is no ambient light"),
             Effect::Ambient if surfaces.ambient == 0.0 => Omitted("k_a is 0 on all surfaces"),
             Effect::Ambient => Needed("k_a is above 0"),
+            Effect::Emission if !self.has::<Emission>() => Omitted("no material has `emission`"),
+            Effect::Emission if surfaces.emission == 0.0 => Omitted("emission is 0 at this time"),
+            Effect::Emission => Needed("emission is above 0"),
             Effect::Diffuse | Effect::Specular | Effect::Shadows | Effect::TransparentShadows
                 if !self.is_lit() =>
             {

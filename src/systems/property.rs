@@ -89,7 +89,8 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
         | Requirement::Specular
         | Requirement::Reflective
         | Requirement::Refractive
-        | Requirement::Checker => {
+        | Requirement::Checker
+        | Requirement::Emission => {
             changes.mark_material(entity);
         }
         Requirement::Light

@@ -7,25 +7,26 @@ use crate::animation::Value;
 use crate::animation::limits::SMALLEST;
 use crate::color::Rgb;
 use crate::components::{
-    Ambient, AreaShape, Background, Camera, Checker, Falloff, Fog, Light, LightKind, Material, Projection,
-    Property, Quantity, Reflective, Refractive, Shape, Specular, Stars, Sun, Target, Transform, View,
+    Ambient, AreaShape, Background, Camera, Checker, Emission, Falloff, Fog, Light, LightKind, Material,
+    Projection, Property, Quantity, Reflective, Refractive, Shape, Specular, Stars, Sun, Target, Transform,
+    View,
 };
 
-/// Defines from a list of the components that hold properties: the query for these components of an entity, the result of the query, and a
+/// Defines from lists of the components that hold properties, each of at most 15 as tuples of hecs are: the query for these components of an entity, the result of the query, and a
 /// function that reads one value of an entity.
 macro_rules! parts {
-    ($($part:ident: $component:ident,)*) => {
+    ($([$($part:ident: $component:ident,)*])*) => {
         /// A query for the components that hold properties, each of which an entity may lack.
-        pub(super) type PartsQuery<'a> = ($(Option<&'a mut $component>,)*);
+        pub(super) type PartsQuery<'a> = ($(($(Option<&'a mut $component>,)*),)*);
 
         /// The components of an entity that hold properties.
         pub(super) struct Parts<'a> {
-            $(pub(super) $part: Option<&'a mut $component>,)*
+            $($(pub(super) $part: Option<&'a mut $component>,)*)*
         }
 
         impl<'a> Parts<'a> {
-            pub(super) fn new(($($part,)*): <PartsQuery<'a> as hecs::Query>::Item<'a>) -> Self {
-                Self { $($part,)* }
+            pub(super) fn new(($(($($part,)*),)*): <PartsQuery<'a> as hecs::Query>::Item<'a>) -> Self {
+                Self { $($($part,)*)* }
             }
         }
 
@@ -36,29 +37,34 @@ macro_rules! parts {
         #[must_use]
         pub fn value(world: &World, entity: Entity, property: Property) -> Option<Value> {
             // Reads from copies, so that deriving a value does not write to the world.
-            $(let mut $part = world.get::<&$component>(entity).ok().map(|found| *found);)*
-            let mut parts = Parts { $($part: $part.as_mut(),)* };
+            $($(let mut $part = world.get::<&$component>(entity).ok().map(|found| *found);)*)*
+            let mut parts = Parts { $($($part: $part.as_mut(),)*)* };
             parts.get(property)
         }
     };
 }
 
 parts! {
-    transform: Transform,
-    shape: Shape,
-    material: Material,
-    specular: Specular,
-    reflective: Reflective,
-    refractive: Refractive,
-    checker: Checker,
-    light: Light,
-    camera: Camera,
-    target: Target,
-    ambient: Ambient,
-    background: Background,
-    sun: Sun,
-    stars: Stars,
-    fog: Fog,
+    [
+        transform: Transform,
+        shape: Shape,
+        material: Material,
+        specular: Specular,
+        reflective: Reflective,
+        refractive: Refractive,
+        checker: Checker,
+        emission: Emission,
+        light: Light,
+        camera: Camera,
+        target: Target,
+    ]
+    [
+        ambient: Ambient,
+        background: Background,
+        sun: Sun,
+        stars: Stars,
+        fog: Fog,
+    ]
 }
 
 /// A mutable reference to a value, in the component that holds it.
@@ -110,7 +116,8 @@ impl Parts<'_> {
             | P::Ior
             | P::Absorption
             | P::CheckerColor
-            | P::CheckerSize => self.surface_value(property),
+            | P::CheckerSize
+            | P::Emission => self.surface_value(property),
             P::Intensity
             | P::Direction
             | P::Angle
@@ -181,6 +188,7 @@ impl Parts<'_> {
             Property::Absorption => Color(&mut self.refractive.as_mut()?.absorption),
             Property::CheckerColor => Color(&mut self.checker.as_mut()?.color),
             Property::CheckerSize => Number(&mut self.checker.as_mut()?.size),
+            Property::Emission => Color(&mut self.emission.as_mut()?.0),
             _ => return None,
         })
     }

@@ -18,8 +18,8 @@ use crate::trace::render::visibility::{hidden_images, reference_features};
 use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedScene, SIDE};
 use crate::trace::shading::{
     ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
-    SecondaryRays, ShadingPoint, ShadowRay, TreeRay, Unlit, ambient, clamped, filtered_and_absorbed,
-    sample_light, secondary_rays,
+    SecondaryRays, ShadingPoint, ShadowRay, TreeRay, Unlit, ambient, clamped, emission,
+    filtered_and_absorbed, sample_light, secondary_rays,
 };
 use crate::trace::stages::{Portion, Tile};
 
@@ -82,6 +82,8 @@ pub struct LitSurface {
     pub coincident: Vec<ShapeId>,
     /// Ambient light scattered back along the ray.
     pub ambient: Rgb,
+    /// Light that the surface gives off.
+    pub emission: Rgb,
     /// The result of every light of the scene, in document order.
     pub lights: Vec<LightReach>,
 }
@@ -134,10 +136,12 @@ impl RayEnd {
     pub fn light(&self) -> Rgb {
         match self {
             Self::Background(color) | Self::BeyondDepth(color) => *color,
-            Self::Surface(lit) => clamped(lit.lights.iter().fold(lit.ambient, |sum, reach| match reach {
-                LightReach::Reaches { color, .. } => sum + *color,
-                LightReach::NoShadowRay(_) | LightReach::Occluded(_) => sum,
-            })),
+            Self::Surface(lit) => {
+                clamped(lit.lights.iter().fold(lit.ambient + lit.emission, |sum, reach| match reach {
+                    LightReach::Reaches { color, .. } => sum + *color,
+                    LightReach::NoShadowRay(_) | LightReach::Occluded(_) => sum,
+                }))
+            }
         }
     }
 }
@@ -416,7 +420,8 @@ fn lit(
     let lights = scene.lights.iter().enumerate();
     let lights = lights.map(|light| reach(context, scratch, light, &lit, seen)).collect();
     let coincident = scene.tied(&surface, &scratch.search.ties);
-    LitSurface { ambient: ambient(scene, ambient_color), lights, surface, coincident }
+    let (ambient, emission) = (ambient(scene, ambient_color), emission(context.effects, material));
+    LitSurface { ambient, emission, lights, surface, coincident }
 }
 
 fn reach(

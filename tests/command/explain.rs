@@ -82,6 +82,7 @@ fn every_effect_has_its_frames_and_reasons() {
     assert_eq!(report["measured"]["frames"], json!([0, 4, 9]));
     let expected = [
         ("ambient light", vec![(json!([[0, 9]]), true, "k_a is above 0")]),
+        ("emission", vec![(json!([[0, 9]]), false, "no material has `emission`")]),
         (
             "diffuse light",
             vec![
@@ -147,6 +148,8 @@ fn every_effect_has_its_frames_and_reasons() {
         ("checker", vec![(json!([[0, 9]]), false, "no material has `checker`")]),
         ("fog", vec![(json!([[0, 9]]), false, "its density is 0")]),
         ("gradient", vec![(json!([[0, 9]]), false, "the background is the same everywhere")]),
+        ("sun", vec![(json!([[0, 9]]), false, "the scene has no `sun`")]),
+        ("stars", vec![(json!([[0, 9]]), false, "the scene has no `stars`")]),
         ("antialiasing", vec![(json!([[0, 9]]), true, "a pixel has several samples")]),
         ("depth of field", vec![(json!([[0, 9]]), false, "the camera has no lens")]),
         (
@@ -216,7 +219,7 @@ fn text_output_is_a_table_of_the_json_values() {
     let sentences = [
         "Every frame needs ambient light, antialiasing.",
         "Some need diffuse light, highlights, shadows, transparent shadows, reflection, refraction, motion blur.",
-        "No frame needs the other 9.",
+        "No frame needs the other 12.",
     ];
     assert_eq!(blocks.next(), Some(sentences.join("\n").as_str()));
     let measured = blocks.next().unwrap();
@@ -253,7 +256,7 @@ fn text_output_is_a_table_of_the_json_values() {
     ] {
         assert!(omitted.lines().any(|found| found == line), "{line}\n{omitted}");
     }
-    assert_eq!(omitted.lines().count(), 1 + 20);
+    assert_eq!(omitted.lines().count(), 1 + 23);
     assert_eq!(blocks.next(), None);
 }
 

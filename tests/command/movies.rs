@@ -46,7 +46,7 @@ fn omitted_gif_frames_are_reported_with_quiet() {
     let mut rayreel = command(RAYREEL, folder.path());
     let arguments = ["render", "-", "--out=out", "--movie=a.gif", "--quiet"];
     let mut child = rayreel.args(arguments).stdin(Stdio::piped()).spawn().unwrap();
-    let scene = b"Scene(timeline: (fps: 60, duration: 0.5), film: (width: 16, height: 9), camera: (position: (0, 0, -5), target: (0, 0, 0)), entities: [])";
+    let scene = b"Scene(timeline: (fps: 60, duration: 0.5), film: (width: 16, height: 9), camera: (position: (0, 0, -5), target: (0, 0, 0)), background: (bottom: (0, 0, 0), top: (255, 255, 255)))";
     child.stdin.take().unwrap().write_all(scene).unwrap();
     let output = output_of(child);
     let stderr = text(&output.stderr);

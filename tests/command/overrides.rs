@@ -161,7 +161,7 @@ fn invalid_override_syntax_is_a_usage_error() {
         (["--samples", "many"], "write a whole number"),
         (
             ["--without", "shadow"],
-            "the effects are ambient-light, diffuse-light, highlights, shadows, transparent-shadows",
+            "the effects are ambient-light, emission, diffuse-light, highlights, shadows, transparent-shadows",
         ),
     ] {
         let output = rayreel(folder.path(), ["render", "a.ron"].into_iter().chain(arguments));

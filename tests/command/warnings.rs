@@ -210,7 +210,7 @@ fn rays_cut_at_the_maximum_depth() {
         };
         let panes: String = (0..count).map(pane).collect();
         format!(
-            r#"(film: (width: 32, height: 18), camera: (position: (0, 0, -5), view: (0, 0, 1)), background: (90, 120, 200),
+            r#"(film: (width: 32, height: 18), camera: (position: (0, 0, -5), view: (0, 0, 1)), background: (bottom: (90, 120, 200), top: (0, 0, 0)),
             ambient: (1, 1, 1), quality: (depth: {depth}), materials: {{ "glass": (refractive: (k_t: {k_t:?}, ior: 1.5)), "clay": (k_a: 1) }},
             entities: [{panes} (shape: Sphere(radius: 1), material: "clay", transform: (translation: (0, 0, 9)))])"#
         )

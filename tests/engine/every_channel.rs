@@ -26,6 +26,7 @@ const SCENE: &str = r##"Scene(
         "clay": (
             k_a: @ka, k_d: @kd, color: @color, ambient_color: @ambient_color,
             specular: (k_s: @ks, shininess: @shininess), reflective: (k_r: @kr),
+            emission: @emission,
         ),
         "glass": (k_d: 0.1, refractive: (k_t: @kt, ior: @ior, absorption: @absorption)),
         "tiles": (k_a: 0.3, k_d: 0.6, color: (90, 200, 120), checker: (color: @checker_color, size: @checker_size)),
@@ -61,7 +62,7 @@ const SCENE: &str = r##"Scene(
 )"##;
 
 /// Default values of the words.
-const PLAIN: [(&str, &str); 39] = [
+const PLAIN: [(&str, &str); 40] = [
     ("position", "(0, 1.5, -6)"),
     ("view", "target: (0, 0, 0)"),
     ("up", "(0, 1, 0)"),
@@ -81,6 +82,7 @@ const PLAIN: [(&str, &str); 39] = [
     ("ks", "0.4"),
     ("shininess", "20"),
     ("kr", "0.2"),
+    ("emission", "(0.1, 0, 0.05)"),
     ("kt", "0.8"),
     ("ior", "1.5"),
     ("absorption", "(0.1, 0.2, 0.3)"),
@@ -155,6 +157,7 @@ fn case(property: Property) -> Case {
         Property::Absorption => material(glass, "marble", "absorption", ["(0, 0, 0)", "(2, 1, 0)"]),
         Property::CheckerColor => material(tiles, "floor", "checker_color", ["(255, 0, 0)", "(0, 0, 255)"]),
         Property::CheckerSize => material(tiles, "crate", "checker_size", ["0.3", "0.9"]),
+        Property::Emission => material(clay, "ball", "emission", ["(0, 0.2, 0)", "(0.5, 0.4, 0.3)"]),
         Property::Intensity => entity("lamp", "intensity", ["(0.2, 0.3, 0.4)", "(1.5, 1, 1)"]),
         Property::Direction => entity("sun", "direction", ["(1, -1, 0)", "(-1, -2, 1)"]),
         Property::Angle => entity("spot", "angle", ["20", "50"]),

@@ -129,7 +129,7 @@ impl Generator<'_> {
 
     /// Adds a field, mostly.
     fn add(&mut self, fields: &mut Vec<(String, Value)>, name: &str, value: impl FnOnce(&mut Self) -> Value) {
-        if !self.random.once_in(if self.is_change { 2 } else { 4 }) {
+        if !self.random.once_in(if self.is_change { 2 } else { 12 }) {
             let value = value(self);
             fields.push((name.to_owned(), value));
         }
@@ -179,6 +179,7 @@ impl Generator<'_> {
     }
 
     fn entity(&mut self, name: Option<usize>) -> Value {
+        let is_changed = self.is_change && name.is_some_and(|name| name < 4);
         let name = name.map(|name| ("name".to_owned(), Plain(format!("\"n{name}\""))));
         let mut fields: Vec<(String, Value)> = name.into_iter().collect();
         let (place, size) = (self.random.triple(), self.number());
@@ -188,12 +189,14 @@ impl Generator<'_> {
                 &[("translation", place), ("rotation", "Euler(0, 30, 0)".to_owned()), ("scale", size)],
             )
         });
-        let (word, field, size) = match self.random.index(3) {
+        let (word, field, size) = match self.random.index(6) {
             0 => ("Box", "size", "(1, 2, 1)".to_owned()),
-            1 if self.is_change => ("", "radius", self.number()),
+            1..=3 if is_changed => ("", "radius", self.number()),
             _ => ("Sphere", "radius", self.number()),
         };
-        self.add(&mut fields, "shape", |_| Group(word, vec![(field.to_owned(), Plain(size))]));
+        if !(is_changed && self.random.once_in(2)) {
+            fields.push(("shape".to_owned(), Group(word, vec![(field.to_owned(), Plain(size))])));
+        }
         let material = format!("\"m{}\"", self.random.index(3));
         fields.push(("material".to_owned(), Plain(material)));
         let (kind, light) = (self.random.pick(&["Point", "Directional"]), self.random.light());
@@ -252,14 +255,14 @@ impl Generator<'_> {
         self.add(&mut fields, "ambient", |this| Plain(this.random.light()));
         let colors = [self.random.color(), self.random.color()];
         self.add(&mut fields, "background", |this| {
-            if this.random.once_in(2) {
+            if this.is_change && this.random.once_in(2) {
                 return Plain(colors[0].clone());
             }
             this.group("", &[("bottom", colors[0].clone()), ("top", colors[1].clone())])
         });
         self.add(&mut fields, "fog", |this| {
             let density = this.number();
-            if this.random.once_in(3) {
+            if this.is_change && this.random.once_in(3) {
                 return Plain("None".to_owned());
             }
             this.group("", &[("color", colors[0].clone()), ("density", density)])

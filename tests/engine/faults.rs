@@ -11,9 +11,9 @@ use serde_json::Value;
 
 use rayreel::color::ErrorNorm;
 use rayreel::components::{
-    Ambient, AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Follow, Lens, Light,
-    LightKind, LookAt, Material, Noise, Parent, Projection, Quality, Reflective, Refractive, Sampling, Shape,
-    Shot, Shots, Specular, Stars, Sun, Transform, View, WorldTransform,
+    Ambient, AreaShape, Background, Camera, Checker, Emission, Falloff, FilmSettings, Fog, Follow, Lens,
+    Light, LightKind, LookAt, Material, Noise, Parent, Projection, Quality, Reflective, Refractive, Sampling,
+    Shape, Shot, Shots, Specular, Stars, Sun, Transform, View, WorldTransform,
 };
 use rayreel::systems::{Consequence, FaultCause};
 use rayreel::{Context, Engine, Entity, Fault, Film, Ray, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -92,6 +92,7 @@ struct Looks {
     reflective: Option<Reflective>,
     refractive: Option<Refractive>,
     checker: Option<Checker>,
+    emission: Option<Emission>,
 }
 
 fn looks() -> impl Strategy<Value = Looks> {
@@ -110,13 +111,15 @@ fn looks() -> impl Strategy<Value = Looks> {
         prop::option::weighted(0.3, single().prop_map(|k_r| Reflective { k_r })),
         prop::option::weighted(0.3, refractive),
         prop::option::weighted(0.3, (color(), number()).prop_map(|(color, size)| Checker { color, size })),
+        prop::option::weighted(0.3, color().prop_map(Emission)),
     )
-        .prop_map(|(material, specular, reflective, refractive, checker)| Looks {
+        .prop_map(|(material, specular, reflective, refractive, checker, emission)| Looks {
             material,
             specular,
             reflective,
             refractive,
             checker,
+            emission,
         })
 }
 
@@ -180,7 +183,7 @@ struct Settings {
     ambient: Rgb,
     background: Background,
     fog: Fog,
-    sky: (Sun, Stars),
+    sky: Option<(Sun, Stars)>,
     quality: Quality,
     sampling: Sampling,
     film: (u32, u32),
@@ -246,7 +249,7 @@ fn settings() -> impl Strategy<Value = Settings> {
     (
         prop::option::weighted(0.8, camera()),
         (link(), link(), any::<bool>()),
-        (color(), background, fog, (sun, stars)),
+        (color(), background, fog, prop::option::weighted(0.3, (sun, stars))),
         (quality, sampling, film),
     )
         .prop_map(
@@ -254,8 +257,12 @@ fn settings() -> impl Strategy<Value = Settings> {
                 camera,
                 (follows, looks_at, shots),
                 (ambient, background, fog, sky),
-                (quality, sampling, film),
+                (quality, mut sampling, film),
             )| {
+                if sky.is_some() {
+                    // With one sample, which sets no limit, an error target would take 65 536 samples of a sun or of stars.
+                    sampling.samples = 3;
+                }
                 Settings {
                     camera,
                     follows,
@@ -283,6 +290,9 @@ fn put(world: &mut World, entity: Entity, looks: &Looks) {
     }
     if let Some(refractive) = looks.refractive {
         world.insert_one(entity, refractive).unwrap();
+    }
+    if let Some(emission) = looks.emission {
+        world.insert_one(entity, emission).unwrap();
     }
     if let Some(checker) = looks.checker {
         world.insert_one(entity, checker).unwrap();
@@ -316,12 +326,13 @@ fn world(things: &[Thing], settings: &Settings) -> World {
         Ambient(settings.ambient),
         settings.background,
         settings.fog,
-        settings.sky.0,
-        settings.sky.1,
         settings.quality,
         settings.sampling,
         FilmSettings::new(width, height),
     ));
+    if let Some(sky) = settings.sky {
+        world.insert(scene, sky).unwrap();
+    }
     let active = settings.camera.map_or(removed, |camera| world.spawn((camera,)));
     if let Some(followed) = &settings.follows {
         world.insert_one(active, Follow(*followed.get(&entities))).unwrap();

@@ -88,7 +88,8 @@ fn warnings_about_images_are_true() {
             Consequence::OneColor(color) => Some(color),
             _ => None,
         });
-        assert_eq!(found, expected, "{seed}");
+        let is_cut_off = faults.iter().any(|fault| fault.consequence == Consequence::CutOff);
+        assert!(found == expected || found.is_none() && is_cut_off, "{seed}: {found:?}, not {expected:?}");
         black += u32::from(found == Some(OneColor::Black));
         colored += u32::from(found == Some(OneColor::Other));
 

@@ -10,8 +10,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use rayreel::animation::{Easing, Key, Track};
 use rayreel::components::{
-    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Falloff, FilmSettings, Fog, Lens,
-    Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
+    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Emission, Falloff, FilmSettings, Fog,
+    Lens, Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
     Specular, Stars, Sun, Transform, View,
 };
 use rayreel::trace::SimdLevel;
@@ -47,6 +47,7 @@ struct Thing {
     mirror: bool,
     glass: Option<Refractive>,
     checker: Option<Checker>,
+    emission: Option<Emission>,
     /// Position after a second, if shapes move.
     later: DVec3,
 }
@@ -105,12 +106,25 @@ fn checker() -> impl Strategy<Value = Option<Checker>> {
     prop::option::of(size.prop_map(|size| Checker { color: Rgb::new(0.9, 0.1, 0.4), size }))
 }
 
+fn emission() -> impl Strategy<Value = Option<Emission>> {
+    let light =
+        prop_oneof![1 => Just(Rgb::ZERO), 3 => Just(Rgb::new(2.5, 0.3, 0.0)), 1 => Just(Rgb::splat(1e30))];
+    prop::option::weighted(0.3, light.prop_map(Emission))
+}
+
 fn things() -> impl Strategy<Value = Vec<Thing>> {
     let diffuse = prop_oneof![1 => Just(0.0), 3 => Just(0.7f32)];
-    let surface = ([0.0..1.0f32, 0.0..1.0, 0.0..1.0], diffuse, specular(), any::<bool>(), glass(), checker());
+    let surface = (
+        [0.0..1.0f32, 0.0..1.0, 0.0..1.0],
+        diffuse,
+        specular(),
+        any::<bool>(),
+        glass(),
+        (checker(), emission()),
+    );
     let thing = (shape(), transform(), surface, point()).prop_map(|(shape, transform, surface, later)| {
-        let (color, diffuse, specular, mirror, glass, checker) = surface;
-        Thing { shape, transform, color, diffuse, specular, mirror, glass, checker, later }
+        let (color, diffuse, specular, mirror, glass, (checker, emission)) = surface;
+        Thing { shape, transform, color, diffuse, specular, mirror, glass, checker, emission, later }
     });
     prop::collection::vec(thing, 0..40)
 }
@@ -193,6 +207,9 @@ fn world(
         }
         if let Some(checker) = thing.checker.filter(|_| effects.checker) {
             world.insert_one(entity, checker).unwrap();
+        }
+        if let Some(emission) = thing.emission {
+            world.insert_one(entity, emission).unwrap();
         }
         if effects.motion {
             let key = |time, value| Key { time, value, easing: Easing::Linear };

@@ -15,7 +15,7 @@ use rayreel::{Engine, Film};
 fn scenes() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")).unwrap();
     let mut scenes: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    scenes.retain(|path| path.is_file());
+    scenes.retain(|path| path.extension().is_some_and(|ending| ending == "ron"));
     scenes.sort();
     scenes
 }

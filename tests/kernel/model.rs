@@ -95,7 +95,7 @@ fn highlights_are_k_s_times_intensity_times_a_power_of_the_half_cosine() {
     };
     let lit = |material: &str, degrees: f64| {
         let light = format!("(light: Point(intensity: (1, 0.5, 0)), {})]", at(degrees));
-        look_at("Sphere(radius: 1)", &format!("({material}, color: (9, 9, 9))"), &light)
+        look_at("Sphere(radius: 1)", &format!("({material}, k_a: 0, color: (9, 9, 9))"), &light)
     };
     // Straight ahead, H is N. The material's colour has no effect.
     for shininess in ["0", "1", "32", "1e6"] {

@@ -147,6 +147,7 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
             ("AmbientColor", triples(color())),
             ("CheckerColor", triples(color())),
             ("CheckerSize", numbers(size())),
+            ("Emission", triples(intensity())),
         ]
     };
     let place = || prop_oneof![3 => way(), 1 => triple_script()].boxed();

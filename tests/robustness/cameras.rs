@@ -18,7 +18,7 @@ pub(crate) fn background() -> impl Strategy<Value = String> {
 pub(crate) fn fog() -> impl Strategy<Value = String> {
     let layer =
         (size(), number()).prop_map(|(height, level)| format!(", height: {height}, level: {level:?}"));
-    let rest = prop_oneof![Just(String::new()), Just(", hides_background: false".to_owned()), layer];
+    let rest = prop_oneof![Just(String::new()), Just(", hides_background: false".to_owned()), layer].boxed();
     let some = (color(), prop_oneof![0.0..1.0f64, number().prop_map(f64::abs)], rest)
         .prop_map(|(color, density, rest)| format!("fog: (color: {color}, density: {density:?}{rest}), "));
     prop_oneof![2 => Just(String::new()), 1 => some]
@@ -51,7 +51,8 @@ pub(crate) fn camera() -> impl Strategy<Value = String> {
         1 => (size(), size(), size()).prop_map(|(distance, width, height)| {
             format!(", screen: (distance: {distance}, width: {width}, height: {height})")
         }),
-    ];
+    ]
+    .boxed();
     let lens = (number(), size())
         .prop_map(|(aperture, focus)| format!(", lens: (aperture: {:?}, focus: {focus})", aperture.abs()));
     let lens = prop_oneof![2 => Just(String::new()), 1 => lens];

@@ -19,18 +19,24 @@ fn checker() -> impl Strategy<Value = String> {
     prop_oneof![4 => Just(String::new()), 1 => some]
 }
 
+fn emission() -> impl Strategy<Value = String> {
+    let some = intensity().prop_map(|emission| format!(", emission: {emission}"));
+    prop_oneof![3 => Just(String::new()), 1 => some]
+}
+
 pub(crate) fn material() -> impl Strategy<Value = String> {
     let reflective = prop::option::of(coefficient());
     let specular = prop::option::of((coefficient(), shininess()));
-    let more = (prop_oneof![Just(String::new()), refractive()], checker());
+    let more =
+        (prop_oneof![Just(String::new()), refractive()].boxed(), checker().boxed(), emission().boxed());
     (coefficient(), coefficient(), color(), prop::option::of(color()), specular, reflective, more).prop_map(
-        |(k_a, k_d, color, ambient, specular, reflective, (glass, squares))| {
+        |(k_a, k_d, color, ambient, specular, reflective, (glass, squares, lamp))| {
             let ambient = ambient.map_or_else(String::new, |color| format!(", ambient_color: {color}"));
             let mirror = reflective.map_or_else(String::new, |k_r| format!(", reflective: (k_r: {k_r})"));
             let gloss = specular.map_or_else(String::new, |(k_s, shininess)| {
                 format!(", specular: (k_s: {k_s}, shininess: {shininess})")
             });
-            format!("(k_a: {k_a}, k_d: {k_d}, color: {color}{ambient}{gloss}{mirror}{glass}{squares})")
+            format!("(k_a: {k_a}, k_d: {k_d}, color: {color}{ambient}{gloss}{mirror}{glass}{squares}{lamp})")
         },
     )
 }
@@ -68,9 +74,10 @@ pub(crate) fn entity() -> impl Strategy<Value = String> {
         4 => (0..3).prop_map(|number| format!("material: \"m{number}\"")),
         1 => (0..3, color()).prop_map(|(number, color)| format!("material: \"m{number}\", color: {color}")),
         1 => color().prop_map(|color| format!("color: {color}")),
-        1 => material().prop_map(|material| format!("material: {material}")),
+        1 => material().boxed().prop_map(|material| format!("material: {material}")),
     ];
-    let shape = (shape, surface).prop_map(|(shape, surface)| format!("shape: {shape}, {surface}, "));
+    let shape = (shape.boxed(), surface.boxed());
+    let shape = shape.prop_map(|(shape, surface)| format!("shape: {shape}, {surface}, "));
     let light = prop_oneof![
         (intensity(), any::<bool>(), falloff()).prop_map(|(intensity, shadows, falloff)| format!(
             "light: Point(intensity: {intensity}, casts_shadows: {shadows}{falloff}), "
@@ -84,7 +91,8 @@ pub(crate) fn entity() -> impl Strategy<Value = String> {
             "light: Directional(intensity: {intensity}, direction: {direction}), "
         )),
         area_light(),
-    ];
+    ]
+    .boxed();
     let what = prop_oneof![
         6 => shape.clone(),
         2 => light.clone(),

@@ -34,7 +34,7 @@ pub(crate) struct Parts {
 
 pub(crate) fn parts() -> impl Strategy<Value = Parts> {
     let transfer = prop::sample::select(vec!["Classic", "Srgb"]);
-    let settings = (transfer, effort(), intensity(), background(), fog());
+    let settings = (transfer, effort(), intensity(), background().boxed(), fog().boxed());
     // Boxed, because nested strategies are too large for the stack.
     let cameras = prop::collection::vec(camera().boxed(), 0..=CAMERAS);
     let views = (camera().boxed(), prop_oneof![Just(Vec::new()), cameras], shots(CAMERAS));

@@ -245,7 +245,7 @@ fn overrides_apply_to_the_extended_scene() {
         load(&["entities.ball.shape.radius=-3", "materials.clay.k_d=7", "film.width=0"]).err().unwrap();
     let text = error.to_string();
     for part in [
-        "scene.ron:5:17",
+        "scene.ron:5:18",
         "shape: (radius: -3)",
         "base.ron:3:19",
         "film: (width: 0, height: 36",
@@ -301,7 +301,7 @@ fn commands_report_the_file_of_a_value() {
         rays(&piped.stdout)
     );
     let refused = run(&["check", "-"], "(extends: \"-\")");
-    assert!(String::from_utf8(refused.stderr).unwrap().contains("there is no file `-`"));
+    assert!(String::from_utf8(refused.stderr).unwrap().contains("`-` extends `-`"));
 }
 
 #[test]

@@ -76,8 +76,9 @@ fn compare(name: &str, actual: &RgbImage, expected: &RgbImage) -> Option<String>
             count += 1;
             first = first.or(Some((i, j, *found, *wanted)));
             // Small differences are as bad as large ones, and must be as visible.
-            *marked =
-                Rgb([0, 1, 2].map(|channel| 64 + found[channel].abs_diff(wanted[channel]).saturating_mul(8)));
+            *marked = Rgb([0, 1, 2].map(|channel| {
+                found[channel].abs_diff(wanted[channel]).saturating_mul(8).saturating_add(64)
+            }));
         }
     }
     save("difference", &difference);

@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use rayreel::components::{
-    Animated, Checker, Light, Material, Name, Order, Parent, Reflective, Refractive, Shape, Specular,
-    Transform,
+    Animated, Checker, Emission, Light, Material, Name, Order, Parent, Reflective, Refractive, Shape,
+    Specular, Transform,
 };
 use rayreel::scene::LoadError;
 use rayreel::{Engine, Entity, Scene, World};
@@ -61,6 +61,7 @@ pub(crate) fn described(world: &World) -> Vec<String> {
         text += &part::<Reflective>(world, entity);
         text += &part::<Refractive>(world, entity);
         text += &part::<Checker>(world, entity);
+        text += &part::<Emission>(world, entity);
         text += &part::<Light>(world, entity);
         text += &part::<Animated>(world, entity);
         if let Ok(parent) = world.get::<&Parent>(entity) {

@@ -206,7 +206,7 @@ impl PixelExplanation<'_> {
         TreeNode { title: format!("{name} {found}"), facts, children }
     }
 
-    /// Lists all contributions to the light from a surface: the ambient light and each light source.
+    /// Lists all contributions to the light from a surface: the ambient light, the emission and each light source.
     fn contributions(&self, lit: &LitSurface) -> Vec<TreeNode> {
         let lights =
             self.prepared.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
@@ -224,6 +224,9 @@ impl PixelExplanation<'_> {
                 (self.lines.text(*entity), text)
             });
         let mut all = vec![("ambient".to_owned(), adds(lit.ambient))];
+        if lit.emission != Rgb::ZERO {
+            all.push(("emission".to_owned(), adds(lit.emission)));
+        }
         all.extend(lights);
         let width = all.iter().map(|(source, _)| source.chars().count()).max().unwrap_or(0);
         all.into_iter().map(|(source, text)| TreeNode::leaf(format!("{source:<width$}  {text}"))).collect()
@@ -302,6 +305,7 @@ impl PixelExplanation<'_> {
             "from_outside": surface.from_outside,
             "also_there": lit.coincident.iter().copied().map(entity).collect::<Vec<_>>(),
             "ambient": lit.ambient.to_array(),
+            "emission": lit.emission.to_array(),
             "lights": lights.collect::<Vec<_>>(),
         })
     }

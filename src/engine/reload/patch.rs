@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::matching::{Counterparts, Matching, shape_bits, transform_bits};
 use crate::components::{
-    self, Checker, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots, Specular, Target,
-    Transform, with_components,
+    self, Checker, Emission, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots,
+    Specular, Target, Transform, with_components,
 };
 use crate::systems::Changes;
 
@@ -158,6 +158,7 @@ impl Put for Specular {}
 impl Put for Reflective {}
 impl Put for Refractive {}
 impl Put for Checker {}
+impl Put for Emission {}
 
 /// Compares bits, since zeros of different signs give different world transforms.
 impl Put for Transform {

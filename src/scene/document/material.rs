@@ -16,6 +16,7 @@ pub(crate) struct MaterialDocument {
     pub(crate) reflective: Option<ReflectiveDocument>,
     pub(crate) refractive: Option<RefractiveDocument>,
     pub(crate) checker: Option<CheckerDocument>,
+    pub(crate) emission: Option<Triple>,
 }
 
 impl MaterialDocument {

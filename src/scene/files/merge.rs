@@ -142,7 +142,7 @@ impl<'a> Merger<'a> {
             let renamed = EntityDocument {
                 name: prefixed(&entity.name),
                 parent: prefixed(&entity.parent),
-                look_at: prefixed(&entity.look_at),
+                look_at: entity.look_at.as_ref().map(|name| Box::new(format!("{prefix}{name}"))),
                 material: entity.material.as_ref().map(|material| material.prefixed(prefix)),
                 ..EntityDocument::clone(entity)
             };

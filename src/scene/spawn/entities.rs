@@ -9,8 +9,8 @@ use hecs::{ColumnBatchBuilder, ColumnBatchType, Component, Entity, World};
 use super::{radians, rgb, rotation, scale, single};
 use crate::color::Transfer;
 use crate::components::{
-    Animated, AreaShape, Channel, Checker, Falloff, Light, LightKind, LookAt, Material, Name, Order, Parent,
-    Reflective, Refractive, Shape, Specular, Target, Transform, WorldTransform,
+    Animated, AreaShape, Channel, Checker, Emission, Falloff, Light, LightKind, LookAt, Material, Name,
+    Order, Parent, Reflective, Refractive, Shape, Specular, Target, Transform, WorldTransform,
 };
 use crate::scene::document::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, ShapeDocument, TransformDocument,
@@ -25,6 +25,7 @@ pub(super) struct MaterialComponents {
     reflective: Option<Reflective>,
     refractive: Option<Refractive>,
     checker: Option<Checker>,
+    emission: Option<Emission>,
 }
 
 /// The parents, the entities looked at, the channels and the surfaces of entities.
@@ -61,6 +62,7 @@ struct Types {
     reflective: bool,
     refractive: bool,
     checker: bool,
+    emission: bool,
 }
 
 /// Adds components to entities that already exist.
@@ -115,6 +117,7 @@ pub(super) fn spawn(
                 fill(&batch, surfaces().filter_map(|surface| surface.reflective));
                 fill(&batch, surfaces().filter_map(|surface| surface.refractive));
                 fill(&batch, surfaces().filter_map(|surface| surface.checker));
+                fill(&batch, surfaces().filter_map(|surface| surface.emission));
             },
         );
         let entities: Vec<Entity> = places().map(|place| entities[place]).collect();
@@ -142,6 +145,7 @@ impl Types {
             reflective: surface.is_some_and(|surface| surface.reflective.is_some()),
             refractive: surface.is_some_and(|surface| surface.refractive.is_some()),
             checker: surface.is_some_and(|surface| surface.checker.is_some()),
+            emission: surface.is_some_and(|surface| surface.emission.is_some()),
             ..Self::default()
         }
     }
@@ -167,6 +171,7 @@ impl Types {
         add(self.reflective, ColumnBatchType::add::<Reflective>);
         add(self.refractive, ColumnBatchType::add::<Refractive>);
         add(self.checker, ColumnBatchType::add::<Checker>);
+        add(self.emission, ColumnBatchType::add::<Emission>);
         types.into_batch(u32::try_from(count).unwrap_or(u32::MAX))
     }
 }
@@ -197,7 +202,8 @@ pub(super) fn surface(document: &MaterialDocument, transfer: Transfer) -> Materi
     let checker = document
         .checker
         .map(|checker| Checker { color: transfer.decode(checker.color.0), size: checker.size });
-    MaterialComponents { material, specular, reflective, refractive, checker }
+    let emission = document.emission.map(|emission| Emission(rgb(emission)));
+    MaterialComponents { material, specular, reflective, refractive, checker, emission }
 }
 
 fn transform(document: &TransformDocument) -> Transform {

@@ -73,7 +73,8 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     let named = named.enumerate().filter_map(|(entity, parent)| Some((entity, parent?)));
     let unnamed = parents.iter().map(|(entity, parent)| (*entity, entities[*parent]));
     let parents: HashMap<usize, Entity> = named.chain(unnamed).collect();
-    let looking = document.entities.iter().map(|entity| names.get(entity.look_at.as_deref()?).copied());
+    let looking =
+        document.entities.iter().map(|entity| names.get(entity.look_at.as_deref()?.as_str()).copied());
     let looking = looking.enumerate().filter_map(|(entity, looked_at)| Some((entity, looked_at?))).collect();
     let materials = || document.materials.0.iter().map(|(name, material)| (name.as_str(), material));
     let surfaces = materials().map(|(name, material)| (name, surface(material, transfer))).collect();
@@ -96,9 +97,11 @@ fn own_surfaces(
 
 /// Returns the entities that are referred to by name.
 fn referred_to<'a>(document: &'a SceneDocument, entities: &[Entity]) -> HashMap<&'a str, Entity> {
-    let links = |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at];
-    let parents = document.entities.iter().flat_map(|entity| [&entity.parent, &entity.look_at]);
-    let targets = document.animate.iter().map(|animation| &animation.target);
+    let links =
+        |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at].map(Option::as_ref);
+    let parents =
+        document.entities.iter().flat_map(|entity| [entity.parent.as_ref(), entity.look_at.as_deref()]);
+    let targets = document.animate.iter().map(|animation| animation.target.as_ref());
     let cameras = document.named_cameras().flat_map(|(_, camera)| links(camera));
     let names = parents.chain(targets).chain(cameras).flatten();
     let wanted: HashSet<&str> = names.map(String::as_str).collect();

@@ -150,6 +150,7 @@ fn lack_of_entity(entity: KnownEntity<'_>, part: Requirement) -> Option<&'static
         Requirement::Reflective => (!lacks(entity.material), "an entity that does not mirror"),
         Requirement::Refractive => (!lacks(entity.material), "an entity that is not refractive"),
         Requirement::Checker => (!lacks(entity.material), "an entity that is not chequered"),
+        Requirement::Emission => (!lacks(entity.material), "an entity that gives off no light"),
         _ => return lack_of_light(entity.light, part),
     };
     (!fits).then_some(otherwise)
@@ -190,8 +191,8 @@ fn lack_of_light(light: Option<&LightDocument>, part: Requirement) -> Option<&'s
 }
 
 fn of_material(part: Requirement) -> bool {
-    use Requirement::{Checker, Material, Reflective, Refractive, Specular};
-    matches!(part, Material | Specular | Reflective | Refractive | Checker)
+    use Requirement::{Checker, Emission, Material, Reflective, Refractive, Specular};
+    matches!(part, Material | Specular | Reflective | Refractive | Checker | Emission)
 }
 
 fn lacks(material: &MaterialDocument, part: Requirement) -> bool {
@@ -224,6 +225,11 @@ fn missing(
             "not chequered",
             "add `checker: (color: .., size: ..)` to the material",
         )),
+        Requirement::Emission if material.emission.is_none() => Some((
+            "a material that gives off no light has no emission",
+            "not emissive",
+            "add `emission: (1, 1, 1)` to the material",
+        )),
         _ => None,
     }
 }
@@ -248,6 +254,7 @@ fn home(part: Requirement) -> &'static str {
         Requirement::Specular => "materials that are specular have it, and entities made of them",
         Requirement::Refractive => "materials that are refractive have it, and entities made of them",
         Requirement::Checker => "materials with `checker` have it, and entities made of them",
+        Requirement::Emission => "materials with `emission` have it, and entities made of them",
         Requirement::Light | Requirement::DirectionalLight => "entities with a light have it",
         Requirement::SpotLight => "entities with a Spot light have it",
         Requirement::Falloff => "lights with `falloff` have it: add `falloff: (1, 0, 0)` to the light",

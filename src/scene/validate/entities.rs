@@ -62,7 +62,7 @@ fn aim(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Pr
         let help = "move one of the two: the entity's own +z axis points from its translation to the target";
         problems.add(&at, "the entity's target is where it stands", "the same as its translation", help);
     }
-    if let Some(name) = look_at {
+    if let Some(name) = look_at.as_deref() {
         if scope.entity(name).is_missing() {
             problems.add_unknown(&at, Named::Entity, name, || scope.entity_names());
         } else if entity.name.as_ref() == Some(name) {
@@ -187,10 +187,10 @@ fn cycles(
     at: &At<'_>,
     problems: &mut Problems,
 ) {
-    let named = |name: &Option<String>| names.get(name.as_deref()?).copied();
-    let parent = |index: usize| named(&entities[index].parent);
+    let named = |name: Option<&String>| names.get(name?.as_str()).copied();
+    let parent = |index: usize| named(entities[index].parent.as_ref());
     // The position of an entity depends on its parent, and its rotation on the position of the entity that it looks at.
-    let needed = |index: usize| [parent(index), named(&entities[index].look_at).and_then(parent)];
+    let needed = |index: usize| [parent(index), named(entities[index].look_at.as_deref()).and_then(parent)];
     let mut finished = vec![false; entities.len()];
     let mut positions: HashMap<usize, usize> = HashMap::new();
     for start in (0..entities.len()).filter(|index| needed(*index) != [None; 2]) {
@@ -227,7 +227,7 @@ fn cycle(ring: &[(usize, usize)], entities: &[Arc<EntityDocument>], at: &At<'_>,
         format!("\"{}\"", short(name.unwrap_or("?")))
     };
     if let Some((looking, _)) = ring.iter().rfind(|(_, followed)| *followed == 2) {
-        let target = entities[*looking].look_at.as_deref().unwrap_or_default();
+        let target = entities[*looking].look_at.as_deref().map_or("", String::as_str);
         problems.add(
             &at.index(*looking).field("look_at"),
             "an entity looks at another that turns with it",

@@ -12,7 +12,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     if document.extends.is_some() {
         add_misplaced_extends(scene, problems);
     } else if !document.without.is_empty() {
-        let message = format!("`{WITHOUT}` leaves nothing out, because the scene extends no other one");
+        let message = format!("`{WITHOUT}` removes nothing, because the scene extends no other one");
         let help = format!("write `{EXTENDS}: \"FILE.ron\"` as the first field, or remove `{WITHOUT}`");
         problems.add(&scene.field(WITHOUT), message, "there is no scene to leave it out of", help);
     }

@@ -41,6 +41,9 @@ pub(super) fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut 
             check::color(color.0, &at.field(name), problems);
         }
     }
+    if let Some(emission) = material.emission {
+        check::intensity(emission, "emission", &at.field("emission"), problems);
+    }
     if let Some(specular) = material.specular {
         let at = at.field("specular");
         check::coefficient(specular.k_s, "k_s", &at.field("k_s"), problems);

@@ -182,7 +182,7 @@ impl Checked {
 
 /// Returns the first fault of a surface.
 pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fault> {
-    let (_, _, material, specular, reflective, refractive, checker) = surfaced;
+    let (_, _, material, specular, reflective, refractive, checker, emission) = surfaced;
     let mut checked = Checked::new(entity);
     let share = |checked: &mut Checked, what, value: f32| {
         checked.number(what, value.into(), Quantity::Coefficient.range());
@@ -207,6 +207,9 @@ pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fa
     if let Some(checker) = checker {
         checked.part("square size", checker.size, checker.size > 0.0, ValidRange::Positive);
         checked.reflected_color("checker colour", checker.color);
+    }
+    if let Some(emission) = emission {
+        checked.color("emission", emission.0);
     }
     checked.fault
 }

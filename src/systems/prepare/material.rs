@@ -1,7 +1,10 @@
 //! Surface materials and their checker patterns.
 
 use super::settings::sane;
-use crate::components::{Checker, Material, Reflective, Refractive, Shape, Specular, WorldTransform};
+use crate::color::Rgb;
+use crate::components::{
+    Checker, Emission, Material, Reflective, Refractive, Shape, Specular, WorldTransform,
+};
 use crate::trace::{self, CheckerPattern, Refraction, SurfaceMaterial};
 
 /// The components that define a surface's appearance and its checker pattern.
@@ -13,10 +16,11 @@ pub(super) type Surfaced<'a> = (
     Option<&'a Reflective>,
     Option<&'a Refractive>,
     Option<&'a Checker>,
+    Option<&'a Emission>,
 );
 
 pub(super) fn surface_material(
-    (shape, transform, material, specular, reflective, refractive, checker): Surfaced<'_>,
+    (shape, transform, material, specular, reflective, refractive, checker, emission): Surfaced<'_>,
 ) -> SurfaceMaterial {
     let shininess = |value: f32| if value > 0.0 { value.min(Specular::LARGEST_SHININESS) } else { 0.0 };
     let (k_a, k_d) = (coefficient(material.k_a), coefficient(material.k_d));
@@ -34,6 +38,7 @@ pub(super) fn surface_material(
         reflected: reflective.map_or(0.0, |reflective| coefficient(reflective.k_r)),
         refraction: refractive.and_then(prepared_refraction),
         checker,
+        emission: emission.map_or(Rgb::ZERO, |emission| sane(emission.0)),
     }
 }
 

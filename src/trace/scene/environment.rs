@@ -132,10 +132,11 @@ impl PreparedFog {
         self.density * layer.equivalent_length(origin.y, slope, length)
     }
 
-    /// Writes the bytes of everything that pictures depend on.
-    pub(super) fn write(&self, bytes: &mut Bytes) {
-        bytes.colors([self.color]);
-        bytes.number(self.density);
+    /// Writes the bytes of everything except colour and density that pictures depend on; nothing for uniform fog.
+    pub(super) fn write_layer(&self, bytes: &mut Bytes) {
+        if self.is_uniform() {
+            return;
+        }
         bytes.count(u32::from(self.hides_background) + 2 * u32::from(self.layer.is_some()));
         let layer = self.layer.iter().flat_map(|layer| [layer.level, layer.height]);
         layer.for_each(|number| bytes.number(number));

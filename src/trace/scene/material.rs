@@ -24,6 +24,8 @@ pub struct SurfaceMaterial {
     pub refraction: Option<Refraction>,
     /// Checker pattern with other colours, if any.
     pub checker: Option<Box<PreparedChecker>>,
+    /// Light that the surface gives off, on both sides.
+    pub emission: Rgb,
 }
 
 /// A transparent medium behind a surface.
@@ -63,7 +65,7 @@ impl SurfaceMaterial {
 
     /// Writes the bytes of everything that pictures depend on.
     pub(super) fn write(&self, bytes: &mut Bytes) {
-        let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker } = self;
+        let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker, emission } = self;
         bytes.colors([*ambient, *diffuse]);
         [specular, shininess, reflected].into_iter().for_each(|number| bytes.number((*number).into()));
         bytes.count(refraction.is_some());
@@ -72,22 +74,26 @@ impl SurfaceMaterial {
             bytes.colors([*absorption]);
             bytes.count(*fresnel);
         }
-        bytes.count(checker.is_some());
+        let emits = *emission != Rgb::ZERO;
+        bytes.count(u32::from(checker.is_some()) + 2 * u32::from(emits));
         if let Some(checker) = checker {
             let PreparedChecker { ambient, diffuse, squares } = &**checker;
             bytes.colors([*ambient, *diffuse]);
             squares.numbers(|number| bytes.number(number));
         }
+        if emits {
+            bytes.colors([*emission]);
+        }
     }
 
     /// Returns a fingerprint that equal materials share, and different ones hardly ever do.
     pub(super) fn fingerprint(&self) -> u64 {
-        let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker } = self;
+        let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker, emission } = self;
         let mut fingerprint = Fingerprint::default();
         let colors = |fingerprint: &mut Fingerprint, colors: &[Rgb]| {
             colors.iter().flat_map(Rgb::to_array).for_each(|channel| fingerprint.add(channel.into()));
         };
-        colors(&mut fingerprint, &[*ambient, *diffuse]);
+        colors(&mut fingerprint, &[*ambient, *diffuse, *emission]);
         [*specular, *shininess, *reflected].into_iter().for_each(|number| fingerprint.add(number.into()));
         if let Some(Refraction { transmitted, ior, absorption, fresnel }) = refraction {
             [f64::from(*transmitted), *ior, f64::from(*fresnel)]

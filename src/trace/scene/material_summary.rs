@@ -16,6 +16,8 @@ pub(crate) struct MaterialSummary {
     pub diffuse: f32,
     /// The largest specular coefficient.
     pub specular: f32,
+    /// The largest channel of an emission.
+    pub emission: f32,
     /// The shapes that mirror, by ascending ids.
     pub mirrors: Vec<ShapeId>,
     /// The transparent shapes, by ascending ids.
@@ -41,6 +43,8 @@ pub(crate) struct CoefficientBounds {
     pub(crate) diffuse: Rgb,
     /// Specular coefficient.
     pub(crate) specular: f32,
+    /// Light that the surface gives off.
+    pub(crate) emission: Rgb,
     /// Share of light along continuing rays, k_r + k_t.
     pub(crate) followed: f32,
 }
@@ -54,6 +58,7 @@ impl CoefficientBounds {
             ambient: material.ambient.max(second(|checker| checker.ambient)),
             diffuse: material.diffuse.max(second(|checker| checker.diffuse)),
             specular: material.specular,
+            emission: material.emission,
             followed: material.reflected + transmitted,
         }
     }
@@ -68,6 +73,7 @@ impl CoefficientBounds {
         self.ambient = self.ambient.max(other.ambient);
         self.diffuse = self.diffuse.max(other.diffuse);
         self.specular = self.specular.max(other.specular);
+        self.emission = self.emission.max(other.emission);
         self.followed = self.followed.max(other.followed);
     }
 }
@@ -99,6 +105,7 @@ impl MaterialSummary {
             all.ambient = all.ambient.max(answer.ambient.max_element());
             all.diffuse = all.diffuse.max(answer.diffuse.max_element());
             all.specular = all.specular.max(answer.specular);
+            all.emission = all.emission.max(answer.emission.max_element());
         }
         all
     }

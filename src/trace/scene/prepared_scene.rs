@@ -211,13 +211,14 @@ impl PreparedScene {
         for light in &self.lights {
             light.write(bytes, |shape| self.order().rank(shape).number().into());
         }
-        bytes.colors([self.ambient]);
+        bytes.colors([self.ambient, self.fog.color]);
         self.background.write(bytes);
-        self.sky.write(bytes);
-        self.fog.write(bytes);
-        bytes.number(self.cutoff.into());
+        [self.fog.density, self.cutoff.into()].into_iter().for_each(|number| bytes.number(number));
         bytes.count(self.depth);
         bytes.count(self.precision as u64);
+        // Absent parts write nothing, so that frames of scenes without them stay valid.
+        self.fog.write_layer(bytes);
+        self.sky.write(bytes);
     }
 
     fn sort_equal_shapes(&mut self) {

@@ -68,7 +68,11 @@ impl PreparedSky {
 
     /// Writes the bytes of everything that pictures depend on.
     pub(super) fn write(&self, bytes: &mut Bytes) {
-        bytes.count(u32::from(self.sun.is_some()) + 2 * u32::from(self.stars.is_some()));
+        if self.is_empty() {
+            return;
+        }
+        // Other numbers than those of fog, which is written before.
+        bytes.count(4 * u32::from(self.sun.is_some()) + 8 * u32::from(self.stars.is_some()));
         if let Some(PreparedSun { direction, intensity, radius, glow, glow_size }) = self.sun {
             bytes.vectors([direction]);
             bytes.colors([intensity]);

@@ -2,7 +2,7 @@
 //!
 //! B(n) bounds the radiance, per channel, along any ray with n bounces left. B(0) is the bound of the background. A ray with more
 //! bounces left sees the background, fog, or a surface of some material. The radiance of a surface is its own light plus the radiance
-//! along its secondary rays. Its own light is at most the surface's response to all lights together, and the shares of the secondary rays
+//! along its secondary rays. Its own light is at most its emission and its response to all lights together, and the shares of the secondary rays
 //! add up to at most k_r + k_t of its material. So B(n) is the maximum of direct + (k_r + k_t) B(n-1) over all materials. The maximum is
 //! taken over materials, not over each term, because the brightest material is seldom the one with the largest k_r + k_t: glass with no
 //! light of its own and k_r + k_t of at most 1 does not raise B(n), for any n.
@@ -41,7 +41,8 @@ impl RadianceBound {
             .answers()
             .map(|answer| {
                 let scattered = answer.diffuse.as_dvec3() + f64::from(answer.specular);
-                let direct = answer.ambient.as_dvec3() * scene.ambient.as_dvec3() + scattered * lights;
+                let unlit = answer.ambient.as_dvec3() * scene.ambient.as_dvec3() + answer.emission.as_dvec3();
+                let direct = unlit + scattered * lights;
                 (direct, f64::from(answer.followed))
             })
             .collect();
@@ -165,6 +166,7 @@ pub(crate) fn most_radiance(scene: &PreparedScene, material: &SurfaceMaterial) -
     let ambient = second.map_or(material.ambient, |second| material.ambient.max(second.ambient));
     let diffuse = second.map_or(material.diffuse, |second| material.diffuse.max(second.diffuse));
     let own = ambient.as_dvec3() * scene.ambient.as_dvec3()
+        + material.emission.as_dvec3()
         + (diffuse.as_dvec3() + f64::from(material.specular)) * lights;
     let followed =
         f64::from(material.reflected + transmitted) * scene.miss_radiance_bound().as_dvec3().max(DVec3::ONE);
@@ -240,6 +242,15 @@ mod tests {
         let _ = scene.replace_materials([(crate::trace::ShapeId(1), glass(1.0, 1.0))]);
         assert_eq!(bounds(&scene)[2], Rgb::new(2.0, 1.0, 0.0));
         assert_eq!(bounds(&scene)[1000], Rgb::new(f32::INFINITY, f32::INFINITY, 0.0));
+    }
+
+    #[test]
+    fn emission_counts_in_full() {
+        let lamp = SurfaceMaterial { emission: Rgb::new(3.0, 0.0, 1.0), ..lit(1.0) };
+        let mut scene = scene(vec![lamp.clone(), glass(0.0, 0.5)]);
+        scene.ambient = Rgb::ONE;
+        assert_eq!(RadianceBound::of(&scene).bounds[1], Rgb::new(4.0, 0.5, 1.0));
+        assert_eq!(most_radiance(&scene, &lamp), 4.0);
     }
 
     proptest! {

@@ -34,5 +34,5 @@ pub(crate) use path_packet::PathPacket;
 pub(crate) use scratch::LightScratch;
 pub(crate) use secondary::{LARGEST_TREE, PathState, SecondaryRays, TreeRay, secondary_rays};
 pub(crate) use secondary_packet::{BranchPacket, branch_lanes};
-pub(crate) use terms::{ambient, clamped};
+pub(crate) use terms::{ambient, clamped, emission};
 pub(crate) use transmission::{filtered_along, filtered_and_absorbed, visibility};

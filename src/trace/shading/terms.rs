@@ -1,5 +1,5 @@
-//! Local shading: the light that a surface point scatters back along the ray that hit it. It is the ambient term, plus a diffuse and a
-//! specular term for each light. Secondary rays add mirrored and refracted light.
+//! Local shading: the light from a surface point back along the ray that hit it. It is the ambient term and the
+//! emission, plus a diffuse and a specular term for each light. Secondary rays add mirrored and refracted light.
 
 use glam::DVec3;
 
@@ -12,6 +12,12 @@ use crate::trace::scene::{LightSource, PreparedLight, PreparedScene, SurfaceMate
 #[inline]
 pub(crate) fn ambient(scene: &PreparedScene, color: Rgb) -> Rgb {
     color * scene.ambient
+}
+
+/// Returns the light that a surface gives off.
+#[inline]
+pub(crate) fn emission(effects: Effects, material: &SurfaceMaterial) -> Rgb {
+    if effects.extras { material.emission } else { Rgb::ZERO }
 }
 
 /// Clamps light that exceeds the finite numbers to the largest one.

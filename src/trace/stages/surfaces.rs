@@ -6,13 +6,15 @@ use super::buffers::TileBuffers;
 use super::material_flags::MaterialFlags;
 use super::tile::PACKETS;
 use super::wavefront::Wavefront;
+use crate::color::Rgb;
 use crate::trace::intersect::{HitPacket, SurfacePacket, SurfacePoint, refine};
 use crate::trace::math::{Colors, lanes};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::SurfaceMaterial;
-use crate::trace::shading::{MediumStack, RenderContext, ambient};
+use crate::trace::shading::{MediumStack, RenderContext, ambient, emission};
 
-/// Computes the surface points of the wavefront's hits, and the radiance that does not come from light sources: background and ambient light.
+/// Computes the surface points of the wavefront's hits, and the radiance that does not come from light sources: background, ambient light
+/// and emission.
 pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.surfaces += 1;
     let TileBuffers { wavefront, hits, surfaces, material_flags, radiance, scratch, .. } = buffers;
@@ -37,7 +39,7 @@ pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
             // Among coincident surfaces, the visible one can differ from the first one hit.
             let material = context.scene.material(point.hit.id);
             material_flags[packet].record(1 << lane, material);
-            radiance[packet].set(lane, ambient(context.scene, material.ambient));
+            radiance[packet].set(lane, unlit(context, material.ambient, material));
             material_flags[packet].diffuse.set(lane, material.diffuse);
         }
         if context.effects.extras {
@@ -45,8 +47,9 @@ pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
                 let Some(SurfacePoint { hit, point, normal, .. }) = surfaces.get(lane, hits) else {
                     continue;
                 };
-                let (color, diffuse) = context.scene.material(hit.id).colors_at(point, normal);
-                radiance[packet].set(lane, ambient(context.scene, color));
+                let material = context.scene.material(hit.id);
+                let (color, diffuse) = material.colors_at(point, normal);
+                radiance[packet].set(lane, unlit(context, color, material));
                 material_flags[packet].diffuse.set(lane, diffuse);
             }
         }
@@ -75,7 +78,7 @@ fn find<S: Simd>(
     let scene = context.scene;
     if let Some(id) = hits.ids.common(simd, hit) {
         let material = scene.material(id);
-        let (color, diffuse) = (ambient(scene, material.ambient), material.diffuse);
+        let (color, diffuse) = (unlit(context, material.ambient, material), material.diffuse);
         material_flags.record(hit, material);
         material_flags.diffuse = Colors::splat(diffuse);
         if hit == rays.lanes {
@@ -90,7 +93,7 @@ fn find<S: Simd>(
             let material = scene.material(id);
             material_flags.record(1 << lane, material);
             material_flags.diffuse.set(lane, material.diffuse);
-            radiance.set(lane, ambient(scene, material.ambient));
+            radiance.set(lane, unlit(context, material.ambient, material));
             material_flags.wanted |= u32::from(needs_point(context, material)) << lane;
         }
     }
@@ -103,6 +106,12 @@ fn find<S: Simd>(
     } else {
         refine(simd, scene, rays, hits, material_flags.wanted, surfaces)
     }
+}
+
+/// Returns the light of a surface that does not come from light sources: the ambient term of a colour, and the emission.
+#[inline(always)]
+fn unlit(context: &RenderContext<'_>, color: Rgb, material: &SurfaceMaterial) -> Rgb {
+    ambient(context.scene, color) + emission(context.effects, material)
 }
 
 /// Sets the radiance of all rays of a packet to the background.

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::fmt::Debug;
 
 use rayreel::components::{
-    Ambient, Animated, Background, Camera, Checker, FilmSettings, Fog, Follow, Light, LookAt, Material, Name,
-    Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular, Stars, Sun,
-    Target, Transform, WorldTransform,
+    Ambient, Animated, Background, Camera, Checker, Emission, FilmSettings, Fog, Follow, Light, LookAt,
+    Material, Name, Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular,
+    Stars, Sun, Target, Transform, WorldTransform,
 };
 use rayreel::{Entity, Film, World};
 
@@ -48,6 +48,7 @@ impl Words<'_> {
             self.one::<Reflective>(),
             self.one::<Refractive>(),
             self.one::<Checker>(),
+            self.one::<Emission>(),
             self.one::<Light>(),
             self.one::<Camera>(),
             self.one::<FilmSettings>(),

@@ -83,10 +83,6 @@ impl Model {
         (change.text(), files)
     }
 
-    pub(crate) fn is_extended(&self) -> bool {
-        self.change.is_some()
-    }
-
     /// Makes a random edit. The result may be an invalid scene.
     pub(crate) fn edit(&mut self, random: &mut Random) {
         let in_part = random.once_in(4);
@@ -433,6 +429,9 @@ fn material(random: &mut Random) -> String {
         text += &format!(", refractive: (k_t: 0.75, ior: {:?}{rest})", 1.0 + random.share());
     }
     if random.once_in(6) {
+        text += &format!(", emission: {}", random.light());
+    }
+    if random.once_in(6) {
         text += &format!(", checker: (color: {}, size: {:?})", random.color(), 0.5 + random.share());
     }
     text + ")"
@@ -511,8 +510,9 @@ fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
         ),
         3 => (name, "Intensity", keys(random.light(), random.light())),
         4 => {
-            let channel = random.pick(&["Ka", "Kd", "Kr", "Ks", "Color"]);
+            let channel = random.pick(&["Ka", "Kd", "Kr", "Ks", "Color", "Emission"]);
             let keys = match channel {
+                "Emission" => keys(random.light(), random.light()),
                 "Color" => keys(random.color(), random.color()),
                 _ => keys(format!("{:?}", random.share()), format!("{:?}", random.share())),
             };

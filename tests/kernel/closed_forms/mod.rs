@@ -2,6 +2,7 @@
 //! convergence.
 
 mod area_lights;
+mod emission;
 mod media;
 mod motion;
 mod refraction;

@@ -191,7 +191,10 @@ fn tree_ends_match_probe_trees() {
             for traced in &engine.probe(Time::ZERO, (i, j), 0).unwrap().unwrap().rays {
                 ends.cutoff += traced.cut;
                 match (&traced.end, traced.kind) {
-                    (RayEnd::BeyondDepth(_), _) => ends.depth += 1,
+                    (RayEnd::BeyondDepth(_), _) => {
+                        ends.depth += 1;
+                        ends.strong += u64::from(traced.throughput.max_element() >= 0.5);
+                    }
                     (_, RayKind::Camera) => rays.camera += 1,
                     (_, RayKind::Reflection) => rays.reflection += 1,
                     (_, RayKind::Refraction) => rays.refraction += 1,

@@ -72,6 +72,9 @@ fn material(random: &mut Random) -> String {
         let shininess = random.between(1.0, 99.0);
         let _ = write!(text, "specular: (k_s: {:?}, shininess: {shininess:?}), ", random.number());
     }
+    if random.chance(0.2) {
+        let _ = write!(text, "emission: {}, ", random.triple(0.0, 2.0));
+    }
     if random.chance(0.7) {
         let _ = write!(text, "reflective: (k_r: {:?}), ", random.number());
     }

@@ -87,6 +87,10 @@ fn all_that_reaches_a_picture_changes_it() {
         changed(&|scene| {
             scene.replace_materials([(ids[1], red.clone())]);
         }),
+        changed(&|scene| {
+            let emission = Rgb::X;
+            scene.replace_materials([(ids[0], SurfaceMaterial { emission, ..SurfaceMaterial::default() })]);
+        }),
         changed(&|scene| scene.ambient = Rgb::splat(0.1)),
         changed(&|scene| scene.fog.density = 0.1),
         changed(&|scene| scene.fog.hides_background = false),
