@@ -13,7 +13,7 @@ use super::{Diagnostic, SourcePosition};
 /// let warning = &scene.warnings[0];
 /// assert_eq!(warning.message, "a colour that is almost black: no channel is above 1");
 /// assert_eq!(warning.help, "channels are from 0 to 255: write (128, 179, 255)");
-/// assert_eq!(warning.position.to_string(), "1:60");
+/// assert_eq!(warning.position.to_string(), "1:63");
 /// # Ok::<(), rayreel::scene::LoadError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
