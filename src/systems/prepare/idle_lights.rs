@@ -16,11 +16,12 @@ const ROUNDING: f64 = f64::from_bits((1023 - 30) << 52);
 impl Preparation {
     /// Returns the faults of lights that are on and certainly light no surface that the camera can see.
     pub(super) fn idle_lights(&self) -> impl Iterator<Item = Fault> {
+        let walls = self.possible_walls();
         let lights = self.scene.lights.iter().zip(&self.lights);
-        lights.filter(|(light, _)| light.intensity != Rgb::ZERO).filter_map(|(light, entity)| {
+        lights.filter(|(light, _)| light.intensity != Rgb::ZERO).filter_map(move |(light, entity)| {
             let cause = match light.source {
                 LightSource::Spot(apex, cone) if self.is_outside(apex, &cone) => FaultCause::OutsideCone,
-                _ if light.casts_shadows && self.is_separated(light) => FaultCause::Separated,
+                _ if light.casts_shadows && self.is_separated(light, &walls) => FaultCause::Separated,
                 _ => return None,
             };
             Some(Fault { entity: *entity, consequence: Consequence::ReachesNothing, cause })
@@ -51,9 +52,21 @@ impl Preparation {
             })
     }
 
+    /// Returns the opaque shapes that may separate a light from the eye, with their bounds.
+    fn possible_walls(&self) -> Vec<(ShapeId, Option<Bounds>)> {
+        let scene = &self.scene;
+        let is_opaque =
+            |id: &ShapeId| scene.surfaces().transparent.binary_search_by_key(&id.0, |other| other.0).is_err();
+        let wall = |id| (id, scene.geometry().bounds(id));
+        match scene.geometry().len() <= MOST {
+            true => scene.geometry().ids().filter(is_opaque).map(wall).collect(),
+            false => scene.unbounded.iter().copied().filter(is_opaque).map(wall).collect(),
+        }
+    }
+
     /// Returns whether an opaque surface separates a light from the eye: a plane, or a sphere or box around one of them. The light then
     /// reaches neither the eye's side of the surface nor anything that the eye can see.
-    fn is_separated(&self, light: &PreparedLight) -> bool {
+    fn is_separated(&self, light: &PreparedLight, walls: &[(ShapeId, Option<Bounds>)]) -> bool {
         let (scene, (eye, reach)) = (&self.scene, self.camera.eye());
         let seen_from = Region::around(eye, DVec3::splat(reach));
         let shines_from = match light.source {
@@ -68,20 +81,15 @@ impl Preparation {
                 Region::around(center, half)
             }
         };
-        let is_opaque =
-            |id: &ShapeId| scene.surfaces().transparent.binary_search_by_key(&id.0, |other| other.0).is_err();
-        let separates = |id: ShapeId| {
-            is_opaque(&id)
-                && light.own_shape != Some(id)
+        walls.iter().any(|(id, bounds)| {
+            // Exact tests are slow, and most shapes are around neither.
+            bounds.is_none_or(|bounds| shines_from.meets(&bounds) || seen_from.meets(&bounds))
+                && light.own_shape != Some(*id)
                 && shines_from
-                    .is_inside(scene, id)
-                    .zip(seen_from.is_inside(scene, id))
+                    .is_inside(scene, *id)
+                    .zip(seen_from.is_inside(scene, *id))
                     .is_some_and(|(light, eye)| light != eye)
-        };
-        match scene.geometry().len() <= MOST {
-            true => scene.geometry().ids().any(separates),
-            false => scene.unbounded.iter().copied().any(separates),
-        }
+        })
     }
 }
 
@@ -98,6 +106,11 @@ impl Region {
         Self { bounds: Bounds::around(center, half + rounding), is_point: half == DVec3::ZERO }
     }
 
+    /// Returns whether the region overlaps a box.
+    fn meets(&self, bounds: &Bounds) -> bool {
+        bounds.min.cmple(self.bounds.max).all() && bounds.max.cmpge(self.bounds.min).all()
+    }
+
     /// Returns whether the region is inside a shape or outside. `None` if it may be partly inside.
     fn is_inside(&self, scene: &PreparedScene, id: ShapeId) -> Option<bool> {
         let Bounds { min, max } = self.bounds;
@@ -108,7 +121,7 @@ impl Region {
         let inside = (0..8).filter(|index| scene.geometry().contains(id, corner(*index))).count();
         // Shapes are convex, and so is the space in front of a plane.
         let is_apart = || match scene.geometry().bounds(id) {
-            Some(bounds) => self.is_point || bounds.min.cmpgt(max).any() || bounds.max.cmplt(min).any(),
+            Some(bounds) => self.is_point || !self.meets(&bounds),
             None => scene.geometry().plane(id).is_some(),
         };
         match inside {
