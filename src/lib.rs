@@ -114,8 +114,8 @@
 //! - *Instant*: one of the moments at which samples are taken while the shutter of a frame is open.
 //! - *Plan*: the effects that a frame needs, with reasons.
 //!
-//! Space is left-handed from the viewer's position: x right, y up, z forward, unless its [`components::Space`] is right-handed. Colours are linear; 1 corresponds to 255 in scene files. Time
-//! is exact.
+//! Space is left-handed from the viewer's position: x right, y up, z forward, unless its [`components::Space`] is right-handed. Colours are
+//! linear; 1 corresponds to 255 in scene files. Time is exact.
 //!
 //! # Index of concepts
 //!

@@ -11,8 +11,8 @@
 //! A [`Reader`], which loads a scene repeatedly, parses only the edited parts.
 //!
 //! All syntax errors of a file (a missing bracket, an unknown field) are found at once, and in files without them all semantic errors (an
-//! unknown material, a radius of 0), each with its position in the text. `spans` locates the positions afterwards, so that a valid scene costs
-//! nothing extra.
+//! unknown material, a radius of 0), each with its position in the text. `spans` locates the positions afterwards, so that a valid scene
+//! costs nothing extra.
 //!
 //! The types in `document` mirror the file format and serve no other purpose; components do not depend on them.
 

@@ -39,6 +39,11 @@ impl SequenceFault {
             list.push(Self { fault, entity, frame: request.frame.unwrap_or_default(), frames: 1 });
         }
     }
+
+    /// Removes the faults that [may pass](Fault::may_pass) and are not in all of this number of frames.
+    pub(super) fn remove_passing(list: &mut Vec<Self>, frames: usize) {
+        list.retain(|found| !found.fault.may_pass() || found.frames == frames);
+    }
 }
 
 impl fmt::Display for SequenceFault {

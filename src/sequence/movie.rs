@@ -45,6 +45,7 @@ impl Engine {
             report.written += 1;
         }
         writer.finish(&never)?;
+        SequenceFault::remove_passing(&mut report.faults, report.written);
         Ok(report)
     }
 }

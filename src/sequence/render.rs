@@ -193,7 +193,9 @@ pub fn render_sequence(
     let requests = FrameRequest::frames(&frames, timeline);
     let never = AtomicBool::new(false);
     render_frames(engine, requests, sequence, Existing::Keep, &never, &mut counted)?;
-    counted.refused.map_or(Ok(counted.report), |error| Err(error.into()))
+    let Counted { mut report, refused, .. } = counted;
+    SequenceFault::remove_passing(&mut report.faults, report.written + report.kept);
+    refused.map_or(Ok(report), |error| Err(error.into()))
 }
 
 /// Renders frames into the folder of a sequence, which must exist, until a file cannot be written, the observer breaks, or `cancelled`

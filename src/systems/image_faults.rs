@@ -29,12 +29,14 @@ pub(crate) fn image_faults(world: &World, prepared: &Preparation, report: &Frame
 
 fn cause_of_one_color(prepared: &Preparation, plan: &Plan, color: OneColor) -> FaultCause {
     let scene = prepared.scene();
+    if scene.geometry().is_empty() {
+        return FaultCause::NoShapes;
+    }
     let passes = scene.passes(prepared.camera(), Signals::none().cancelled);
     let pixels = passes.as_ref().map_or(&[][..], |passes| passes.pixels());
     let closest = pixels.iter().map(|pixel| f64::from(pixel.distance)).fold(f64::INFINITY, f64::min);
     let is_lit = || [Effect::Diffuse, Effect::Specular].into_iter().any(|effect| plan.needs(effect));
     match scene.geometry() {
-        geometry if geometry.is_empty() => FaultCause::NoShapes,
         geometry if closest.is_infinite() => {
             FaultCause::OutOfView { shapes: geometry.len(), middle: middle(geometry) }
         }

@@ -7,7 +7,7 @@ use rayreel::components::{
     Sampling, Shape, Transform,
 };
 use rayreel::systems::{Consequence, OneColor};
-use rayreel::{Engine, Rgb, World};
+use rayreel::{Engine, Rgb, Scene, World};
 
 use crate::splitmix::Random;
 
@@ -102,4 +102,23 @@ fn warnings_about_images_are_true() {
     }
     println!("{idle} idle lights, {black} black images, {colored} of another colour");
     assert!(idle > 100 && black > 100 && colored > 10);
+}
+
+/// Checks that a film may start black: such a frame is a fault of a sequence only if all frames are black.
+#[test]
+fn sequences_report_black_frames_if_all_are_black() {
+    let folder = tempfile::tempdir().unwrap();
+    let rendered = |name: &str, last: f64| {
+        let text = format!(
+            "(timeline: (fps: 2, duration: 1), film: (width: 8, height: 4), camera: (position: (0, 0, -3), target: (0, 0, 0)),
+            entities: [(shape: Sphere(radius: 1), material: (k_a: 1))],
+            animate: [(target: \"scene\", channel: Ambient, track: Keys([(0, (0, 0, 0), Hold), (0.5, ({last:?}, 0, 0))]))])"
+        );
+        let mut engine = Engine::from_scene(Scene::from_text("fade.ron", text).unwrap());
+        let report = engine.render_to(folder.path().join(name)).unwrap();
+        assert_eq!(report.written, 2);
+        report.faults.iter().map(|found| (found.fault.consequence, found.frames)).collect::<Vec<_>>()
+    };
+    assert_eq!(rendered("fade", 1.0), []);
+    assert_eq!(rendered("dark", 0.0), [(Consequence::OneColor(OneColor::Black), 2)]);
 }

@@ -2,8 +2,8 @@
 //!
 //! B(n) bounds the radiance, per channel, along any ray with n bounces left. B(0) is the bound of the background. A ray with more
 //! bounces left sees the background, fog, or a surface of some material. The radiance of a surface is its own light plus the radiance
-//! along its secondary rays. Its own light is at most its emission and its response to all lights together, and the shares of the secondary rays
-//! add up to at most k_r + k_t of its material. So B(n) is the maximum of direct + (k_r + k_t) B(n-1) over all materials. The maximum is
+//! along its secondary rays. Its own light is at most its emission and its response to all lights together, and the shares of the
+//! secondary rays add up to at most k_r + k_t of its material. So B(n) is the maximum of direct + (k_r + k_t) B(n-1) over all materials. The maximum is
 //! taken over materials, not over each term, because the brightest material is seldom the one with the largest k_r + k_t: glass with no
 //! light of its own and k_r + k_t of at most 1 does not raise B(n), for any n.
 //!

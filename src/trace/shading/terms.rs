@@ -1,5 +1,5 @@
-//! Local shading: the light from a surface point back along the ray that hit it. It is the ambient term and the
-//! emission, plus a diffuse and a specular term for each light. Secondary rays add mirrored and refracted light.
+//! Local shading: the light from a surface point back along the ray that hit it. It is the ambient term and the emission, plus a diffuse and
+//! a specular term for each light. Secondary rays add mirrored and refracted light.
 
 use glam::DVec3;
 

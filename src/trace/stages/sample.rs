@@ -143,8 +143,8 @@ fn start(sample: &Sample<'_>, packet: usize, buffers: &mut TileBuffers<'_>) {
     }
 }
 
-/// Finds the closest hits of the wavefront. Rays that start at one point, on a lens or in the camera's plane are traced together, others packet by packet. Lanes that
-/// remain undecided are traced as single rays, with the same result.
+/// Finds the closest hits of the wavefront. Rays that start at one point, on a lens or in the camera's plane are traced together, others
+/// packet by packet. Lanes that remain undecided are traced as single rays, with the same result.
 fn closest_hits(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.closest_hits += 1;
     let TileBuffers { wavefront, hits, tile_sampler, scratch, packet_scratch, .. } = buffers;

@@ -110,8 +110,8 @@ impl PreparedCamera {
 
     /// Returns the camera with a thin lens of diameter `aperture` around the eye, or around the starts of all rays if they are parallel.
     /// Points at distance `focus` from the eye along the view direction are sharp; at distance z the blur is as large as a disc of diameter
-    /// aperture |focus - z| / focus would appear there.
-    /// Without an aperture, or with numbers that are not finite or not positive, there is no lens.
+    /// aperture |focus - z| / focus would appear there. Without an aperture, or with numbers that are not finite or not positive, there is no
+    /// lens.
     ///
     /// A lens has an effect only with several samples per pixel: a single sample passes through its centre.
     #[must_use]

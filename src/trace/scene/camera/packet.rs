@@ -97,8 +97,12 @@ impl PixelCenters {
         for half in 0..2 {
             let on_screen = add(across.load(simd, half), upwards.load(simd, half));
             let Rays { origin, direction } = pinhole(eye, on_screen, forward, self.is_orthographic);
-            let Scaled { direction, in_range, .. } = scaled_lanes(simd, direction);
-            escalated |= active & bits(!(in_range & finite3(simd, origin)), half);
+            let Scaled { direction, mut in_range, .. } = scaled_lanes(simd, direction);
+            // Perspective rays start at the eye, which is finite.
+            if self.is_orthographic {
+                in_range &= finite3(simd, origin);
+            }
+            escalated |= active & bits(!in_range, half);
             rays.origins.store(half, origin);
             rays.directions.store(half, direction);
         }
