@@ -99,6 +99,7 @@ impl PreparedScene {
     }
 
     /// Returns the radiance of a ray that hits nothing, in a direction of any length except zero.
+    #[inline]
     pub(crate) fn miss_radiance(&self, direction: DVec3) -> Rgb {
         let background = self.background.towards(direction);
         if self.sky.is_empty() {

@@ -91,6 +91,8 @@ impl PixelCenters {
         }
         let (i, j) = square.first;
         let (across, upwards) = (&self.columns[(i / SIDE) as usize], &self.rows[(j / SIDE) as usize]);
+        // Perspective rays start at the eye, which is finite.
+        rays.origins = Vectors::splat(self.eye);
         let (eye, forward) = (splat3(simd, self.eye), splat3(simd, self.forward));
         let active = square.lanes();
         let mut escalated = 0;
@@ -98,12 +100,11 @@ impl PixelCenters {
             let on_screen = add(across.load(simd, half), upwards.load(simd, half));
             let Rays { origin, direction } = pinhole(eye, on_screen, forward, self.is_orthographic);
             let Scaled { direction, mut in_range, .. } = scaled_lanes(simd, direction);
-            // Perspective rays start at the eye, which is finite.
             if self.is_orthographic {
                 in_range &= finite3(simd, origin);
+                rays.origins.store(half, origin);
             }
             escalated |= active & bits(!in_range, half);
-            rays.origins.store(half, origin);
             rays.directions.store(half, direction);
         }
         rays.lanes = active & !escalated;
