@@ -219,6 +219,9 @@ impl<'a> Reference<'a> {
         let mut wave: Vec<Queued> = vec![(RayKind::Camera, None, TreeRay { ray, state })];
         let (mut beyond, mut size, mut budget) = (Vec::new(), 1, ErrorBudget::new(context.scene));
         for bounces in (0..context.bounces()).rev() {
+            if wave.is_empty() {
+                break;
+            }
             let mut next = Vec::new();
             for (kind, parent, mut ray) in wave {
                 let traced = trace(context, scratch, kind, parent, &ray, sample_id);
