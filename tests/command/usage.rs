@@ -75,7 +75,7 @@ fn report_has_the_cost_of_every_frame() {
     assert_eq!(frames.len(), 2);
     for (frame, index) in frames.iter().zip([5, 6]) {
         assert_eq!(frame["frame"], index);
-        assert_eq!(frame["rays"]["camera"], 64 * 36 * 4);
+        assert_eq!(frame["rays"]["camera"], 64 * 36 * 8);
         assert!(
             frame["rays"]["shadow"].as_u64().unwrap() > 0
                 && frame["rays"]["reflection"].as_u64().unwrap() > 0

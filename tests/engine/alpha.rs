@@ -1,6 +1,6 @@
 //! Tests of pictures with alpha, against the reference path and against pictures with backgrounds.
 
-use rayreel::components::{FilmSettings, Sampling};
+use rayreel::components::{Background, FilmSettings, Sampling};
 use rayreel::scene::Scene;
 use rayreel::trace::{RenderedImage, SimdLevel};
 use rayreel::{Engine, RenderRequest, RenderSettings, Rgb, Time};
@@ -43,7 +43,10 @@ fn alpha_equals_the_reference_path() {
 #[test]
 fn covered_light_and_background_add_up_to_the_picture() {
     for (samples, max_error) in [(1, 0.0), (5, 0.0), (64, 1.0)] {
-        let mut engine = engine("first_light", samples, max_error);
+        let mut engine = engine("fairground", samples, max_error);
+        for background in engine.world_mut().query_mut::<&mut Background>() {
+            *background = Background::Flat(Rgb::new(0.3, 0.45, 0.65));
+        }
         let picture = engine.render(Time::ZERO).unwrap().film;
         let report = engine.report().clone();
         let RenderedImage { film: light, alpha, .. } = render(&mut engine, Time::ZERO);
