@@ -34,6 +34,7 @@ const EFFECTS: &[(&str, &[(&str, &str)])] = &[
     ),
     ("checker", &[("/* clay */", "checker: (color: (20, 20, 20), size: 1),")]),
     ("emission", &[("/* clay */", "emission: (0.1, 0.1, 0.1),")]),
+    ("shapes without shadows", &[("/* entity */", "casts_shadow: false,")]),
     ("fog", &[("/* scene */", "fog: (color: (90, 90, 100), density: 0.05),")]),
     ("gradient", &[("/* scene */", "background: (bottom: (20, 20, 20), top: (80, 120, 200)),")]),
     ("4 samples a pixel", &[("/* scene */", "sampling: (samples: 4),")]),

@@ -64,6 +64,21 @@ impl Interpolate for Vec3 {
     }
 }
 
+/// Keeps the first value until the second one is reached.
+impl Interpolate for bool {
+    fn between(from: &Self, to: &Self, u: f64) -> Self {
+        if u < 1.0 { *from } else { *to }
+    }
+
+    fn difference(_: &Self, _: &Self) -> DVec3 {
+        DVec3::ZERO
+    }
+
+    fn curve(from: &Self, to: &Self, _: [DVec3; 2], u: f64) -> Self {
+        Self::between(from, to, u)
+    }
+}
+
 /// Clamps to 0 and above, and rounds to the nearest finite single-precision value.
 fn light(value: DVec3) -> Vec3 {
     value.clamp(DVec3::ZERO, DVec3::splat(f64::from(f32::MAX))).as_vec3()

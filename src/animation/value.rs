@@ -15,6 +15,8 @@ pub enum Value {
     Rotation(DQuat),
     /// Linear light.
     Color(Rgb),
+    /// Yes or no.
+    Flag(bool),
 }
 
 /// The kinds of values.
@@ -28,6 +30,8 @@ pub enum ValueKind {
     Rotation,
     /// [`Value::Color`].
     Color,
+    /// [`Value::Flag`].
+    Flag,
 }
 
 impl Value {
@@ -39,6 +43,7 @@ impl Value {
             Self::Vector(_) => ValueKind::Vector,
             Self::Rotation(_) => ValueKind::Rotation,
             Self::Color(_) => ValueKind::Color,
+            Self::Flag(_) => ValueKind::Flag,
         }
     }
 }
@@ -60,6 +65,8 @@ pub enum Notation {
     Light,
     /// `[r, g, b]` from 0 to 255, or `"#rrggbb"`.
     Color,
+    /// `true` or `false`.
+    Flag,
 }
 
 impl Notation {
@@ -71,6 +78,7 @@ impl Notation {
             Self::Vector | Self::Scale => ValueKind::Vector,
             Self::Rotation => ValueKind::Rotation,
             Self::Light | Self::Color => ValueKind::Color,
+            Self::Flag => ValueKind::Flag,
         }
     }
 }

@@ -52,6 +52,8 @@ pub enum Motion {
     Rotation(Arc<Track<DQuat>>),
     /// Keyed RGB values.
     Color(Arc<Track<Rgb>>),
+    /// Keyed choices between yes and no, each of which holds until the next key.
+    Flag(Arc<Track<bool>>),
     /// Points on a path through waypoints.
     Path(Arc<Path>),
     /// Points on a circle.
@@ -109,6 +111,7 @@ impl Motion {
             Self::Vector(track) => Value::Vector(track.at(seconds)),
             Self::Rotation(track) => Value::Rotation(track.at(seconds)),
             Self::Color(track) => Value::Color(track.at(seconds)),
+            Self::Flag(track) => Value::Flag(track.at(seconds)),
             Self::Path(path) => Value::Vector(path.at(seconds)),
             Self::Orbit(orbit) => Value::Vector(orbit.at(seconds)),
             Self::Turns(turns) => Value::Rotation(turns.at(seconds)),
@@ -143,6 +146,12 @@ impl From<Track<DQuat>> for Motion {
 impl From<Track<Rgb>> for Motion {
     fn from(track: Track<Rgb>) -> Self {
         Self::Color(Arc::new(track))
+    }
+}
+
+impl From<Track<bool>> for Motion {
+    fn from(track: Track<bool>) -> Self {
+        Self::Flag(Arc::new(track))
     }
 }
 

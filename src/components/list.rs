@@ -18,6 +18,7 @@ macro_rules! with_components {
             Parent: transform,
             WorldTransform: kept,
             Shape: shape,
+            Visibility: shape,
             Material: material,
             Specular: material,
             Reflective: material,

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`Transform`], [`Parent`] | the position of an entity and the entity it is relative to |
 //! | [`Shape`] with [`Material`] | a visible object |
+//! | [`Visibility`] | the kinds of rays that see a shape |
 //! | [`Specular`] | a surface with highlights |
 //! | [`Reflective`] | a surface that reflects |
 //! | [`Refractive`] | a surface that transmits light |
@@ -31,6 +32,7 @@ mod settings;
 mod shape;
 mod table;
 mod transform;
+mod visibility;
 
 pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn, Way};
 pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, View};
@@ -47,3 +49,4 @@ pub use settings::{Ambient, Background, FilmSettings, Fog, Noise, Quality, Sampl
 pub use shape::Shape;
 pub(crate) use table::table;
 pub use transform::{Parent, Transform, WorldTransform};
+pub use visibility::Visibility;

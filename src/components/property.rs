@@ -26,6 +26,8 @@ pub(crate) enum Requirement {
     Box,
     /// A shape that is a plane.
     Plane,
+    /// A shape of any kind.
+    Shape,
     /// A surface: a material of the scene file, or the material of an entity with a shape.
     Material,
     /// A surface with highlights.
@@ -103,6 +105,12 @@ table! {
         Size => (Requirement::Box, Quantity::Edges),
         /// The normal of a [`Shape::Plane`](super::Shape).
         Normal => (Requirement::Plane, Quantity::Direction),
+        /// [`Visibility::camera`](super::Visibility::camera).
+        Visible => (Requirement::Shape, Quantity::Flag),
+        /// [`Visibility::shadow`](super::Visibility::shadow).
+        CastsShadow => (Requirement::Shape, Quantity::Flag),
+        /// [`Visibility::secondary`](super::Visibility::secondary).
+        InReflections => (Requirement::Shape, Quantity::Flag),
         /// [`Material::k_a`](super::Material::k_a).
         Ka => (Requirement::Material, Quantity::Coefficient),
         /// [`Material::k_d`](super::Material::k_d).

@@ -52,6 +52,8 @@ table! {
         Aperture => (Notation::Number, NotNegative),
         /// The density of fog, per scene unit of length.
         Density => (Notation::Number, NotNegative),
+        /// A choice between yes and no.
+        Flag => (Notation::Flag, Any),
     }
 }
 

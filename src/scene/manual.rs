@@ -200,6 +200,7 @@ mod tests {
                 let rest = format!("c0 greater than 0 and the others {} or more", range.start());
                 format!("coefficients (c0, c1, c2), {rest}")
             }
+            Quantity::Flag => "true or false, and each holds until the next one".to_owned(),
             Quantity::Aperture | Quantity::Density => format!("numbers, {} or more", range.start()),
         }
     }

@@ -50,6 +50,12 @@ impl ValueDocument for RotationDocument {
     }
 }
 
+impl ValueDocument for bool {
+    fn offset_by(&self, _: OffsetDocument) -> Option<Self> {
+        None
+    }
+}
+
 /// Converts keys; `value` converts their values.
 pub(super) fn keys<D: ValueDocument, T: Interpolate>(
     written: &[KeyDocument<D>],

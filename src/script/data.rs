@@ -88,6 +88,7 @@ impl Notation {
             }
             Self::Light => "three numbers of 0 or more, as [1, 1, 1]",
             Self::Color => "a colour, as [255, 120, 60] or \"#ff783c\"",
+            Self::Flag => "true or false, as t < 2",
         }
     }
 
@@ -115,13 +116,20 @@ impl Notation {
                 };
                 Value::Color(transfer.decode(channels.map(|channel| channel.clamp(0.0, 255.0))))
             }
+            Self::Flag => match data {
+                Data::Flag(flag) => Value::Flag(*flag),
+                _ => return None,
+            },
         })
     }
 
     /// Returns the error message for data that does not have the expected form, and the remedy if there is one.
     #[must_use]
     pub(crate) fn mismatch(self, data: &Data) -> (String, Option<&'static str>) {
-        let message = match data.odd_part().filter(|_| !matches!(self, Self::Number | Self::Degrees)) {
+        let message = match data
+            .odd_part()
+            .filter(|_| !matches!(self, Self::Number | Self::Degrees | Self::Flag))
+        {
             Some(part) => format!("expected {}, found {} in the list", self.expected(), part.description()),
             None => format!("expected {}, found {}", self.expected(), data.description()),
         };
@@ -144,6 +152,7 @@ impl Notation {
         match (self, value) {
             (Self::Degrees, Value::Number(radians)) => Data::Number(radians.to_degrees()),
             (_, Value::Number(number)) => Data::Number(number),
+            (_, Value::Flag(flag)) => Data::Flag(flag),
             (_, Value::Vector(vector)) => vector.to_array().into(),
             (_, Value::Rotation(rotation)) => Data::List(rotation.to_array().map(Data::Number).into()),
             (Self::Color, Value::Color(color)) => transfer.channels(color).into(),

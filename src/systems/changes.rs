@@ -36,7 +36,7 @@ impl Changes {
         self.transforms.push(entity);
     }
 
-    /// Declares a write to an entity's [`Shape`](crate::components::Shape).
+    /// Declares a write to an entity's [`Shape`](crate::components::Shape) or [`Visibility`](crate::components::Visibility).
     pub fn mark_shape(&mut self, entity: Entity) {
         self.declared = true;
         self.shapes.push(entity);

@@ -62,6 +62,7 @@ impl Preparation {
             }
             Effect::Sun => self.scene.sky.sun = None,
             Effect::Stars => self.scene.sky.stars = None,
+            Effect::RayVisibility => self.scene.show_all(),
             Effect::DepthOfField => self.camera = self.camera.without_lens(),
             Effect::Shadows | Effect::TransparentShadows | Effect::Antialiasing | Effect::MotionBlur => {}
         }

@@ -49,6 +49,8 @@ table! {
         Sun => ("sun", APART),
         /// Stars in the sky.
         Stars => ("stars", APART),
+        /// Shapes that some kinds of rays do not see.
+        RayVisibility => ("ray visibility", APART),
         /// Several samples per pixel.
         Antialiasing => ("antialiasing", APART),
         /// The depth of field of a lens.

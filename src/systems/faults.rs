@@ -134,6 +134,11 @@ pub enum FaultCause {
     },
     /// No shape is drawn.
     NoShapes,
+    /// The camera sees none of the shapes because of their [`Visibility`](crate::components::Visibility).
+    HiddenShapes {
+        /// The number of shapes.
+        shapes: usize,
+    },
     /// No shape is in view.
     OutOfView {
         /// The number of shapes.
@@ -220,6 +225,8 @@ pub enum UndeclaredChange {
     Shape,
     /// A change of the [`Material`](crate::components::Material) or of another component of the surface.
     Material,
+    /// A change of the [`Visibility`](crate::components::Visibility).
+    Visibility,
     /// The entity was despawned, or its [`Shape`](crate::components::Shape) or [`Material`](crate::components::Material) was removed.
     Removal,
 }
@@ -255,7 +262,9 @@ impl Fault {
             }
             FaultCause::UndeclaredChange(change) => match change {
                 UndeclaredChange::Transform => "call `context.changes.mark_transform(entity)` after the change",
-                UndeclaredChange::Shape => "call `context.changes.mark_shape(entity)` after the change",
+                UndeclaredChange::Shape | UndeclaredChange::Visibility => {
+                    "call `context.changes.mark_shape(entity)` after the change"
+                }
                 UndeclaredChange::Material => "call `context.changes.mark_material(entity)` after the change",
                 UndeclaredChange::Removal => "call `context.changes.mark_all()` after the change",
             }
@@ -299,6 +308,9 @@ impl Fault {
                 )
             }
             FaultCause::NoShapes => "add an entity with a shape and a material".to_owned(),
+            FaultCause::HiddenShapes { .. } => {
+                "let the camera see a shape: remove `visible: false`, or animate Visible".to_owned()
+            }
             FaultCause::OutOfView { middle: Some(middle), .. } => {
                 let [x, y, z] = middle.to_array().map(rounded);
                 format!("turn or move the camera: the middle of the shapes is at ({x}, {y}, {z})")
@@ -383,6 +395,7 @@ impl fmt::Display for FaultCause {
                 let change = match change {
                     UndeclaredChange::Transform => "its `Transform`, or that of a parent, was changed",
                     UndeclaredChange::Shape => "its `Shape` was changed",
+                    UndeclaredChange::Visibility => "its `Visibility` was changed",
                     UndeclaredChange::Material => {
                         "its `Material`, or another component of its surface, was changed"
                     }
@@ -427,6 +440,8 @@ impl fmt::Display for FaultCause {
             Self::CircularAim => write!(formatter, "it looks at an entity that turns with it"),
             Self::Missing(what) => write!(formatter, "the entity that it {what} does not exist"),
             Self::NoShapes => write!(formatter, "no shape is drawn"),
+            Self::HiddenShapes { shapes: 1 } => write!(formatter, "the only shape is not visible"),
+            Self::HiddenShapes { shapes } => write!(formatter, "none of the {shapes} shapes is visible"),
             Self::OutOfView { shapes: 1, .. } => write!(formatter, "the only shape is not in view"),
             Self::OutOfView { shapes, .. } => write!(formatter, "none of the {shapes} shapes is in view"),
             Self::Unlit { ambient, lights } if ambient == lights => write!(formatter, "{ambient}"),

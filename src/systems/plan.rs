@@ -7,8 +7,10 @@ use hecs::{Component, World};
 
 use super::{Effect, EffectSet, Preparation};
 use crate::color::Rgb;
-use crate::components::{Checker, Emission, Fog, Light, Reflective, Refractive, Specular, Stars, Sun};
-use crate::trace::{self, Effects, LightSource, Lighting, Paths, PreparedBackground, ShapeId};
+use crate::components::{
+    Checker, Emission, Fog, Light, Reflective, Refractive, Specular, Stars, Sun, Visibility,
+};
+use crate::trace::{self, Effects, LightSource, Lighting, Paths, PreparedBackground, RayClass, ShapeId};
 
 /// The need for an effect, with a reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -163,6 +165,7 @@ impl<'a> EffectScan<'a> {
             Effect::Specular if surfaces.specular == 0.0 => Omitted("k_s is 0 at this time"),
             Effect::Specular => Needed("k_s is above 0 and a light is on"),
             Effect::Shadows | Effect::TransparentShadows => self.shadows(effect),
+            Effect::RayVisibility => self.ray_visibility(),
             Effect::AreaLights => self.light_of(
                 |light| light.source.is_extended(),
                 "there are no area lights",
@@ -254,16 +257,40 @@ impl<'a> EffectScan<'a> {
         let scene = self.preparation.scene();
         let surfaces = scene.surfaces();
         let casts = scene.lights.iter().any(|light| light.casts_shadows && light.intensity != Rgb::ZERO);
-        let (transparent, all) = (surfaces.transparent.len(), scene.geometry().len());
+        // Only shapes that rays to lights see occlude lights.
+        let unseen = || scene.geometry().hidden_from(RayClass::Shadow);
+        let is_transparent = |id: &ShapeId| scene.material(*id).refraction.is_some();
+        let transparent = surfaces.transparent.len() - unseen().filter(is_transparent).count();
+        let all = scene.geometry().len() - unseen().count();
         match effect {
             _ if !self.scatters() => Omitted("k_d and k_s are 0 on all surfaces"),
             _ if !casts => Omitted("no light that is on casts shadows"),
+            Effect::Shadows if all == 0 && unseen().count() > 0 => Omitted("no shape casts a shadow"),
             Effect::Shadows if transparent == all => Omitted("no surface is opaque"),
             Effect::Shadows if !self.can_occlude() => Omitted("no surface can occlude another"),
             Effect::Shadows => Needed("a light casts shadows"),
-            _ if transparent == 0 && !self.has::<Refractive>() => Omitted("no material has `refractive`"),
-            _ if transparent == 0 => Omitted("k_t is 0 at this time"),
+            _ if surfaces.transparent.is_empty() && !self.has::<Refractive>() => {
+                Omitted("no material has `refractive`")
+            }
+            _ if surfaces.transparent.is_empty() => Omitted("k_t is 0 at this time"),
+            _ if transparent == 0 => Omitted("no transparent shape casts a shadow"),
             _ => Needed("a light casts shadows, and a surface is transparent"),
+        }
+    }
+
+    fn ray_visibility(&self) -> Need {
+        use Need::{Needed, Omitted};
+        let geometry = self.preparation.scene().geometry();
+        let hides = |class| geometry.hidden_from(class).next().is_some();
+        match [RayClass::Camera, RayClass::Secondary, RayClass::Shadow].map(hides) {
+            [false, false, false] if self.has::<Visibility>() => {
+                Omitted("no shape is hidden from some rays only at this time")
+            }
+            [false, false, false] => Omitted("all rays see all shapes"),
+            [true, false, false] => Needed("a shape is hidden from the camera"),
+            [false, true, false] => Needed("a shape is hidden from mirrored and refracted rays"),
+            [false, false, true] => Needed("a shape casts no shadow"),
+            _ => Needed("shapes are hidden from some rays"),
         }
     }
 

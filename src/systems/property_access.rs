@@ -8,8 +8,8 @@ use crate::animation::limits::SMALLEST;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, AreaShape, Background, Camera, Checker, Emission, Falloff, Fog, Light, LightKind, Material,
-    Projection, Property, Quantity, Reflective, Refractive, Shape, Specular, Stars, Sun, Target, Transform,
-    View,
+    Projection, Property, Quantity, Reflective, Refractive, Requirement, Shape, Specular, Stars, Sun, Target,
+    Transform, View, Visibility,
 };
 
 /// Defines from lists of the components that hold properties, each of at most 15 as tuples of hecs are: the query for these components of an entity, the result of the query, and a
@@ -33,7 +33,7 @@ macro_rules! parts {
         /// Returns a value of an entity. `None` if the entity does not have it.
         ///
         /// A value that is not stored is derived: the ambient colour defaults to the colour, and a camera with a view direction has a
-        /// target in that direction.
+        /// target in that direction. All rays see a shape without [`Visibility`].
         #[must_use]
         pub fn value(world: &World, entity: Entity, property: Property) -> Option<Value> {
             // Reads from copies, so that deriving a value does not write to the world.
@@ -48,6 +48,7 @@ parts! {
     [
         transform: Transform,
         shape: Shape,
+        visibility: Visibility,
         material: Material,
         specular: Specular,
         reflective: Reflective,
@@ -75,6 +76,7 @@ enum ValueMut<'a> {
     Falloff(&'a mut Falloff),
     Rotation(&'a mut DQuat),
     Color(&'a mut Rgb),
+    Flag(&'a mut bool),
 }
 
 /// Matches a component with a pattern. If it does not match, the calling function returns `None`.
@@ -95,6 +97,9 @@ impl Parts<'_> {
     }
 
     fn get(&mut self, property: Property) -> Option<Value> {
+        if property.part() == Requirement::Shape && self.visibility.is_none() {
+            return self.shape.is_some().then_some(Value::Flag(true));
+        }
         Some(self.value_mut(property)?.read())
     }
 
@@ -102,9 +107,15 @@ impl Parts<'_> {
     fn value_mut(&mut self, property: Property) -> Option<ValueMut<'_>> {
         use Property as P;
         match property {
-            P::Translation | P::Rotation | P::Scale | P::Radius | P::Size | P::Normal => {
-                self.shape_value(property)
-            }
+            P::Translation
+            | P::Rotation
+            | P::Scale
+            | P::Radius
+            | P::Size
+            | P::Normal
+            | P::Visible
+            | P::CastsShadow
+            | P::InReflections => self.shape_value(property),
             P::Ka
             | P::Kd
             | P::Color
@@ -158,9 +169,9 @@ impl Parts<'_> {
         }
     }
 
-    /// Returns a reference to a value of the transform or the shape.
+    /// Returns a reference to a value of the transform, the shape or its visibility.
     fn shape_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
-        use ValueMut::{Number, Rotation, Vector};
+        use ValueMut::{Flag, Number, Rotation, Vector};
         Some(match property {
             Property::Translation => Vector(&mut self.transform.as_mut()?.translation),
             Property::Rotation => Rotation(&mut self.transform.as_mut()?.rotation),
@@ -168,6 +179,9 @@ impl Parts<'_> {
             Property::Radius => within!(self.shape.as_mut()?, Shape::Sphere { radius } => Number(radius)),
             Property::Size => within!(self.shape.as_mut()?, Shape::Box { size } => Vector(size)),
             Property::Normal => within!(self.shape.as_mut()?, Shape::Plane { normal } => Vector(normal)),
+            Property::Visible => Flag(&mut self.visibility.as_mut()?.camera),
+            Property::CastsShadow => Flag(&mut self.visibility.as_mut()?.shadow),
+            Property::InReflections => Flag(&mut self.visibility.as_mut()?.secondary),
             _ => return None,
         })
     }
@@ -324,7 +338,7 @@ fn clamped(value: Value, quantity: Quantity) -> Value {
         Value::Number(number) => Value::Number(within(number)),
         Value::Vector(vector) => Value::Vector(vector.map(within)),
         Value::Color(color) => Value::Color(color.max(Rgb::ZERO)),
-        Value::Rotation(rotation) => Value::Rotation(rotation),
+        Value::Rotation(_) | Value::Flag(_) => value,
     }
 }
 
@@ -339,6 +353,7 @@ impl ValueMut<'_> {
             }
             Self::Rotation(stored) => Value::Rotation(*stored),
             Self::Color(stored) => Value::Color(*stored),
+            Self::Flag(stored) => Value::Flag(*stored),
         }
     }
 
@@ -353,6 +368,7 @@ impl ValueMut<'_> {
             }
             (Self::Rotation(stored), Value::Rotation(value)) => put(stored, value),
             (Self::Color(stored), Value::Color(value)) => put(stored, value),
+            (Self::Flag(stored), Value::Flag(value)) => put(stored, value),
             _ => false,
         }
     }

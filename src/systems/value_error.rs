@@ -17,7 +17,7 @@ pub(super) fn value_error(property: Property, value: Value) -> Option<(String, &
     match value {
         Value::Number(number) => number_error(property.quantity(), number),
         Value::Vector(vector) => vector_error(property.quantity(), vector),
-        Value::Rotation(_) | Value::Color(_) => None,
+        Value::Rotation(_) | Value::Color(_) | Value::Flag(_) => None,
     }
 }
 

@@ -46,6 +46,13 @@
 //! planned picture, a picture with all effects and the picture of the reference path are bit-identical. `benches/record` lists the cost of
 //! each effect, planned and with all others, as measured by `benches/instructions` and `cargo bench --bench effects`.
 //!
+//! # Classes of rays
+//!
+//! Camera rays, secondary rays and shadow rays may see different shapes (`scene/ray_visibility`). Then each class has a scene of its own, with a
+//! tree of the shapes that it sees, so that no query tests for visibility; if all rays see all shapes, there is one scene. Where a ray ends
+//! and rays of another class start, `shading/handover` determines the surfaces that they leave and the media that they are in, from the
+//! shapes that `intersect/unseen` finds; in the stages it does so before direct light (`stages/handover`) and before the next rays.
+//!
 //! # Ray trees
 //!
 //! The rays of a sample form a tree: every surface can spawn a reflected and a refracted ray. A path ends where a ray's contribution is
@@ -115,7 +122,7 @@ pub use {
     reference::render as render_reference,
     scene::{
         BvhUpdate, Geometry, LightSource, PreparedBackground, PreparedLight, PreparedScene, PreparedShape,
-        Refraction, SceneChanges, ShapeChange, SurfaceMaterial,
+        RayClass, RayVisibility, Refraction, SceneChanges, ShapeChange, SurfaceMaterial,
     },
     shapes::Bounds,
 };

@@ -19,7 +19,7 @@ use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedSc
 use crate::trace::shading::{
     ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
     SecondaryRays, ShadingPoint, ShadowRay, TreeRay, Unlit, ambient, clamped, emission,
-    filtered_and_absorbed, sample_light, secondary_rays,
+    filtered_and_absorbed, handed_over, sample_light, secondary_rays,
 };
 use crate::trace::stages::{Portion, Tile};
 
@@ -161,10 +161,9 @@ impl<'a> Reference<'a> {
         sampling: PixelSampling,
         effects: Effects,
     ) -> Self {
-        Self {
-            context: RenderContext::new(scene, camera, sampling, effects),
-            scratch: LightScratch::default(),
-        }
+        let mut context = RenderContext::new(scene, camera, sampling, effects);
+        context.scans_all = true;
+        Self { context, scratch: LightScratch::default() }
     }
 
     /// Adds an instant's samples of the current round to `sums`, whose pixels are in rows from the top.
@@ -227,7 +226,7 @@ impl<'a> Reference<'a> {
                 let traced = trace(context, scratch, kind, parent, &ray, sample_id);
                 ray.state.throughput *= traced.passage.transmitted;
                 if let RayEnd::Surface(lit) = &traced.end {
-                    let arrived = (ray.ray.direction(), &ray.state);
+                    let arrived = (&ray.ray, &ray.state);
                     let SecondaryRays { reflected, refracted } =
                         secondary_rays(context, scratch, arrived, &lit.surface);
                     let kinds = [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)];
@@ -380,13 +379,13 @@ fn trace(
     ray: &TreeRay,
     sample_id: SampleId,
 ) -> TracedRay {
-    let scene = context.scene;
-    let Some(closest) = scene.closest_of_all(&ray.ray, &mut scratch.search) else {
+    let (scene, seen) = (context.scene, context.seen_by(ray.state.path));
+    let Some(closest) = seen.closest_of_all(&ray.ray, &mut scratch.search) else {
         let passage = ray.state.passage(context.effects, scene, &scratch.media, (&ray.ray, f64::INFINITY));
         let background = scene.miss_radiance(ray.ray.direction());
         return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
     };
-    let surface = scene.surface(&ray.ray, &closest, &mut scratch.search);
+    let surface = seen.surface(&ray.ray, &closest, &mut scratch.search);
     let length = surface.distance(&ray.ray);
     let passage = ray.state.passage(context.effects, scene, &scratch.media, (&ray.ray, length));
     let lit = lit(context, scratch, ray, surface, sample_id);
@@ -419,10 +418,13 @@ fn lit(
     let normal = surface.facing_normal();
     let (arriving, path, point) = (ray.direction(), state.path, surface.point);
     let lit = ShadingPoint { arriving, path, point, material, diffuse, sample_id, normal };
-    let seen = (&surface, state.medium);
+    let arrived_in = context.seen_by(state.path);
+    let coincident = arrived_in.tied(&surface, &scratch.search.ties);
+    let (left, medium) =
+        handed_over(context, (arrived_in, context.shadow), (ray, &surface), state.medium, scratch);
+    let seen = (&left, medium);
     let lights = scene.lights.iter().enumerate();
     let lights = lights.map(|light| reach(context, scratch, light, &lit, seen)).collect();
-    let coincident = scene.tied(&surface, &scratch.search.ties);
     let (ambient, emission) = (ambient(scene, ambient_color), emission(context.effects, material));
     LitSurface { ambient, emission, lights, surface, coincident }
 }
@@ -475,7 +477,7 @@ fn visibility(
 ) -> Result<Rgb, ShapeId> {
     let ShadowRay { ray, limit, .. } = shadow_ray;
     let (scene, passes_transparent) =
-        (context.scene, context.effects.lighting == Lighting::TransparentShadows);
+        (context.shadow, context.effects.lighting == Lighting::TransparentShadows);
     scratch.search.crossed.clear();
     let occludes = |id: &ShapeId| {
         let Scratch { crossed, intersector, ties, .. } = &mut scratch.search;
@@ -484,7 +486,7 @@ fn visibility(
             && (scene.occludes_or_is_crossed(*id, (ray, limit), detail, crossed, intersector)
                 || !passes_transparent && !crossed.is_empty())
     };
-    match scene.geometry().ids_in_order().find(occludes) {
+    match scene.geometry().ids_in_order().filter(|id| scene.sees(*id)).find(occludes) {
         Some(id) => Err(id),
         None => Ok(filtered_and_absorbed(scene, shadow_ray, own_shape, seen, scratch)),
     }

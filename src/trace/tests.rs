@@ -120,7 +120,7 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
         let sampling = PixelSampling { samples, seed: 9 };
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {
-            scene.simd = level;
+            scene.set_simd(level);
             assert!(film(&scene, &camera, sampling) == expected, "{name}, {samples} samples");
         }
     }
@@ -201,7 +201,7 @@ proptest! {
         let sampling = PixelSampling { samples, seed: 3 };
         let expected = reference::render(&scene, &camera, sampling);
         for (name, level) in SimdLevel::all() {
-            scene.simd = level;
+            scene.set_simd(level);
             prop_assert!(film(&scene, &camera, sampling) == expected, "{}", name);
         }
     }

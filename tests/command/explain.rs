@@ -150,6 +150,7 @@ fn every_effect_has_its_frames_and_reasons() {
         ("gradient", vec![(json!([[0, 9]]), false, "the background is the same everywhere")]),
         ("sun", vec![(json!([[0, 9]]), false, "the scene has no `sun`")]),
         ("stars", vec![(json!([[0, 9]]), false, "the scene has no `stars`")]),
+        ("ray visibility", vec![(json!([[0, 9]]), false, "all rays see all shapes")]),
         ("antialiasing", vec![(json!([[0, 9]]), true, "a pixel has several samples")]),
         ("depth of field", vec![(json!([[0, 9]]), false, "the camera has no lens")]),
         (
@@ -219,7 +220,7 @@ fn text_output_is_a_table_of_the_json_values() {
     let sentences = [
         "Every frame needs ambient light, antialiasing.",
         "Some need diffuse light, highlights, shadows, transparent shadows, reflection, refraction, motion blur.",
-        "No frame needs the other 12.",
+        "No frame needs the other 13.",
     ];
     assert_eq!(blocks.next(), Some(sentences.join("\n").as_str()));
     let measured = blocks.next().unwrap();

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use rayreel::components::{
     Ambient, Background, Camera, Checker, FilmSettings, Light, Material, Parent, Reflective, Shape,
-    Transform, View,
+    Transform, View, Visibility,
 };
 use rayreel::systems::{Consequence, FaultCause, UndeclaredChange};
 use rayreel::time::Timeline;
@@ -178,7 +178,7 @@ frame 2 and 1 more: entity {ball:?} is not as it says: its k_a is 2, and counts 
 type Change =
     (Option<UndeclaredChange>, fn(&mut Context<'_>, [Entity; 2]), fn(&mut Context<'_>, [Entity; 2]));
 
-const CHANGES: [Change; 7] = [
+const CHANGES: [Change; 8] = [
     (
         Some(UndeclaredChange::Transform),
         |context, [ball, _]| context.world.get::<&mut Transform>(ball).unwrap().translation.x += 1.0,
@@ -203,6 +203,11 @@ const CHANGES: [Change; 7] = [
         Some(UndeclaredChange::Material),
         |context, [ball, _]| context.world.insert_one(ball, Reflective::MIRROR).unwrap(),
         |context, [ball, _]| context.changes.mark_material(ball),
+    ),
+    (
+        Some(UndeclaredChange::Visibility),
+        |context, [ball, _]| context.world.insert_one(ball, Visibility::NONE).unwrap(),
+        |context, [ball, _]| context.changes.mark_shape(ball),
     ),
     (
         Some(UndeclaredChange::Removal),

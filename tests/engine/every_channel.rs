@@ -37,7 +37,7 @@ const SCENE: &str = r##"Scene(
             name: "ball", shape: Sphere(radius: @radius), material: "clay",
             transform: (translation: @translation, rotation: @rotation, scale: @scale),
         ),
-        (name: "crate", shape: Box(size: @size), transform: (translation: (1.5, 0, 0.5)), material: "tiles"),
+        (name: "crate", @visibility shape: Box(size: @size), transform: (translation: (1.5, 0, 0.5)), material: "tiles"),
         (name: "marble", shape: Sphere(radius: 0.6), transform: (translation: (-1.5, 0, -0.5)), material: "glass"),
         (
             name: "lamp", light: Point(intensity: @intensity, falloff: @falloff),
@@ -62,7 +62,7 @@ const SCENE: &str = r##"Scene(
 )"##;
 
 /// Default values of the words.
-const PLAIN: [(&str, &str); 40] = [
+const PLAIN: [(&str, &str); 41] = [
     ("position", "(0, 1.5, -6)"),
     ("view", "target: (0, 0, 0)"),
     ("up", "(0, 1, 0)"),
@@ -102,6 +102,7 @@ const PLAIN: [(&str, &str); 40] = [
     ("light_radius", "0.4"),
     ("light_width", "1"),
     ("light_height", "1"),
+    ("visibility", ""),
     ("animate", ""),
 ];
 
@@ -145,6 +146,13 @@ fn case(property: Property) -> Case {
         Property::Radius => entity("ball", "radius", ["0.5", "1.5"]),
         Property::Size => entity("crate", "size", ["(1, 1, 1)", "(2, 0.5, 1.5)"]),
         Property::Normal => entity("floor", "normal", ["(0, 1, -0.2)", "(0.3, 1, 0)"]),
+        Property::Visible => written("visible: {},", entity("crate", "visibility", ["true", "false"])),
+        Property::CastsShadow => {
+            written("casts_shadow: {},", entity("crate", "visibility", ["true", "false"]))
+        }
+        Property::InReflections => {
+            written("in_reflections: {},", entity("crate", "visibility", ["true", "false"]))
+        }
         Property::Ka => material(clay, "ball", "ka", ["0.1", "0.9"]),
         Property::Kd => material(clay, "ball", "kd", ["0.1", "0.9"]),
         Property::Color => material(clay, "ball", "color", ["(10, 20, 200)", "\"#ffee00\""]),
@@ -293,7 +301,11 @@ fn every_channel_animates_the_world_and_the_picture() {
         }
         assert_ne!(shown[0].1, shown[1].1, "{name}: the value");
         assert!(shown[0].0 != shown[1].0, "{name}: the picture");
-        assert!(shown[3].0 != shown[0].0 && shown[3].0 != shown[1].0, "{name}: the picture half-way");
+        if property.notation() == Notation::Flag {
+            assert!(shown[3] == shown[0], "{name}: it holds until the next key");
+        } else {
+            assert!(shown[3].0 != shown[0].0 && shown[3].0 != shown[1].0, "{name}: the picture half-way");
+        }
         assert!(shown[0] == shown[2], "{name}: there and back");
         for (index, text) in case.values.into_iter().enumerate() {
             let mut still = engine(&[(case.word, case.written.replace("{}", text))]);
@@ -318,7 +330,8 @@ fn every_channel_animates_during_the_shutter() {
             let plan = moving.plan(time).unwrap().plan.clone().unwrap();
             plan.need(Effect::MotionBlur)
         };
-        assert!(verdict(seconds(1)).is_needed(), "{}", property.name());
+        let changing = if property.notation() == Notation::Flag { 2 } else { 1 };
+        assert!(verdict(seconds(changing)).is_needed(), "{}", property.name());
         let still = Need::Omitted("nothing moves while the shutter is open");
         assert_eq!(verdict(Time::from_ratio(5, 2).unwrap()), still, "{}", property.name());
     }
@@ -441,7 +454,9 @@ fn script_values_have_the_limits_of_keys() {
         "-1", "0", "1e-70", "1e-59", "0.001", "0.5", "1", "100", "179.9", "180", "180.1", "1001", "1e60",
         "1e61",
     ];
-    for property in Property::ALL.into_iter().filter(|property| property.notation() != Notation::Rotation) {
+    let is_of_numbers =
+        |property: &Property| !matches!(property.notation(), Notation::Rotation | Notation::Flag);
+    for property in Property::ALL.into_iter().filter(is_of_numbers) {
         let case = case(property);
         let (mut taken, mut refused) = (0, 0);
         for number in numbers {

@@ -13,7 +13,7 @@ use rayreel::color::ErrorNorm;
 use rayreel::components::{
     Ambient, AreaShape, Background, Camera, Checker, Emission, Falloff, FilmSettings, Fog, Follow, Lens,
     Light, LightKind, LookAt, Material, Noise, Parent, Projection, Quality, Reflective, Refractive, Sampling,
-    Shape, Shot, Shots, Specular, Stars, Sun, Transform, View, WorldTransform,
+    Shape, Shot, Shots, Specular, Stars, Sun, Transform, View, Visibility, WorldTransform,
 };
 use rayreel::systems::{Consequence, FaultCause};
 use rayreel::{Context, Engine, Entity, Fault, Film, Ray, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -93,6 +93,11 @@ struct Looks {
     refractive: Option<Refractive>,
     checker: Option<Checker>,
     emission: Option<Emission>,
+    visibility: Option<Visibility>,
+}
+
+fn visibility() -> impl Strategy<Value = Visibility> {
+    any::<[bool; 3]>().prop_map(|[camera, secondary, shadow]| Visibility { camera, secondary, shadow })
 }
 
 fn looks() -> impl Strategy<Value = Looks> {
@@ -112,14 +117,16 @@ fn looks() -> impl Strategy<Value = Looks> {
         prop::option::weighted(0.3, refractive),
         prop::option::weighted(0.3, (color(), number()).prop_map(|(color, size)| Checker { color, size })),
         prop::option::weighted(0.3, color().prop_map(Emission)),
+        prop::option::weighted(0.2, visibility()),
     )
-        .prop_map(|(material, specular, reflective, refractive, checker, emission)| Looks {
+        .prop_map(|(material, specular, reflective, refractive, checker, emission, visibility)| Looks {
             material,
             specular,
             reflective,
             refractive,
             checker,
             emission,
+            visibility,
         })
 }
 
@@ -296,6 +303,9 @@ fn put(world: &mut World, entity: Entity, looks: &Looks) {
     }
     if let Some(checker) = looks.checker {
         world.insert_one(entity, checker).unwrap();
+    }
+    if let Some(visibility) = looks.visibility {
+        world.insert_one(entity, visibility).unwrap();
     }
 }
 

@@ -25,6 +25,7 @@ mod scripts;
 mod spent;
 #[path = "../random/splitmix.rs"]
 mod splitmix;
+mod visibility;
 mod warnings;
 
 use rayreel::components::Name;

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 
 use rayreel::components::{
     Ambient, AreaShape, Camera, FilmSettings, Light, LightKind, Material, Quality, Reflective, Refractive,
-    Sampling, Shape, Transform,
+    Sampling, Shape, Transform, Visibility,
 };
 use rayreel::systems::{Consequence, OneColor};
 use rayreel::{Engine, Rgb, Scene, World};
@@ -55,6 +55,10 @@ fn world(random: &mut Random) -> World {
             0 => world.insert_one(entity, Refractive { k_t: 0.5, ..Refractive::GLASS }).unwrap(),
             1 => world.insert_one(entity, Reflective::MIRROR).unwrap(),
             2 => world.insert_one(entity, light(random)).unwrap(),
+            3 => {
+                let [camera, secondary, shadow] = [(); 3].map(|()| random.once_in(2));
+                world.insert_one(entity, Visibility { camera, secondary, shadow }).unwrap();
+            }
             _ => {}
         }
     }

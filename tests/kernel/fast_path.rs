@@ -12,7 +12,7 @@ use rayreel::animation::{Easing, Key, Track};
 use rayreel::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Emission, Falloff, FilmSettings, Fog,
     Lens, Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
-    Specular, Stars, Sun, Transform, View,
+    Specular, Stars, Sun, Transform, View, Visibility,
 };
 use rayreel::trace::SimdLevel;
 use rayreel::{Effect, Engine, Film, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -34,6 +34,7 @@ struct Effects {
     stars: bool,
     motion: bool,
     orthographic: bool,
+    hidden: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -48,6 +49,7 @@ struct Thing {
     glass: Option<Refractive>,
     checker: Option<Checker>,
     emission: Option<Emission>,
+    visibility: Option<Visibility>,
     /// Position after a second, if shapes move.
     later: DVec3,
 }
@@ -112,6 +114,12 @@ fn emission() -> impl Strategy<Value = Option<Emission>> {
     prop::option::weighted(0.3, light.prop_map(Emission))
 }
 
+fn visibility() -> impl Strategy<Value = Option<Visibility>> {
+    let some = any::<[bool; 3]>();
+    let some = some.prop_map(|[camera, secondary, shadow]| Visibility { camera, secondary, shadow });
+    prop::option::weighted(0.3, some)
+}
+
 fn things() -> impl Strategy<Value = Vec<Thing>> {
     let diffuse = prop_oneof![1 => Just(0.0), 3 => Just(0.7f32)];
     let surface = (
@@ -120,11 +128,23 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
         specular(),
         any::<bool>(),
         glass(),
-        (checker(), emission()),
+        (checker(), emission(), visibility()),
     );
     let thing = (shape(), transform(), surface, point()).prop_map(|(shape, transform, surface, later)| {
-        let (color, diffuse, specular, mirror, glass, (checker, emission)) = surface;
-        Thing { shape, transform, color, diffuse, specular, mirror, glass, checker, emission, later }
+        let (color, diffuse, specular, mirror, glass, (checker, emission, visibility)) = surface;
+        Thing {
+            shape,
+            transform,
+            color,
+            diffuse,
+            specular,
+            mirror,
+            glass,
+            checker,
+            emission,
+            visibility,
+            later,
+        }
     });
     prop::collection::vec(thing, 0..40)
 }
@@ -132,33 +152,36 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
 fn effects() -> impl Strategy<Value = Effects> {
     let some = prop::bool::weighted;
     let surroundings = (some(0.3), some(0.3), some(0.5), some(0.5), some(0.3), some(0.2), some(0.2));
-    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), surroundings, some(0.25), some(0.2)).prop_map(
-        |(
-            lights,
-            mirrors,
-            glass,
-            checker,
-            area_lights,
-            (fog, gradient, horizon, layer, clear_sky, sun, stars),
-            motion,
-            orthographic,
-        )| Effects {
-            lights,
-            mirrors,
-            glass,
-            checker,
-            area_lights,
-            fog,
-            gradient,
-            horizon,
-            layer,
-            clear_sky,
-            sun,
-            stars,
-            motion,
-            orthographic,
-        },
-    )
+    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), surroundings, some(0.25), some(0.2), some(0.4))
+        .prop_map(
+            |(
+                lights,
+                mirrors,
+                glass,
+                checker,
+                area_lights,
+                (fog, gradient, horizon, layer, clear_sky, sun, stars),
+                motion,
+                orthographic,
+                hidden,
+            )| Effects {
+                lights,
+                mirrors,
+                glass,
+                checker,
+                area_lights,
+                fog,
+                gradient,
+                horizon,
+                layer,
+                clear_sky,
+                sun,
+                stars,
+                motion,
+                orthographic,
+                hidden,
+            },
+        )
 }
 
 /// Generates a light and its transform.
@@ -210,6 +233,9 @@ fn world(
         }
         if let Some(emission) = thing.emission {
             world.insert_one(entity, emission).unwrap();
+        }
+        if let Some(visibility) = thing.visibility.filter(|_| effects.hidden) {
+            world.insert_one(entity, visibility).unwrap();
         }
         if effects.motion {
             let key = |time, value| Key { time, value, easing: Easing::Linear };

@@ -14,6 +14,7 @@ mod numerics;
 mod oracle;
 mod ray_counts;
 mod ray_trees;
+mod ray_visibility;
 mod sampling;
 #[path = "../random/splitmix.rs"]
 mod splitmix;

@@ -401,6 +401,11 @@ fn every_effect_is_needed_with_and_omitted_without_its_cause() {
         ),
         (Effect::Stars, (MATTE, "], stars: ()", each(1, 0, 0, 0)), (MATTE, "]", each(1, 0, 0, 0))),
         (
+            Effect::RayVisibility,
+            (MATTE, r#"(shape: Sphere(radius: 1), material: "black", visible: false)]"#, each(1, 0, 0, 0)),
+            (MATTE, "]", each(1, 0, 0, 0)),
+        ),
+        (
             Effect::Antialiasing,
             (MATTE, "], sampling: (samples: 3)", each(3, 0, 0, 0)),
             (MATTE, "], sampling: (samples: 1)", each(1, 0, 0, 0)),
@@ -513,6 +518,10 @@ const OMITTED: &[(&str, Effect, &str)] = &[
     (PLAIN, Effect::Stars, "the scene has no `stars`"),
     ("sun: (direction: (0, 1, 0), intensity: (0, 0, 0))", Effect::Sun, "it is not seen at this time"),
     ("stars: (intensity: (0, 0, 0))", Effect::Stars, "they are not seen at this time"),
+    (PLAIN, Effect::RayVisibility, "all rays see all shapes"),
+    (HIDDEN, Effect::RayVisibility, "no shape is hidden from some rays only at this time"),
+    (SHADOWLESS, Effect::Shadows, "no shape casts a shadow"),
+    (SHADOWLESS, Effect::TransparentShadows, "no transparent shape casts a shadow"),
     (PLAIN, Effect::Antialiasing, "a pixel has one sample"),
     (PLAIN, Effect::DepthOfField, "the camera has no lens"),
     (PLAIN, Effect::MotionBlur, "the camera has no shutter"),
@@ -554,6 +563,12 @@ const GLASS: &str = r#"materials: { "m": (k_d: 1, refractive: (k_t: 0.5, ior: 1.
     (shape: Sphere(radius: 1), material: "m"), (light: Point(intensity: (1, 1, 1)))]"#;
 const UNSEEN: &str = r#"materials: { "m": (reflective: (k_r: 1), refractive: (k_t: 0.5, ior: 1.5, absorption: (1, 1, 1), fresnel: true)) },
     entities: [(shape: Sphere(radius: 1), material: "m", transform: (translation: (0, 0, -99)))]"#;
+
+const HIDDEN: &str = r#"materials: { "m": (k_d: 1) }, entities: [(shape: Sphere(radius: 1), material: "m"),
+    (shape: Sphere(radius: 2), material: "m", visible: false, casts_shadow: false, in_reflections: false)]"#;
+const SHADOWLESS: &str = r#"materials: { "m": (k_d: 1, refractive: (k_t: 0.5, ior: 1.5)), "n": (k_d: 1) }, entities: [
+    (shape: Sphere(radius: 1), material: "m", casts_shadow: false), (light: Point(intensity: (1, 1, 1))),
+    (shape: Sphere(radius: 9), material: "n", casts_shadow: false)]"#;
 
 #[test]
 fn omitted_effects_have_their_reasons() {

@@ -128,6 +128,15 @@ fn triples(value: impl Strategy<Value = String> + 'static) -> BoxedStrategy<Stri
     tracks(value, triple_script())
 }
 
+fn flags() -> BoxedStrategy<String> {
+    let times = prop::collection::btree_set(0..40_u32, 1..4);
+    let keys = (times, any::<bool>()).prop_map(|(times, first)| {
+        let key = |(time, number): (u32, usize)| format!("({time}e-1, {})", (number % 2 == 0) == first);
+        format!("Keys([{}])", times.into_iter().zip(0..).map(key).collect::<Vec<_>>().join(", "))
+    });
+    prop_oneof![3 => keys, 1 => script(vec!["base", "t < 1.5", "index % 2 == 0"])].boxed()
+}
+
 /// Returns the channels of entities, of materials, of cameras and of the scene, with generators of their tracks.
 fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
     let any = || number().prop_map(|number| format!("{number:?}"));
@@ -164,6 +173,9 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
         ("Radius", numbers(size())),
         ("Size", triples(sizes())),
         ("Normal", triples(point())),
+        ("Visible", flags()),
+        ("CastsShadow", flags()),
+        ("InReflections", flags()),
         ("Intensity", triples(intensity())),
         ("Direction", triples(point())),
         ("Angle", numbers(angle())),

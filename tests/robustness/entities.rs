@@ -76,8 +76,14 @@ pub(crate) fn entity() -> impl Strategy<Value = String> {
         1 => color().prop_map(|color| format!("color: {color}")),
         1 => material().boxed().prop_map(|material| format!("material: {material}")),
     ];
-    let shape = (shape.boxed(), surface.boxed());
-    let shape = shape.prop_map(|(shape, surface)| format!("shape: {shape}, {surface}, "));
+    let unseen = prop_oneof![
+        4 => Just(String::new()),
+        1 => any::<[bool; 3]>().prop_map(|[visible, shadow, reflected]| {
+            format!("visible: {visible}, casts_shadow: {shadow}, in_reflections: {reflected}, ")
+        }),
+    ];
+    let shape = (shape.boxed(), surface.boxed(), unseen);
+    let shape = shape.prop_map(|(shape, surface, unseen)| format!("shape: {shape}, {surface}, {unseen}"));
     let light = prop_oneof![
         (intensity(), any::<bool>(), falloff()).prop_map(|(intensity, shadows, falloff)| format!(
             "light: Point(intensity: {intensity}, casts_shadows: {shadows}{falloff}), "

@@ -12,7 +12,7 @@ use tempfile::TempDir;
 
 use rayreel::components::{
     Animated, Checker, Emission, Light, Material, Name, Order, Parent, Reflective, Refractive, Shape,
-    Specular, Transform,
+    Specular, Transform, Visibility,
 };
 use rayreel::scene::LoadError;
 use rayreel::{Engine, Entity, Scene, World};
@@ -56,6 +56,7 @@ pub(crate) fn described(world: &World) -> Vec<String> {
         text += &part::<Name>(world, entity);
         text += &part::<Transform>(world, entity);
         text += &part::<Shape>(world, entity);
+        text += &part::<Visibility>(world, entity);
         text += &part::<Material>(world, entity);
         text += &part::<Specular>(world, entity);
         text += &part::<Reflective>(world, entity);

@@ -30,8 +30,8 @@ pub(in crate::cli) struct OverrideArguments {
     depth: Option<Override>,
     /// Disable effects that the scene uses, as in --without shadows,reflection: ambient-light, emission, diffuse-light, highlights,
     /// shadows, transparent-shadows, area-lights, spot-lights, falloff, reflection, refraction, fresnel, absorption, checker, fog,
-    /// gradient, sun, stars, antialiasing, depth-of-field, motion-blur. Words as specular, reflected and refracted are accepted, too
-    /// [can be repeated]
+    /// gradient, sun, stars, ray-visibility, antialiasing, depth-of-field, motion-blur. Words as specular, reflected and refracted are
+    /// accepted, too [can be repeated]
     #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
     without: Vec<Effect>,
     /// Disable the other terms of light: ambient and diffuse light, emission, highlights, shadows, reflection, refraction, absorption

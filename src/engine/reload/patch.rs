@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::matching::{Counterparts, Matching, shape_bits, transform_bits};
 use crate::components::{
     self, Checker, Emission, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots,
-    Specular, Target, Transform, with_components,
+    Specular, Target, Transform, Visibility, with_components,
 };
 use crate::systems::Changes;
 
@@ -153,6 +153,7 @@ trait Put: Component + PartialEq + Sized {
 
 impl Put for Parent {}
 impl Put for LookAt {}
+impl Put for Visibility {}
 impl Put for Material {}
 impl Put for Specular {}
 impl Put for Reflective {}

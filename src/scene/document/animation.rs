@@ -30,6 +30,7 @@ pub(crate) enum TracksDocument {
     Scale(TrackDocument<ScaleDocument>),
     Rotation(TrackDocument<RotationDocument>),
     Color(TrackDocument<ColorDocument>),
+    Flag(TrackDocument<bool>),
 }
 
 /// A value over time.
@@ -111,6 +112,7 @@ impl TracksDocument {
             Self::Scale(track) => matches!(track, TrackDocument::Along),
             Self::Rotation(track) => matches!(track, TrackDocument::Along),
             Self::Color(track) => matches!(track, TrackDocument::Along),
+            Self::Flag(track) => matches!(track, TrackDocument::Along),
         }
     }
 
@@ -127,6 +129,7 @@ impl TracksDocument {
             Self::Scale(track) => track.script(),
             Self::Rotation(track) => track.script(),
             Self::Color(track) => track.script(),
+            Self::Flag(track) => track.script(),
         }
     }
 }
@@ -286,6 +289,7 @@ fn tracks<'de, A: MapAccess<'de>>(channel: ChannelDocument, map: &mut A) -> Resu
         Notation::Scale => map.next_value().map(TracksDocument::Scale),
         Notation::Rotation => map.next_value().map(TracksDocument::Rotation),
         Notation::Color => map.next_value().map(TracksDocument::Color),
+        Notation::Flag => map.next_value().map(TracksDocument::Flag),
     }
 }
 

@@ -6,7 +6,7 @@ use super::{ColorDocument, MaterialDocument, ScaleDocument, SurfaceDocument, Tri
 use crate::components::AreaShape;
 
 /// An entity of the scene.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Entity")]
 pub(crate) struct EntityDocument {
     pub(crate) name: Option<String>,
@@ -22,6 +22,31 @@ pub(crate) struct EntityDocument {
     pub(crate) target: Option<Box<Triple>>,
     #[expect(clippy::box_collection, reason = "few entities have one, and a pointer is a third as large")]
     pub(crate) look_at: Option<Box<String>>,
+    #[serde(default = "yes")]
+    pub(crate) visible: bool,
+    #[serde(default = "yes")]
+    pub(crate) casts_shadow: bool,
+    #[serde(default = "yes")]
+    pub(crate) in_reflections: bool,
+}
+
+impl Default for EntityDocument {
+    fn default() -> Self {
+        Self {
+            name: None,
+            parent: None,
+            transform: TransformDocument::default(),
+            shape: None,
+            material: None,
+            color: None,
+            light: None,
+            target: None,
+            look_at: None,
+            visible: true,
+            casts_shadow: true,
+            in_reflections: true,
+        }
+    }
 }
 
 impl EntityDocument {
@@ -154,9 +179,9 @@ mod tests {
     use super::*;
 
     /// Checks that a scene of a million entities grows little with rarely written fields: `color`, `target` and `look_at` add a pointer
-    /// each to the 208 bytes of the other fields, and the counters of an `Arc` two words.
+    /// each to the 208 bytes of the other fields, the visibility a word, and the counters of an `Arc` two words.
     #[test]
     fn entities_are_small() {
-        assert!(size_of::<EntityDocument>() + 2 * size_of::<usize>() <= 208 + 5 * size_of::<usize>());
+        assert!(size_of::<EntityDocument>() + 2 * size_of::<usize>() <= 208 + 6 * size_of::<usize>());
     }
 }

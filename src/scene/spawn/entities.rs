@@ -10,7 +10,8 @@ use super::{radians, rgb, rotation, scale, single};
 use crate::color::Transfer;
 use crate::components::{
     Animated, AreaShape, Channel, Checker, Emission, Falloff, Light, LightKind, LookAt, Material, Name,
-    Order, Parent, Reflective, Refractive, Shape, Specular, Target, Transform, WorldTransform,
+    Order, Parent, Property, Reflective, Refractive, Shape, Specular, Target, Transform, Visibility,
+    WorldTransform,
 };
 use crate::scene::document::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, ShapeDocument, TransformDocument,
@@ -56,6 +57,7 @@ struct Types {
     target: bool,
     animated: bool,
     shape: bool,
+    visibility: bool,
     light: bool,
     material: bool,
     specular: bool,
@@ -87,6 +89,7 @@ pub(super) fn spawn(
             target: document.target.is_some(),
             animated: channels.contains_key(&entities[place]),
             shape: document.shape.is_some(),
+            visibility: has_visibility(document, channels.get(&entities[place])),
             light: document.light.is_some(),
             ..Types::of_surface(surface)
         };
@@ -103,6 +106,7 @@ pub(super) fn spawn(
                 fill(&batch, places().filter_map(|place| of(place).name.clone()).map(Name));
                 fill(&batch, places().map(|place| transform(&of(place).transform)));
                 fill(&batch, places().filter_map(|place| of(place).shape.as_ref()).map(shape));
+                fill(&batch, places().map(|place| visibility(of(place))));
                 fill(&batch, places().filter_map(|place| of(place).light.as_deref()).map(light));
             },
             || {
@@ -165,6 +169,7 @@ impl Types {
         add(self.target, ColumnBatchType::add::<Target>);
         add(self.animated, ColumnBatchType::add::<Animated>);
         add(self.shape, ColumnBatchType::add::<Shape>);
+        add(self.visibility, ColumnBatchType::add::<Visibility>);
         add(self.light, ColumnBatchType::add::<Light>);
         add(self.material, ColumnBatchType::add::<Material>);
         add(self.specular, ColumnBatchType::add::<Specular>);
@@ -224,6 +229,19 @@ fn shape(document: &ShapeDocument) -> Shape {
         ShapeDocument::Plane { normal } => Shape::Plane { normal: normal.into() },
         ShapeDocument::Box { size } => Shape::Box { size: size.into() },
     }
+}
+
+/// Returns whether an entity needs its visibility as a component: not all rays see its shape, or its visibility changes.
+fn has_visibility(document: &EntityDocument, channels: Option<&Vec<Channel>>) -> bool {
+    let changes = |channel: &Channel| {
+        matches!(channel.property, Property::Visible | Property::CastsShadow | Property::InReflections)
+    };
+    visibility(document) != Visibility::ALL || channels.is_some_and(|channels| channels.iter().any(changes))
+}
+
+fn visibility(document: &EntityDocument) -> Visibility {
+    let EntityDocument { visible, casts_shadow, in_reflections, .. } = *document;
+    Visibility { camera: visible, secondary: in_reflections, shadow: casts_shadow }
 }
 
 fn light(document: &LightDocument) -> Light {

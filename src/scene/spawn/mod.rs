@@ -370,6 +370,7 @@ fn motion(animation: &AnimationDocument, transfer: Transfer) -> Option<Motion> {
         (TracksDocument::Scale(keys), _) => track(keys, playback, |value| scale(*value)),
         (TracksDocument::Rotation(keys), _) => track(keys, playback, |value| rotation(*value)),
         (TracksDocument::Color(keys), _) => track(keys, playback, |value| transfer.decode(value.0)),
+        (TracksDocument::Flag(keys), _) => track(keys, playback, |value| *value),
     }
 }
 

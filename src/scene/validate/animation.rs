@@ -118,6 +118,7 @@ fn tracks(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems) {
         TracksDocument::Color(track) => keys(channel, track, at, problems, |value, at, problems| {
             check::color(value.0, at, problems);
         }),
+        TracksDocument::Flag(track) => keys(channel, track, at, problems, |_, _, _| {}),
     }
 }
 

@@ -9,6 +9,12 @@ pub(super) fn easing(easing: EasingDocument, notation: Notation, at: &At<'_>, pr
     /// Maximum magnitude of a handle's progress, which keeps values far from overflow.
     const FARTHEST: f64 = 1000.0;
     match easing {
+        EasingDocument::Hold | EasingDocument::Linear => {}
+        _ if notation == Notation::Flag => {
+            let message = "there is nothing between true and false";
+            let help = "remove the easing: the value changes at the time of the next key";
+            problems.add(at, message, "not here", help);
+        }
         EasingDocument::Steps(count) => {
             let help = "write how many equal jumps to make, as Steps(8)";
             check::count(count, u32::MAX, "the number of steps", help, &at.index(0), problems);

@@ -74,6 +74,7 @@ fn aim(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Pr
 /// Reports a shape without a material, a material or a colour without a shape, and errors in the shape.
 fn look(entity: &EntityDocument, at: &At<'_>, problems: &mut Problems) {
     let Some(shape) = &entity.shape else {
+        unseen(entity, at, problems);
         let of_light = entity.light.as_ref().map(|_| "write the colour of a light in its `intensity`");
         for (is_written, field, noun, help) in [
             (entity.material.is_some(), "material", "material", None),
@@ -95,6 +96,30 @@ fn look(entity: &EntityDocument, at: &At<'_>, problems: &mut Problems) {
             "nothing says what it looks like",
             "add `color: (255, 120, 60)`, or `material: \"name\"`, one of `materials`",
         );
+    }
+}
+
+/// Reports the visibility of an entity without a shape.
+fn unseen(entity: &EntityDocument, at: &At<'_>, problems: &mut Problems) {
+    let EntityDocument { visible, casts_shadow, in_reflections, light, .. } = entity;
+    for (value, field) in
+        [(visible, "visible"), (casts_shadow, "casts_shadow"), (in_reflections, "in_reflections")]
+    {
+        if !value {
+            let help = match light {
+                Some(_) if field == "casts_shadow" => {
+                    "write `casts_shadows: false` in the light, which then passes through everything"
+                }
+                Some(_) => "remove it: lights are not seen themselves",
+                None => "write it in each part of the entity that has a shape: it does not pass on to parts",
+            };
+            problems.add(
+                &at.field(field),
+                format!("`{field}` without a shape"),
+                "there is nothing to see",
+                help,
+            );
+        }
     }
 }
 

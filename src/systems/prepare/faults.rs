@@ -16,7 +16,7 @@ use crate::color::Rgb;
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
     Material, Motion, Order, Parent, Projection, Property, Quality, Quantity, Refractive, Sampling, Shape,
-    Shots, Specular, Stars, Sun, Target, Transform, ValidRange, View, WorldTransform,
+    Shots, Specular, Stars, Sun, Target, Transform, ValidRange, View, Visibility, WorldTransform,
 };
 use crate::systems::aim::circular_aims;
 use crate::systems::{Consequence, Fallback, Fault, FaultCause, Unplaced};
@@ -83,9 +83,10 @@ impl Preparation {
             Option<&Transform>,
             Option<&WorldTransform>,
             hecs::Satisfies<&Material>,
+            Option<&Visibility>,
         )>();
-        for (entity, shape, own, transform, has_material) in &mut query {
-            if self.slots.get(entity).is_some() {
+        for (entity, shape, own, transform, has_material, visibility) in &mut query {
+            if self.slots.get(entity).is_some() || visibility == Some(&Visibility::NONE) {
                 continue;
             }
             let cause = match transform {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Preparation;
 use crate::color::Rgb;
 use crate::systems::{Consequence, Fault, FaultCause};
-use crate::trace::{Bounds, Cone, LightSource, PreparedLight, PreparedScene, ShapeId};
+use crate::trace::{Bounds, Cone, LightSource, PreparedLight, PreparedScene, RayVisibility, ShapeId};
 
 /// The maximum number of shapes to check. In larger scenes only planes and very large shapes are checked.
 const MOST: usize = 4096;
@@ -52,11 +52,14 @@ impl Preparation {
             })
     }
 
-    /// Returns the opaque shapes that may separate a light from the eye, with their bounds.
+    /// Returns the opaque shapes that may separate a light from the eye, with their bounds. The eye sees through shapes that some rays do not
+    /// see, or light passes through them.
     fn possible_walls(&self) -> Vec<(ShapeId, Option<Bounds>)> {
         let scene = &self.scene;
-        let is_opaque =
-            |id: &ShapeId| scene.surfaces().transparent.binary_search_by_key(&id.0, |other| other.0).is_err();
+        let is_opaque = |id: &ShapeId| {
+            scene.surfaces().transparent.binary_search_by_key(&id.0, |other| other.0).is_err()
+                && scene.geometry().visibility(*id) == RayVisibility::ALL
+        };
         let wall = |id| (id, scene.geometry().bounds(id));
         match scene.geometry().len() <= MOST {
             true => scene.geometry().ids().filter(is_opaque).map(wall).collect(),

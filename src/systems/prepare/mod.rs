@@ -43,7 +43,8 @@ use settings::film_settings;
 
 /// The kernel's arrays, and the entity in each of their slots.
 ///
-/// Entities with a [`Shape`](crate::components::Shape) and a [`Material`](crate::components::Material) are drawn. Entities with values that
+/// Entities with a [`Shape`](crate::components::Shape) and a [`Material`](crate::components::Material) are drawn, unless their
+/// [`Visibility`](crate::components::Visibility) hides them from all rays. Entities with values that
 /// cannot be drawn, such as a scale of zero in the middle of an animation or a NaN from a system, are omitted; nothing non-finite reaches
 /// the kernel. [`faults`](Preparation::faults) reports the omitted entities, with causes.
 #[derive(Clone, Debug)]
@@ -180,8 +181,8 @@ impl Preparation {
 
     /// Sets the precision of the kernel's intersections, and the SIMD level, for later queries too.
     pub(crate) fn configure(&mut self, settings: &RenderSettings) {
-        self.scene.precision = settings.precision.unwrap_or_default();
-        self.scene.simd = settings.simd.unwrap_or_else(SimdLevel::best);
+        self.scene.set_precision(settings.precision.unwrap_or_default());
+        self.scene.set_simd(settings.simd.unwrap_or_else(SimdLevel::best));
     }
 
     /// Returns the kernel's camera.
@@ -296,7 +297,11 @@ impl Preparation {
         changes: &mut Vec<ShapeChange>,
     ) -> Option<()> {
         read_shapes(world, entities, |entity, shape| match (self.slots.get(entity), shape) {
-            (Some(slot), Some(shape)) => self.scene.replace_shape(slot, shape, changes),
+            (Some(slot), Some((shape, visibility)))
+                if self.scene.geometry().visibility(slot) == visibility =>
+            {
+                self.scene.replace_shape(slot, shape, changes)
+            }
             (None, None) => Some(()),
             _ => None,
         })

@@ -5,15 +5,18 @@ use rayon::prelude::*;
 
 use super::faults::surface_fault;
 use super::material::{Surfaced, surface_material};
-use super::shape::prepared_shape;
-use crate::components::{Material, Order, Shape, WorldTransform};
-use crate::trace::{Geometry, MaterialTable, PreparedShape, SurfaceMaterial};
+use super::shape::{prepared_shape, ray_visibility};
+use crate::components::{Material, Order, Shape, Visibility, WorldTransform};
+use crate::trace::{Geometry, MaterialTable, PreparedShape, RayVisibility, SurfaceMaterial};
 
 /// The number of entities that a thread reads at a time.
 const BATCH: usize = 4096;
 
 /// The number of batches that are read before their results are merged, small enough for the results to stay in cache.
 const BATCHES: usize = 32;
+
+/// The components that define a surface, and the rays that see it.
+type Seen<'a> = (Surfaced<'a>, Option<&'a Visibility>);
 
 /// The kernel data of some entities. Merging empties it and keeps its memory.
 #[derive(Debug, Default)]
@@ -46,7 +49,7 @@ pub(super) fn read_all(
         .map(|(entity, order)| (*order, entity))
         .collect();
     ordered.sort_unstable_by_key(|(order, entity)| (*order, entity.id()));
-    let view = world.view_mut::<Surfaced<'_>>();
+    let view = world.view_mut::<Seen<'_>>();
     let mut all = VisibleShapes::default();
     // Reading one group of batches overlaps with merging the group before it.
     let (mut before, mut batches) = (Vec::new(), Vec::new());
@@ -75,11 +78,13 @@ impl VisibleShapes {
 }
 
 impl Batch {
-    fn read(&mut self, view: &View<'_, Surfaced<'_>>, entities: &[(Order, Entity)]) {
+    fn read(&mut self, view: &View<'_, Seen<'_>>, entities: &[(Order, Entity)]) {
         for (_, entity) in entities {
-            let Some(surface) = view.get(*entity) else { continue };
+            let Some((surface, visibility)) = view.get(*entity) else { continue };
+            let Some(visibility) = ray_visibility(visibility) else { continue };
             let Ok(shape) = prepared_shape(surface.0, surface.1) else { continue };
-            self.geometry.push(shape);
+            let id = self.geometry.push(shape);
+            self.geometry.set_visibility(id, visibility);
             self.drawn.push(*entity);
             let material = surface_material(surface);
             match self.materials.last_mut() {
@@ -93,18 +98,19 @@ impl Batch {
     }
 }
 
-/// Reads the shapes of those entities that have all components of a drawn entity, and passes each to `put`, with `None` if it cannot be
+/// Reads the shapes of those entities that have all components of a drawn entity, and passes each to `put`, with `None` if it is not
 /// drawn. Stops and returns `None` if `put` does.
 pub(super) fn read_shapes(
     world: &mut World,
     entities: &[Entity],
-    mut put: impl FnMut(Entity, Option<PreparedShape>) -> Option<()>,
+    mut put: impl FnMut(Entity, Option<(PreparedShape, RayVisibility)>) -> Option<()>,
 ) -> Option<()> {
-    type Shaped<'a> = hecs::With<(&'a Shape, &'a WorldTransform), &'a Material>;
+    type Shaped<'a> = hecs::With<(&'a Shape, &'a WorldTransform, Option<&'a Visibility>), &'a Material>;
     let view = world.view_mut::<Shaped<'_>>();
     let read = |entity: &Entity| {
-        let (shape, transform) = view.get(*entity)?;
-        Some((*entity, prepared_shape(shape, transform).ok()))
+        let (shape, transform, visibility) = view.get(*entity)?;
+        let visibility = ray_visibility(visibility);
+        Some((*entity, prepared_shape(shape, transform).ok().zip(visibility)))
     };
     let mut shapes = Vec::new();
     for entities in entities.chunks(BATCH) {

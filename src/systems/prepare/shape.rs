@@ -4,12 +4,12 @@ use std::cmp::Ordering::Less;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::components::{Shape, ValidRange, WorldTransform};
+use crate::components::{Shape, ValidRange, Visibility, WorldTransform};
 use crate::systems::FaultCause;
 use crate::systems::world_transform::ExactAffine;
-use crate::trace::PreparedShape;
 use crate::trace::math::{Double, Double3};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use crate::trace::{PreparedShape, RayVisibility};
 
 /// The largest magnitude of world coordinates and of inverse sizes.
 const LARGEST: f64 = 1e150;
@@ -23,6 +23,13 @@ pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Resul
         Shape::Plane { normal } => map.plane(normal),
         Shape::Box { size } => map.cuboid(size),
     }
+}
+
+/// Returns the classes of rays that see an entity's shape. `None` if no ray sees it, so that it is not drawn.
+pub(super) fn ray_visibility(visibility: Option<&Visibility>) -> Option<RayVisibility> {
+    let visibility = visibility.copied().unwrap_or_default();
+    let Visibility { camera, secondary, shadow } = visibility;
+    (visibility != Visibility::NONE).then_some(RayVisibility { camera, secondary, shadow })
 }
 
 /// Returns whether the squares of a size and of its inverse neither overflow nor underflow.

@@ -6,8 +6,8 @@ use hecs::{Component, Entity, EntityBuilder, EntityRef, World};
 
 use super::Preparation;
 use super::material::{Surfaced, surface_material};
-use super::shape::prepared_shape;
-use crate::components::{Parent, Transform, WorldTransform};
+use super::shape::{prepared_shape, ray_visibility};
+use crate::components::{Parent, Transform, Visibility, WorldTransform};
 use crate::systems::{Changes, Consequence, Fault, FaultCause, UndeclaredChange, propagate};
 
 impl Preparation {
@@ -40,6 +40,10 @@ impl Preparation {
         let shape = prepared_shape(surface.0, surface.1);
         if !shape.is_ok_and(|shape| self.scene.geometry().holds(slot, &shape)) {
             return Some(UndeclaredChange::Shape);
+        }
+        let visibility = ray_visibility(world.get::<&Visibility>(entity).ok().as_deref());
+        if visibility != Some(self.scene.geometry().visibility(slot)) {
+            return Some(UndeclaredChange::Visibility);
         }
         let (stored, material) = (self.scene.material(slot), surface_material(surface));
         // A checker pattern that is not a number equals nothing, but is written the same.

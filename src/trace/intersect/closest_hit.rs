@@ -44,7 +44,7 @@ impl PreparedScene {
         let Scratch { intersector, ties, tied_hits, .. } = scratch;
         let ray = &RayView::new(ray, ties);
         let mut nearest = Nearest::new(&self.geometry, tied_hits);
-        for id in self.geometry.ids() {
+        for id in self.geometry.ids().filter(|id| self.sees(*id)) {
             // A ray that leaves a shape also leaves all shapes equal to it.
             if let Some(hit) = intersector.intersect(&self.geometry, self.first_equal(id), ray) {
                 nearest.consider(ShapeHit { id, ..hit }, ray, intersector);

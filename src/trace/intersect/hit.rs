@@ -238,6 +238,12 @@ impl SurfacePacket {
         (self.lanes, self.from_outside, self.tied) = (0, 0, 0);
     }
 
+    /// Replaces the list of the other coincident surfaces at the point in a lane.
+    pub(crate) fn set_ties(&mut self, lane: usize, ties: CoincidentHits) {
+        self.tied = self.tied & !(1 << lane) | u32::from(ties != CoincidentHits::NONE) << lane;
+        self.ties[lane] = ties;
+    }
+
     /// Returns the surface point in a lane, with its hit.
     #[inline]
     pub(crate) fn get(&self, lane: usize, hits: &HitPacket) -> Option<SurfacePoint> {
@@ -265,11 +271,12 @@ impl SurfacePacket {
         ((t * length).high, moderate(t.high) & moderate3(direction))
     }
 
-    /// Sets the surface point of a lane that has none. The visible shape, which is also set in `hits`, can differ from the first one hit.
+    /// Sets the surface point of a lane that has none. The visible shape, whose hit is also set in `hits`, can differ from the first one hit.
     #[inline]
     pub(crate) fn set(&mut self, lane: usize, point: &SurfacePoint, hits: &mut HitPacket) {
         let bit = 1 << lane;
         hits.ids.set(lane, Some(point.hit.id));
+        hits.far = hits.far & !bit | u32::from(point.hit.far) << lane;
         self.lanes |= bit;
         self.points.set(lane, point.point);
         self.normals.set(lane, point.normal);

@@ -75,6 +75,17 @@ impl<'a> Intersector<'a> {
         }
     }
 
+    /// Returns the exit of the ray from the shape, if that is a box. The ray must hit it. `None` with naive shapes, which have no exact hits.
+    pub(super) fn box_exit(
+        &mut self,
+        geometry: &Geometry,
+        id: ShapeId,
+        ray: &PreparedRay,
+    ) -> Option<ShapeHit> {
+        let is_box = matches!(geometry.shape(id), ShapeRef::AlignedBox(_) | ShapeRef::BoxImage(_));
+        (is_box && self.naive.is_none()).then(|| geometry.exit(id, ray, &mut self.escalations))?
+    }
+
     /// Compares the distances of two hits of a ray.
     #[inline(always)]
     pub(crate) fn compare(

@@ -32,6 +32,7 @@ mod robust;
 mod scratch;
 #[cfg(test)]
 mod tests;
+mod unseen;
 
 pub(crate) use bundle::bundle_hits;
 pub(crate) use candidates::{Candidates, LightBox, LitPoints, ShadowRays};
@@ -46,3 +47,4 @@ pub(crate) use naive::Naive;
 pub(crate) use occlusion::{Occluders, Occlusion, ShadowPacket, occluded};
 pub(crate) use refine::refine;
 pub(crate) use scratch::{PacketScratch, Scratch};
+pub(crate) use unseen::UnseenShape;

@@ -227,7 +227,12 @@ impl Geometry {
     }
 
     #[cold]
-    fn exit(&self, id: ShapeId, ray: &PreparedRay, escalations: &mut Escalations) -> Option<ShapeHit> {
+    pub(super) fn exit(
+        &self,
+        id: ShapeId,
+        ray: &PreparedRay,
+        escalations: &mut Escalations,
+    ) -> Option<ShapeHit> {
         let intersection = ask!(self, id, shape => shape.exit(ray.origin(), ray.direction()));
         self.decided(intersection, id, true, ray, escalations)
     }

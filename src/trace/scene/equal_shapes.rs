@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::fingerprint::{BloomFilter, Fingerprint};
 use super::geometry::Geometry;
+use super::ray_visibility::RayClass;
 use crate::trace::rays::ShapeId;
 
 /// The groups of equal shapes of a scene.
@@ -34,12 +35,13 @@ pub(crate) struct EqualGroup {
 }
 
 impl EqualShapes {
-    /// Finds the groups of equal shapes. [`EqualShapes::sort`] must be called afterwards.
-    pub(crate) fn find(&mut self, geometry: &Geometry) {
+    /// Finds the groups of equal shapes among those that rays of a class see. [`EqualShapes::sort`] must be called afterwards.
+    pub(crate) fn find(&mut self, geometry: &Geometry, class: RayClass) {
         let Self { groups, group_of, fingerprints } = self;
         geometry.par_ids().map(|id| fingerprint(geometry, id)).collect_into_vec(fingerprints);
         let mut suspects: Vec<(u64, ShapeId)> =
             repeated(fingerprints).into_iter().map(|id| (fingerprints[id.index()], id)).collect();
+        suspects.retain(|(_, id)| geometry.visibility(*id).sees(class));
         suspects.par_sort_unstable_by_key(|(fingerprint, id)| (*fingerprint, geometry.order().rank(*id)));
         groups.clear();
         for alike in suspects.chunk_by(|one, other| one.0 == other.0) {

@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
 use super::document_order::DocumentOrder;
+use super::ray_visibility::{RayClass, RayVisibility};
 use crate::trace::math::Bytes;
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::{AlignedBox, Bounds, BoxImage, Plane, Sphere, SphereImage};
@@ -38,6 +39,8 @@ pub(crate) enum ShapeRef<'a> {
 pub struct Geometry {
     pub(crate) locations: Vec<ShapeLocation>,
     order: DocumentOrder,
+    /// By id, up to the last shape that some rays do not see. All rays see the shapes beyond.
+    visibilities: Vec<RayVisibility>,
     pub(crate) spheres: Vec<Sphere>,
     pub(crate) planes: Vec<Plane>,
     pub(crate) boxes: Vec<AlignedBox>,
@@ -88,6 +91,38 @@ impl Geometry {
         let id = ShapeId(to_index(self.locations.len() - 1));
         self.order.extend([id]);
         id
+    }
+
+    /// Sets the classes of rays that see a shape.
+    pub fn set_visibility(&mut self, id: ShapeId, visibility: RayVisibility) {
+        if id.index() >= self.visibilities.len() {
+            if visibility == RayVisibility::ALL {
+                return;
+            }
+            self.visibilities.resize(id.index() + 1, RayVisibility::ALL);
+        }
+        self.visibilities[id.index()] = visibility;
+    }
+
+    /// Lets all rays see all shapes.
+    pub(super) fn show_all(&mut self) {
+        self.visibilities.clear();
+    }
+
+    /// Returns the classes of rays that see a shape.
+    pub(crate) fn visibility(&self, id: ShapeId) -> RayVisibility {
+        self.visibilities.get(id.index()).copied().unwrap_or_default()
+    }
+
+    /// Returns the shapes that rays of a class do not see.
+    pub(crate) fn hidden_from(&self, class: RayClass) -> impl Iterator<Item = ShapeId> {
+        let seen = (0..).map(ShapeId).zip(&self.visibilities);
+        seen.filter(move |(_, visibility)| !visibility.sees(class)).map(|(id, _)| id)
+    }
+
+    /// Returns the classes of rays that see each shape, by id. All rays see the shapes beyond the end.
+    pub(super) fn visibilities(&self) -> &[RayVisibility] {
+        &self.visibilities
     }
 
     /// Returns a shape.
@@ -240,9 +275,10 @@ impl Geometry {
 
     /// Removes all shapes, and keeps the memory.
     pub(crate) fn clear(&mut self) {
-        let Self { locations, order, spheres, planes, boxes, sphere_images, box_images } = self;
+        let Self { locations, order, visibilities, spheres, planes, boxes, sphere_images, box_images } = self;
         locations.clear();
         order.clear();
+        visibilities.clear();
         spheres.clear();
         planes.clear();
         boxes.clear();
@@ -273,6 +309,10 @@ impl Geometry {
         self.locations.extend(other.locations.drain(..).map(moved));
         self.order.extend((first..to_index(self.locations.len())).map(ShapeId));
         other.order.clear();
+        if !other.visibilities.is_empty() {
+            self.visibilities.resize(first as usize, RayVisibility::ALL);
+            self.visibilities.append(&mut other.visibilities);
+        }
         self.spheres.append(&mut other.spheres);
         self.planes.append(&mut other.planes);
         self.boxes.append(&mut other.boxes);

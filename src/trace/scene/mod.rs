@@ -15,6 +15,7 @@ mod material_summary;
 mod material_table;
 mod precision;
 mod prepared_scene;
+mod ray_visibility;
 mod sky;
 mod tree_maintenance;
 
@@ -36,4 +37,5 @@ pub use material::{Refraction, SurfaceMaterial};
 pub(crate) use material_table::MaterialTable;
 pub use precision::Precision;
 pub use prepared_scene::PreparedScene;
+pub use ray_visibility::{RayClass, RayVisibility};
 pub(crate) use sky::{PreparedSky, PreparedStars, PreparedSun};

@@ -15,6 +15,7 @@ use super::material::SurfaceMaterial;
 use super::material_summary::MaterialSummary;
 use super::material_table::MaterialTable;
 use super::precision::Precision;
+use super::ray_visibility::{RayClass, RayViews, RayVisibility};
 use super::sky::PreparedSky;
 use super::tree_maintenance::{SceneTree, TreeMaintenance};
 use crate::color::Rgb;
@@ -35,6 +36,12 @@ pub struct PreparedScene {
     /// Unbounded shapes such as planes, and shapes so much larger than the rest that they would degrade the tree.
     pub(crate) unbounded: Vec<ShapeId>,
     maintenance: TreeMaintenance,
+    /// The class of the rays that this scene is prepared for.
+    class: RayClass,
+    /// By class of rays: true if rays of that class do not see a shape that rays of this scene's class see.
+    sees_more: [bool; 3],
+    /// The scenes of the other classes of rays; `None` if all rays see all shapes, and in those scenes themselves.
+    views: Option<Box<RayViews<Self>>>,
     /// The digest of the shapes and their materials, once computed.
     digest: OnceLock<Digest>,
     surfaces: MaterialSummary,
@@ -62,8 +69,14 @@ impl PreparedScene {
     /// Creates a scene of these shapes with one material each, without lights and with a black background.
     #[must_use]
     pub fn new(geometry: Geometry, materials: impl Into<MaterialTable>) -> Self {
-        let materials = materials.into();
-        let mut scene = Self {
+        let mut scene = Self::of(geometry, materials.into(), RayClass::Camera);
+        scene.rebuild_tree();
+        scene
+    }
+
+    /// Creates a scene without a tree.
+    fn of(geometry: Geometry, materials: MaterialTable, class: RayClass) -> Self {
+        Self {
             geometry,
             surfaces: MaterialSummary::of(&materials),
             materials,
@@ -72,6 +85,9 @@ impl PreparedScene {
             leaves: LeafShapes::default(),
             unbounded: Vec::new(),
             maintenance: TreeMaintenance::default(),
+            class,
+            sees_more: [false; 3],
+            views: None,
             digest: OnceLock::new(),
             lights: Vec::new(),
             ambient: Rgb::ZERO,
@@ -82,9 +98,58 @@ impl PreparedScene {
             cutoff: 0.0,
             precision: Precision::default(),
             simd: SimdLevel::best(),
-        };
-        scene.rebuild_tree();
-        scene
+        }
+    }
+
+    /// Creates the scene of another class of rays. The shapes that they do not see are in no tree, and their materials are blank.
+    fn view(&self, class: RayClass) -> Self {
+        let mut materials = self.materials.clone();
+        for id in self.geometry.hidden_from(class) {
+            materials.replace(id, SurfaceMaterial::default());
+        }
+        let mut view = Self::of(self.geometry.clone(), materials, class);
+        (view.precision, view.simd) = (self.precision, self.simd);
+        view.rebuild_tree();
+        view
+    }
+
+    /// Returns the scene of a class of rays.
+    pub(crate) fn seen_by(&self, class: RayClass) -> &Self {
+        self.views.as_ref().and_then(|views| views.get(class)).unwrap_or(self)
+    }
+
+    /// Returns whether the rays of this scene see a shape.
+    pub(crate) fn sees(&self, id: ShapeId) -> bool {
+        self.geometry.visibility(id).sees(self.class)
+    }
+
+    /// Returns whether the rays of this scene see a shape that rays of another scene do not see.
+    pub(crate) fn sees_more_than(&self, other: &Self) -> bool {
+        self.sees_more[other.class as usize]
+    }
+
+    /// Lets all rays see all shapes.
+    pub(crate) fn show_all(&mut self) {
+        self.geometry.show_all();
+        self.digest.take();
+        self.rebuild_tree();
+    }
+
+    /// Sets the vector instructions used to trace rays.
+    pub fn set_simd(&mut self, simd: SimdLevel) {
+        self.simd = simd;
+        self.scenes_of_others().for_each(|view| view.simd = simd);
+    }
+
+    /// Sets the precision of intersection tests.
+    pub(crate) fn set_precision(&mut self, precision: Precision) {
+        self.precision = precision;
+        self.scenes_of_others().for_each(|view| view.precision = precision);
+    }
+
+    /// Returns the scenes of the other classes of rays.
+    fn scenes_of_others(&mut self) -> impl Iterator<Item = &mut Self> {
+        self.views.iter_mut().flat_map(|views| &mut views.scenes)
     }
 
     /// Rebuilds the scene from other shapes with one material each, and reuses the memory. Everything else stays as it is. `fill` receives
@@ -159,6 +224,7 @@ impl PreparedScene {
         self.digest.take();
         let before = self.geometry.bounds(id);
         self.geometry.replace(id, shape).then(|| {
+            self.scenes_of_others().for_each(|view| assert!(view.geometry.replace(id, shape)));
             changes.push(ShapeChange { id, before, after: self.geometry.bounds(id) });
         })
     }
@@ -177,6 +243,19 @@ impl PreparedScene {
 
     /// Replaces the materials of shapes, and returns the shapes whose materials differ.
     pub fn replace_materials(
+        &mut self,
+        replacements: impl IntoIterator<Item = (ShapeId, SurfaceMaterial)>,
+    ) -> Vec<ShapeId> {
+        let changed = self.replace_own_materials(replacements);
+        let Self { materials, views, .. } = self;
+        for view in views.iter_mut().flat_map(|views| &mut views.scenes) {
+            let seen: Vec<ShapeId> = changed.iter().copied().filter(|id| view.sees(*id)).collect();
+            view.replace_own_materials(seen.into_iter().map(|id| (id, materials.of(id).clone())));
+        }
+        changed
+    }
+
+    fn replace_own_materials(
         &mut self,
         replacements: impl IntoIterator<Item = (ShapeId, SurfaceMaterial)>,
     ) -> Vec<ShapeId> {
@@ -202,6 +281,11 @@ impl PreparedScene {
                 let id = order.shape_at(u32::try_from(rank).unwrap_or(u32::MAX));
                 self.geometry.write(id, bytes);
                 bytes.digest(&materials[self.materials.place_of(id)]);
+                // Absent visibility writes nothing, so that frames of scenes without it stay valid. No kind of shape has such a number.
+                let visibility = self.geometry.visibility(id);
+                if visibility != RayVisibility::ALL {
+                    bytes.count(0x100 | visibility.bits());
+                }
             })
         })
     }
@@ -231,19 +315,35 @@ impl PreparedScene {
         if changes.is_empty() {
             return BvhUpdate::Kept;
         }
+        self.scenes_of_others().for_each(|view| {
+            view.update_tree(changes);
+        });
         let Self { geometry, equal_shapes, tree, leaves, unbounded, maintenance, .. } = self;
         if maintenance.refit(geometry, equal_shapes, SceneTree { tree, leaves, unbounded }, changes) {
             return BvhUpdate::Refitted;
         }
-        self.rebuild_tree();
+        self.build_own_tree();
         BvhUpdate::Built
     }
 
+    /// Builds the tree, and the scenes of the other classes of rays.
     fn rebuild_tree(&mut self) {
-        self.equal_shapes.find(&self.geometry);
+        self.build_own_tree();
+        if self.class == RayClass::Camera {
+            self.views = RayViews::new(self.geometry.visibilities(), |class| self.view(class));
+        }
+    }
+
+    fn build_own_tree(&mut self) {
+        let class = self.class;
+        self.equal_shapes.find(&self.geometry, class);
         self.sort_equal_shapes();
         let Self { geometry, equal_shapes, tree, leaves, unbounded, maintenance, .. } = self;
-        maintenance.build(geometry, equal_shapes, SceneTree { tree, leaves, unbounded });
+        maintenance.build((geometry, class), equal_shapes, SceneTree { tree, leaves, unbounded });
+        let visibilities = geometry.visibilities();
+        self.sees_more = RayClass::ALL.map(|other| {
+            visibilities.iter().any(|visibility| visibility.sees(class) && !visibility.sees(other))
+        });
     }
 
     /// Returns the first in document order of all shapes that equal a shape: the one that rays query.

@@ -6,6 +6,7 @@ use super::changes::ShapeChange;
 use super::equal_shapes::EqualShapes;
 use super::geometry::{Geometry, ShapeRef};
 use super::leaf_shapes::LeafShapes;
+use super::ray_visibility::RayClass;
 use crate::trace::bvh::{Builder, Extent, LeafId, Refitter, Tree};
 use crate::trace::rays::ShapeId;
 
@@ -66,10 +67,10 @@ impl TreeMaintenance {
         links.refitter.refit(tree, moved)
     }
 
-    /// Builds the tree. Of equal shapes, it holds the first in document order.
+    /// Builds the tree of the shapes that rays of a class see. Of equal shapes, it holds the first in document order.
     pub(super) fn build(
         &mut self,
-        geometry: &Geometry,
+        (geometry, class): (&Geometry, RayClass),
         equal_shapes: &EqualShapes,
         SceneTree { tree, leaves, unbounded }: SceneTree<'_>,
     ) {
@@ -77,7 +78,9 @@ impl TreeMaintenance {
         *links = None;
         ids.clear();
         unbounded.clear();
-        for id in geometry.ids().filter(|id| equal_shapes.first(*id) == *id) {
+        let is_queried =
+            |id: &ShapeId| equal_shapes.first(*id) == *id && geometry.visibility(*id).sees(class);
+        for id in geometry.ids().filter(is_queried) {
             if geometry.is_bounded(id) { ids.push(id) } else { unbounded.push(id) }
         }
         for index in huge_shapes(geometry, ids).into_iter().rev() {

@@ -10,12 +10,19 @@ use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::math::PixelSampling;
 use crate::trace::rays::ShapeId;
-use crate::trace::scene::{PixelCenters, PreparedCamera, PreparedLight, PreparedScene};
+use crate::trace::scene::{PixelCenters, PreparedCamera, PreparedLight, PreparedScene, RayClass};
 use crate::trace::shapes::Bounds;
 
 /// A scene, its camera, the samples to take, and the values derived from them.
 pub(crate) struct RenderContext<'a> {
+    /// The scene as camera rays see it.
     pub(crate) scene: &'a PreparedScene,
+    /// The scene as secondary rays see it.
+    pub(crate) secondary: &'a PreparedScene,
+    /// The scene as shadow rays see it.
+    pub(crate) shadow: &'a PreparedScene,
+    /// True if shapes are searched by a test of every shape, as the reference path does.
+    pub(crate) scans_all: bool,
     pub(crate) camera: &'a PreparedCamera,
     pub(crate) sampling: PixelSampling,
     pub(crate) effects: Effects,
@@ -40,7 +47,25 @@ impl<'a> RenderContext<'a> {
         let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
         let (radiance_bound, start) = (RadianceBound::of(scene), StartMedia::new(scene, camera));
         let pixel_centers = PixelCenters::of(camera);
-        Self { scene, camera, sampling, effects, radiance_bound, pixel_centers, lights, start }
+        let [secondary, shadow] = [RayClass::Secondary, RayClass::Shadow].map(|class| scene.seen_by(class));
+        Self {
+            scene,
+            secondary,
+            shadow,
+            scans_all: false,
+            camera,
+            sampling,
+            effects,
+            radiance_bound,
+            pixel_centers,
+            lights,
+            start,
+        }
+    }
+
+    /// Returns the scene as it is seen by a ray with an index in its ray tree.
+    pub(crate) fn seen_by(&self, path: u64) -> &'a PreparedScene {
+        if path == 1 { self.scene } else { self.secondary }
     }
 
     /// Returns the number of bounces to trace. Camera rays are the first one, which is always traced.
@@ -79,15 +104,18 @@ impl StartMedia {
                 (min - reach).cmple(eye).all() && (max + reach).cmpge(eye).all()
             })
         };
-        let transparent = scene.surfaces().transparent.iter().copied().filter(|id| scene.may_be_medium(*id));
+        let transparent = scene.surfaces().transparent.iter().copied();
+        let transparent = transparent.filter(|id| scene.sees(*id) && scene.may_be_medium(*id));
         let mut solids: Vec<ShapeId> = transparent.filter(near).collect();
-        // Nested solids are smaller, and half-spaces are the largest. Of solids of equal extent, the first in document order is the medium.
-        let extent =
-            |id: &ShapeId| scene.geometry().bounds(*id).map_or(f64::INFINITY, |bounds| bounds.extent());
-        solids.sort_by(|one, other| {
-            let larger_first = extent(other).partial_cmp(&extent(one)).unwrap_or(Ordering::Equal);
-            larger_first.then(scene.order().rank(*other).cmp(&scene.order().rank(*one)))
-        });
+        solids.sort_by(|one, other| outer_first(scene, *one, *other));
         Self(solids)
     }
+}
+
+/// Compares two solids that contain a point: outer solids come first. Nested solids are smaller, and half-spaces are the largest. Of solids
+/// of equal extent, the first in document order is the medium.
+pub(super) fn outer_first(scene: &PreparedScene, one: ShapeId, other: ShapeId) -> Ordering {
+    let extent = |id| scene.geometry().bounds(id).map_or(f64::INFINITY, |bounds| bounds.extent());
+    let larger_first = extent(other).partial_cmp(&extent(one)).unwrap_or(Ordering::Equal);
+    larger_first.then(scene.order().rank(other).cmp(&scene.order().rank(one)))
 }

@@ -1,9 +1,12 @@
 //! Secondary rays spawned at a surface: mirrored and refracted rays.
 
+use std::ptr;
+
 use glam::DVec3;
 
 use super::context::RenderContext;
 use super::dielectric::{Boundary, incidence, mirrored};
+use super::handover::handed_over;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::scratch::LightScratch;
 use crate::color::{Rgb, to_f32};
@@ -66,14 +69,15 @@ pub(crate) struct SecondaryRays {
     pub(crate) refracted: Option<TreeRay>,
 }
 
-/// Spawns the secondary rays of a ray that arrives at a surface. Total internal reflection adds the refracted light to the mirrored light.
+/// Spawns the secondary rays of a ray that arrives at a surface, in the scene as the ray sees it. Total internal reflection adds the refracted light to the mirrored light.
 pub(crate) fn secondary_rays(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
-    (direction, arrived): (DVec3, &PathState),
+    (ray, arrived): (&PreparedRay, &PathState),
     surface: &SurfacePoint,
 ) -> SecondaryRays {
     let RenderContext { scene, effects, .. } = *context;
+    let (from, direction) = (context.seen_by(arrived.path), ray.direction());
     let material = scene.material(surface.hit.id);
     let mut reflected = material.reflected;
     let mut refraction = None;
@@ -81,15 +85,24 @@ pub(crate) fn secondary_rays(
         && let Some(medium) = &material.refraction
     {
         let LightScratch { media, search, .. } = scratch;
-        let beyond = media.through(scene, arrived.medium, surface, &search.ties, direction);
-        let (from, into) = (media.ior(scene, arrived.medium), media.ior(scene, beyond));
-        let refracted = Refracted::at(medium, Boundary { from, into }, direction, surface);
+        let beyond = media.through(from, arrived.medium, surface, &search.ties, direction);
+        let boundary = Boundary { from: media.ior(scene, arrived.medium), into: media.ior(scene, beyond) };
+        let refracted = Refracted::at(medium, boundary, direction, surface);
         reflected += refracted.reflected;
         refraction = refracted.direction.map(|direction| (direction, refracted.transmitted, beyond));
     }
 
+    let (surface, medium) =
+        &handed_over(context, (from, context.secondary), (ray, surface), arrived.medium, scratch);
+    if let Some((.., beyond)) = &mut refraction
+        && !ptr::eq(from, context.secondary)
+    {
+        let LightScratch { media, search, .. } = scratch;
+        *beyond = media.through(context.secondary, *medium, surface, &search.ties, direction);
+    }
+
     let mut branches = SecondaryRays::default();
-    if let Some(state) = reaching(arrived, reflected, arrived.medium, 0) {
+    if let Some(state) = reaching(arrived, reflected, *medium, 0) {
         let direction = mirrored::<f64>(direction.into(), surface.normal.into()).into();
         branches.reflected = surface.leave(surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }

@@ -11,7 +11,7 @@ use crate::color::Rgb;
 use crate::trace::bvh::LeafId;
 use crate::trace::effects::Effects;
 use crate::trace::intersect::{Crossed, Crossing, Scratch, SurfacePoint};
-use crate::trace::rays::{RayView, ShapeId};
+use crate::trace::rays::{RayView, ShapeId, TieLists};
 use crate::trace::scene::{PreparedScene, transmittance};
 
 /// Returns the share of a light that reaches a surface point, per channel; `None` if the light is occluded. `own_shape` is the light's own
@@ -83,9 +83,10 @@ fn filtered_alone(
     scratch: &mut LightScratch<'_>,
 ) -> Rgb {
     let Scratch { crossed, crossings, intersector, ties, .. } = &mut scratch.search;
+    let own_id = own_crossing(scene, surface, ties);
     let ray = &RayView::new(ray, ties);
-    if *from_behind && Some(surface.hit.id) != own_shape {
-        crossed.push(Crossed::Times(surface.hit.id, 1));
+    if *from_behind && Some(own_id) != own_shape {
+        crossed.push(Crossed::Times(own_id, 1));
     }
     crossed.sort_unstable_by_key(|crossed| scene.order().rank(crossed.id()));
     let mut share = Rgb::ONE;
@@ -165,7 +166,7 @@ fn absorbed_along(
     let mut medium = medium;
     if *from_behind {
         medium = media.through(scene, medium, surface, ties, *direction);
-        filters.push(Filter { id: surface.hit.id, crossings: 1, length: 0.0 });
+        filters.push(Filter { id: own_crossing(scene, surface, ties), crossings: 1, length: 0.0 });
     }
     sort_along_ray(scene, crossings);
     let per_t = direction.length();
@@ -194,6 +195,17 @@ fn absorbed_along(
     media.truncate(mark);
     filters.retain(|filter| Some(filter.id) != own_shape);
     product(scene, filters)
+}
+
+/// Returns the shape whose surface light from behind crosses at a surface point: the shaded one or, if shadow rays do not see it, the first
+/// transparent one that coincides with it and that they do see.
+fn own_crossing(scene: &PreparedScene, surface: &SurfacePoint, ties: &TieLists) -> ShapeId {
+    let id = surface.hit.id;
+    if scene.material(id).refraction.is_some() {
+        return id;
+    }
+    let coincident = ties.of(surface.ties).iter().flat_map(|tie| scene.media_at(&tie.id)).copied();
+    coincident.min_by_key(|id| scene.order().rank(*id)).unwrap_or(id)
 }
 
 /// Sorts crossings from the surface to the light. At equal `t`, shapes are in document order, and entering a shape precedes leaving it.

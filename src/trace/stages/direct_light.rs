@@ -206,7 +206,7 @@ fn occlusion(
     (packet, listed): (usize, bool),
     buffers: &mut TileBuffers<'_>,
 ) -> Occlusion {
-    let scene = sample.context.scene;
+    let scene = sample.context.shadow;
     let TileBuffers { light_samples, candidates, last_occluders, scratch, packet_scratch, .. } = buffers;
     let light_samples = &light_samples[packet];
     if scene.precision != Precision::Robust {
@@ -232,7 +232,7 @@ fn trace_undecided(
     undecided: u32,
     buffers: &mut TileBuffers<'_>,
 ) {
-    let (scene, effects) = (sample.context.scene, sample.context.effects);
+    let (scene, effects) = (sample.context.shadow, sample.context.effects);
     let TileBuffers { wavefront, hits, surfaces, light_samples, candidates, last_occluders, scratch, .. } =
         buffers;
     let light_samples = &mut light_samples[packet];
@@ -273,7 +273,7 @@ fn find_candidates(sample: &Sample<'_>, light: &PreparedLight, buffers: &mut Til
         return false;
     }
     let TileBuffers { wavefront, surfaces, light_samples, candidates, scratch, .. } = buffers;
-    let (scene, search) = (sample.context.scene, &mut scratch.search);
+    let (scene, search) = (sample.context.shadow, &mut scratch.search);
     let Some(place) = light_point(light) else {
         let Some((middle, reach)) = light.source.extent() else { return false };
         let points = surfaces[..wavefront.count].iter().map(|surfaces| LitPoints {

@@ -15,6 +15,7 @@ mod compaction;
 mod cutoff;
 mod direct_light;
 mod empty_tiles;
+mod handover;
 mod material_flags;
 mod next_rays;
 mod ray_queue;

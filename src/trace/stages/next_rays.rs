@@ -1,5 +1,7 @@
 //! The last stage: spawns the reflected and refracted rays of the next bounce.
 
+use std::ptr;
+
 use fearless_simd::dispatch;
 
 use super::buffers::TileBuffers;
@@ -12,7 +14,8 @@ use crate::trace::shading::{RenderContext, branch_lanes, secondary_rays};
 pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.next_rays += 1;
     let TileBuffers { wavefront, hits, surfaces, material_flags, next, scratch, .. } = buffers;
-    let scene = context.scene;
+    let scene = wavefront.scene(context);
+    let changes_class = !ptr::eq(scene, context.secondary);
     for packet in 0..wavefront.count {
         let (hits, surfaces) = (&hits[packet], &surfaces[packet]);
         let continues = material_flags[packet].continues & surfaces.lanes;
@@ -26,16 +29,21 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
         let (rays, paths) = (&wavefront.rays[packet], &wavefront.paths[packet]);
         let media = (scene, &mut scratch.media);
         let branches = next.branches_mut(mirrored, refracted);
-        let escalated = dispatch!(scene.simd.level(), simd => {
-            branch_lanes(simd, media, (rays, paths), (hits, surfaces), (continues, transparent), branches)
-        });
+        // Where rays of another class start, the shapes at the surface are searched one by one.
+        let escalated = if changes_class {
+            continues
+        } else {
+            dispatch!(scene.simd.level(), simd => {
+                branch_lanes(simd, media, (rays, paths), (hits, surfaces), (continues, transparent), branches)
+            })
+        };
         for lane in lanes(escalated) {
             // Many solids may be entered at one point.
             if scratch.search.is_cancelled() {
                 return;
             }
             let Some(point) = surfaces.get(lane, hits) else { continue };
-            let arrived = (rays.directions.get(lane), &paths.get(lane));
+            let arrived = (&rays.get(lane), &paths.get(lane));
             let spawned = secondary_rays(context, scratch, arrived, &point);
             let (mirrored, refracted) = next.branches_mut(mirrored, refracted);
             if let Some(ray) = spawned.reflected {

@@ -7,6 +7,7 @@ use super::buffers::TileBuffers;
 use super::cutoff::drop_negligible;
 use super::direct_light::direct_light;
 use super::empty_tiles::fill_empty_tile;
+use super::handover::with_shadow_scene;
 use super::next_rays::{fill_wavefront, next_rays, terminate};
 use super::slots::{Sample, Slots};
 use super::surfaces::surfaces;
@@ -62,7 +63,7 @@ fn shade(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     let context = sample.context;
     surfaces(context, buffers);
     if context.effects.lights() {
-        direct_light(sample, buffers);
+        with_shadow_scene(context, buffers, |buffers| direct_light(sample, buffers));
     }
     if buffers.is_cancelled() {
         return;
@@ -148,7 +149,7 @@ fn start(sample: &Sample<'_>, packet: usize, buffers: &mut TileBuffers<'_>) {
 fn closest_hits(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.closest_hits += 1;
     let TileBuffers { wavefront, hits, tile_sampler, scratch, packet_scratch, .. } = buffers;
-    let (scene, search) = (context.scene, &mut scratch.search);
+    let (scene, search) = (wavefront.scene(context), &mut scratch.search);
     search.tied_hits.clear();
     // Camera rays use all packets of a tile, though some may be empty.
     let count = if matches!(wavefront.start, RayOrigin::Anywhere) { wavefront.count } else { PACKETS };

@@ -18,6 +18,7 @@ use crate::trace::shading::{MediumStack, RenderContext, ambient, emission};
 pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.stage_runs.surfaces += 1;
     let TileBuffers { wavefront, hits, surfaces, material_flags, radiance, scratch, .. } = buffers;
+    let scene = wavefront.scene(context);
     let mut special = [0; PACKETS];
     dispatch!(context.scene.simd.level(), simd => {
         for packet in 0..wavefront.count {
@@ -34,10 +35,10 @@ pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
                 return;
             }
             let Some(closest) = hits.get(lane) else { continue };
-            let point = context.scene.surface(&rays.get(lane), &closest, &mut scratch.search);
+            let point = scene.surface(&rays.get(lane), &closest, &mut scratch.search);
             surfaces.set(lane, &point, hits);
             // Among coincident surfaces, the visible one can differ from the first one hit.
-            let material = context.scene.material(point.hit.id);
+            let material = scene.material(point.hit.id);
             material_flags[packet].record(1 << lane, material);
             radiance[packet].set(lane, unlit(context, material.ambient, material));
             material_flags[packet].diffuse.set(lane, material.diffuse);
@@ -47,7 +48,7 @@ pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
                 let Some(SurfacePoint { hit, point, normal, .. }) = surfaces.get(lane, hits) else {
                     continue;
                 };
-                let material = context.scene.material(hit.id);
+                let material = scene.material(hit.id);
                 let (color, diffuse) = material.colors_at(point, normal);
                 radiance[packet].set(lane, unlit(context, color, material));
                 material_flags[packet].diffuse.set(lane, diffuse);
@@ -75,7 +76,7 @@ fn find<S: Simd>(
     if hit == 0 {
         return 0;
     }
-    let scene = context.scene;
+    let scene = wavefront.scene(context);
     if let Some(id) = hits.ids.common(simd, hit) {
         let material = scene.material(id);
         let (color, diffuse) = (unlit(context, material.ambient, material), material.diffuse);

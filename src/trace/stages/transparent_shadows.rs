@@ -24,7 +24,7 @@ pub(super) fn attenuate_packet(
     buffers: &mut TileBuffers<'_>,
 ) {
     let TileBuffers { wavefront, hits, surfaces, light_samples, scratch, packet_scratch, .. } = buffers;
-    let scene = sample.context.scene;
+    let scene = sample.context.shadow;
     let (hits, light_samples, paths) = (&hits[packet], &mut light_samples[packet], &wavefront.paths[packet]);
     let crossed = &mut packet_scratch.crossed;
     let (behind, absorbs) = (light_samples.from_behind & lit, scene.surfaces().absorbs);

@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::tile::{PACKETS, PIXELS};
 use crate::trace::math::LANES;
 use crate::trace::rays::RayPacket;
-use crate::trace::shading::{BranchPacket, PathPacket};
+use crate::trace::scene::PreparedScene;
+use crate::trace::shading::{BranchPacket, PathPacket, RenderContext};
 
 /// Packets of rays, in the order in which their light is accumulated. A packet has at most one ray per slot. A bounce with more rays than fit
 /// is split into several wavefronts, so that memory does not grow with it.
@@ -28,6 +29,7 @@ pub(super) enum RayOrigin {
     Eye(DVec3),
     /// The camera's lens, or its plane if its rays are parallel.
     Lens,
+    /// Any points: secondary rays.
     Anywhere,
 }
 
@@ -40,6 +42,15 @@ impl Wavefront {
             paths: Box::new([const { PathPacket::AT_CAMERA }; PACKETS]),
             slots: Box::new([[0; LANES]; PACKETS]),
             start: RayOrigin::Anywhere,
+        }
+    }
+
+    /// Returns the scene as the wavefront's rays see it.
+    #[inline]
+    pub(super) fn scene<'a>(&self, context: &RenderContext<'a>) -> &'a PreparedScene {
+        match self.start {
+            RayOrigin::Eye(_) | RayOrigin::Lens => context.scene,
+            RayOrigin::Anywhere => context.secondary,
         }
     }
 

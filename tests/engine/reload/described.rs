@@ -6,7 +6,7 @@ use std::fmt::Debug;
 use rayreel::components::{
     Ambient, Animated, Background, Camera, Checker, Emission, FilmSettings, Fog, Follow, Light, LookAt,
     Material, Name, Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular,
-    Stars, Sun, Target, Transform, WorldTransform,
+    Stars, Sun, Target, Transform, Visibility, WorldTransform,
 };
 use rayreel::{Entity, Film, World};
 
@@ -43,6 +43,7 @@ impl Words<'_> {
             self.one::<Transform>(),
             self.one::<Target>(),
             self.one::<Shape>(),
+            self.one::<Visibility>(),
             self.one::<Material>(),
             self.one::<Specular>(),
             self.one::<Reflective>(),

@@ -467,7 +467,9 @@ fn field(which: usize, names: &[String], random: &mut Random) -> String {
                 2 => format!("material: {}", material(random)),
                 _ => format!("material: \"m{}\"", random.index(3)),
             };
-            format!("shape: {shape}, {surface}")
+            let unseen = random.pick(&["visible", "casts_shadow", "in_reflections"]);
+            let unseen = if random.once_in(3) { format!(", {unseen}: false") } else { String::new() };
+            format!("shape: {shape}, {surface}{unseen}")
         }
         4 => match random.index(12) {
             0 => format!("target: {}", random.triple()),
@@ -508,6 +510,10 @@ fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
             random.pick(&["Radius", "Scale"]),
             keys("1".to_owned(), format!("{:?}", 0.5 + random.share())),
         ),
+        3 if random.once_in(2) => {
+            let channel = random.pick(&["Visible", "CastsShadow", "InReflections"]);
+            (name, channel, "Keys([(0, false), (1.25, true)])".to_owned())
+        }
         3 => (name, "Intensity", keys(random.light(), random.light())),
         4 => {
             let channel = random.pick(&["Ka", "Kd", "Kr", "Ks", "Color", "Emission"]);

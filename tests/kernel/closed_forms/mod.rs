@@ -8,6 +8,7 @@ mod motion;
 mod refraction;
 mod shadows;
 mod surroundings;
+mod visibility;
 
 use glam::DVec3;
 

@@ -100,8 +100,13 @@ fn thing(random: &mut Random, material: u32) -> String {
         format!("Plane(normal: {})", random.triple(-1.0, 1.0))
     };
     let turned = random.triple(0.0, 360.0);
+    let unseen: String = ["visible", "casts_shadow", "in_reflections"]
+        .into_iter()
+        .filter(|_| random.chance(0.1))
+        .map(|field| format!("{field}: false, "))
+        .collect();
     format!(
-        r#"(shape: {shape}, material: "{material}", transform: (translation: {place}, rotation: Euler{turned})), "#
+        r#"(shape: {shape}, {unseen}material: "{material}", transform: (translation: {place}, rotation: Euler{turned})), "#
     )
 }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::trace::rays::ShapeId;
-use crate::trace::scene::{PreparedCamera, PreparedScene};
+use crate::trace::scene::{PreparedCamera, PreparedScene, RayClass};
 use crate::trace::shading::most_radiance;
 use crate::trace::shapes::Bounds;
 
@@ -27,11 +27,14 @@ const PAIRS: usize = 1 << 16;
 /// mirror of radius R scales the image of a shape at distance D by about R/(2 D). An unbounded mirror shows a shape about as large as the
 /// camera sees it directly.
 pub(crate) fn hidden_images(scene: &PreparedScene, camera: &PreparedCamera) -> Vec<Image> {
-    let ids = || scene.unbounded.iter().copied().chain(scene.leaves.ids());
+    fn ids(scene: &PreparedScene) -> impl Iterator<Item = ShapeId> {
+        scene.unbounded.iter().copied().chain(scene.leaves.ids())
+    }
     let sends_on = |id: &ShapeId| scene.material(*id).continues();
-    let mirrors: Vec<ShapeId> = ids().filter(sends_on).collect();
-    let shown: Vec<(ShapeId, Ball)> =
-        ids().filter_map(|id| Some((id, Ball::around(&scene.geometry().bounds(id)?)))).collect();
+    let mirrors: Vec<ShapeId> = ids(scene).filter(sends_on).collect();
+    let shown: Vec<(ShapeId, Ball)> = ids(scene.seen_by(RayClass::Secondary))
+        .filter_map(|id| Some((id, Ball::around(&scene.geometry().bounds(id)?))))
+        .collect();
     let [right, down] = camera.steps().map(DVec3::length);
     // Length in pixels of a unit length at unit distance.
     let pixels = camera.distance() / right.min(down);
