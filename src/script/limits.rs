@@ -3,8 +3,13 @@
 
 /// Maximum number of operations in one run of a channel's script: a few hundredths of a second.
 pub(crate) const OPERATIONS: u64 = 100_000;
-/// Maximum number of operations of a channel's script at one moment, summed over the runs that stop at a value that is not known yet.
+/// Maximum number of operations of a channel at a frame's moment, summed over the runs of its script that stop at a value that is not known
+/// yet, and over the runs of scripts at other moments that its script needs.
 pub(crate) const OPERATIONS_UNTIL_KNOWN: u64 = 1_000_000;
+/// Operations charged for a read at another moment: its time is that of 10 operations, apart from the runs of scripts.
+pub(crate) const READ_ELSEWHERE: u64 = 10;
+/// Number of reads at other moments whose values are kept for other channels.
+pub(crate) const KNOWN_ELSEWHERE: usize = 10_000;
 /// Maximum number of operations of a spawning script without entities. Each entity adds [`OPERATIONS_PER_ENTITY`].
 pub(crate) const SPAWNING_OPERATIONS: u64 = 200_000;
 /// Operations added to the limit for each spawned entity, unless another entity has its name.

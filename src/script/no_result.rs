@@ -13,13 +13,15 @@ pub(crate) enum NoResult {
     Needs(Read),
 }
 
-/// A value that a script reads, as in `value("ball", "Radius")`.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+/// A value that a script reads, as in `value("ball", "Radius")` or `value("ball", "Radius", t - 0.5)`.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Read {
     /// Name of the owner of the channel.
     pub(crate) target: String,
     /// Name of the channel.
     pub(crate) channel: String,
+    /// The moment in seconds, as the script computes it.
+    pub(crate) seconds: f64,
     /// Byte range of the function name of the call in the script's text.
     pub(crate) span: Range<usize>,
 }

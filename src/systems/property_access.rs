@@ -12,8 +12,8 @@ use crate::components::{
     Transform, View, Visibility,
 };
 
-/// Defines from lists of the components that hold properties, each of at most 15 as tuples of hecs are: the query for these components of an entity, the result of the query, and a
-/// function that reads one value of an entity.
+/// Defines from lists of the components that hold properties, each of at most 15 as tuples of hecs are: the query for these components of an entity, the result of the query, and
+/// functions that read one value of an entity.
 macro_rules! parts {
     ($([$($part:ident: $component:ident,)*])*) => {
         /// A query for the components that hold properties, each of which an entity may lack.
@@ -36,9 +36,19 @@ macro_rules! parts {
         /// target in that direction. All rays see a shape without [`Visibility`].
         #[must_use]
         pub fn value(world: &World, entity: Entity, property: Property) -> Option<Value> {
-            // Reads from copies, so that deriving a value does not write to the world.
+            value_after(world, entity, property, |_| ())
+        }
+
+        /// Returns the value that an entity would have after `write`. Nothing is written to the world, not even to derive the value.
+        pub(super) fn value_after(
+            world: &World,
+            entity: Entity,
+            property: Property,
+            write: impl FnOnce(&mut Parts<'_>),
+        ) -> Option<Value> {
             $($(let mut $part = world.get::<&$component>(entity).ok().map(|found| *found);)*)*
             let mut parts = Parts { $($($part: $part.as_mut(),)*)* };
+            write(&mut parts);
             parts.get(property)
         }
     };

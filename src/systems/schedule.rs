@@ -123,7 +123,7 @@ impl Schedule {
             self.scripts.discard_lookup();
         }
         if self.pure.is_empty() && self.stepped.is_empty() {
-            return animate_all(&mut self.scripts, world, time, changes, cancelled);
+            return animate_all(&mut self.scripts, world, time, false, changes, cancelled);
         }
         if self.start.is_none() {
             order_newcomers(world, &[]);
@@ -137,7 +137,7 @@ impl Schedule {
         }
         if self.pure.is_empty() {
             self.run_steps(world, time, changes, cancelled)?;
-            let result = animate_all(&mut self.scripts, world, time, changes, cancelled);
+            let result = animate_all(&mut self.scripts, world, time, true, changes, cancelled);
             if result.is_err() {
                 // Propagates now, since the next step propagates only later writes.
                 propagate(world, changes);
@@ -189,7 +189,7 @@ impl Schedule {
             let Some((_, index)) = due.min() else { break };
             let stepped = &mut self.stepped[index];
             let Some(start) = stepped.step.0.times(stepped.done) else { break };
-            let animated = animate_all(&mut self.scripts, world, start, &mut fresh, cancelled);
+            let animated = animate_all(&mut self.scripts, world, start, true, &mut fresh, cancelled);
             // Tracks have written their values even if a script fails.
             propagate(world, &fresh);
             changes.merge(&std::mem::take(&mut fresh));
@@ -208,7 +208,8 @@ impl Schedule {
 
     fn run_pure(&mut self, world: &mut World, time: Time, cancelled: &AtomicBool) -> Result<(), Interrupted> {
         let mut fresh = Changes::default();
-        let result = animate_all(&mut self.scripts, world, time, &mut fresh, cancelled);
+        let has_steps = !self.stepped.is_empty();
+        let result = animate_all(&mut self.scripts, world, time, has_steps, &mut fresh, cancelled);
         for system in &self.pure {
             propagate(world, &fresh);
             self.written.merge(&std::mem::take(&mut fresh));
@@ -224,12 +225,13 @@ fn animate_all(
     scripts: &mut Scripts,
     world: &mut World,
     time: Time,
+    has_steps: bool,
     changes: &mut Changes,
     cancelled: &AtomicBool,
 ) -> Result<(), Interrupted> {
     scripts.look_up(world);
     animate(world, time, changes);
-    scripts.run(world, time, changes, cancelled)
+    scripts.run(world, time, has_steps, changes, cancelled)
 }
 
 /// Runs one system, records its declarations, and assigns document order to new entities.

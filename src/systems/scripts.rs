@@ -1,4 +1,9 @@
 //! Evaluates scripts at a moment, after all tracks.
+//!
+//! A script runs until it reads a value that is not known. The value is then computed, and the script runs again from its start. At the
+//! world's own moment, values are read from the world, after the scripts that drive them. At another moment they are computed from the
+//! motions of the entity and from the scripts that drive them, which run at that moment and write nothing; all other values are the same at
+//! every moment. A script can therefore read its own channel at another moment, and only the limit on operations ends such a recursion.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,10 +13,10 @@ use hecs::{Entity, World};
 use super::Changes;
 use super::interrupted::{Interrupted, ScriptFailure};
 use super::property::{Stored, declare, sources};
-use super::property_access::{Parts, PartsQuery, value};
+use super::property_access::{Parts, PartsQuery, value, value_after};
 use super::value_error::value_error;
 use crate::animation::Value;
-use crate::components::{self, Animated, Motion, Name, Order, Property, ScriptId};
+use crate::components::{self, Animated, Channel, Motion, Name, Order, Property, ScriptId};
 use crate::script::{CompiledScripts, Data, NoResult, Read, ScriptContext, ScriptError, UnknownName, limits};
 use crate::time::{Time, Timeline};
 
@@ -62,13 +67,30 @@ struct ScriptChannel {
     on_track: bool,
 }
 
+/// A moment at which scripts run.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    seconds: f64,
+    frame: f64,
+}
+
+/// A channel that is evaluated at a moment.
+#[derive(Clone, Copy, Debug)]
+struct PendingChannel {
+    /// The index of the channel.
+    channel: usize,
+    moment: Moment,
+    /// The index of the channel at the world's moment to which operations are charged.
+    charged: usize,
+}
+
 /// The progress of a channel at a moment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum ChannelState {
-    Waiting,
     /// The channel waits for another.
     Pending,
-    Done,
+    /// The channel has this value.
+    Done(Value),
 }
 
 impl Scripts {
@@ -129,7 +151,7 @@ impl Scripts {
     }
 
     /// Sets every value that a script drives, and records the changes. Values that other scripts read are set first; otherwise values are
-    /// set in document order.
+    /// set in document order. If there are stepped systems, values that neither a track nor a script drives are not known at other moments.
     ///
     /// # Errors
     ///
@@ -139,16 +161,19 @@ impl Scripts {
         &mut self,
         world: &mut World,
         time: Time,
+        has_steps: bool,
         changes: &mut Changes,
         cancelled: &AtomicBool,
     ) -> Result<(), Interrupted> {
         let Some(running) = &mut self.running else { return Ok(()) };
         let Some(driven) = running.driven.take() else { return Ok(()) };
-        running.context.set_time(time.seconds(), running.timeline.rate.frames_at(time));
+        running.context.clear_values();
         let (driven, result) = Evaluation {
-            states: vec![ChannelState::Waiting; driven.channels.len()],
-            wasted: HashMap::new(),
-            seconds: time.seconds(),
+            now: Moment { seconds: time.seconds(), frame: running.timeline.rate.frames_at(time) },
+            states: HashMap::new(),
+            charges: HashMap::new(),
+            reads_elsewhere: 0,
+            has_steps,
             running,
             driven,
             world,
@@ -204,17 +229,28 @@ impl Driven {
     }
 }
 
-/// The evaluation of all scripts at one moment.
+/// The evaluation of all scripts at the world's moment.
 struct Evaluation<'a> {
     running: &'a mut Running,
     driven: Driven,
-    states: Vec<ChannelState>,
-    /// The number of operations per channel in script runs that stopped at an unknown value.
-    wasted: HashMap<usize, u64>,
-    seconds: f64,
+    /// The world's moment.
+    now: Moment,
+    /// The channels that are not waiting, by index and by the bits of the moment's seconds.
+    states: HashMap<(usize, u64), ChannelState>,
+    /// The number of operations per channel in runs that stopped at an unknown value, and in runs at other moments.
+    charges: HashMap<usize, u64>,
+    /// The number of reads at other moments since their values were last discarded.
+    reads_elsewhere: usize,
+    has_steps: bool,
     world: &'a mut World,
     changes: &'a mut Changes,
     cancelled: &'a AtomicBool,
+}
+
+impl Moment {
+    fn key(self) -> u64 {
+        self.seconds.to_bits()
+    }
 }
 
 impl Evaluation<'_> {
@@ -225,42 +261,63 @@ impl Evaluation<'_> {
 
     /// Sets a value, after the values that it depends on.
     fn drive(&mut self, index: usize) -> Result<(), Interrupted> {
-        let mut stack = vec![index];
-        while let Some(&index) = stack.last() {
+        let mut stack = vec![self.pending(index, self.now, index)];
+        while let Some(&pending) = stack.last() {
             if self.cancelled.load(Ordering::Relaxed) {
                 return Err(Interrupted::Cancelled);
             }
-            if self.states[index] == ChannelState::Done {
+            let place = (pending.channel, pending.moment.key());
+            if matches!(self.states.get(&place), Some(ChannelState::Done(_))) {
                 stack.pop();
                 continue;
             }
-            self.states[index] = ChannelState::Pending;
-            let channel = self.driven.channels[index].clone();
-            match self.evaluate(&channel) {
+            self.states.insert(place, ChannelState::Pending);
+            let channel = self.driven.channels[pending.channel].clone();
+            let result = self.evaluate(&channel, pending.moment);
+            let is_now = self.is_now(pending.moment);
+            if !is_now || result.is_err() {
+                *self.charges.entry(pending.charged).or_default() += self.running.context.operations();
+            }
+            match result {
                 Ok(value) => {
-                    self.write(&channel, value);
-                    self.states[index] = ChannelState::Done;
-                }
-                Err(NoResult::Error(error)) => return Err(self.failure(&channel, error).into()),
-                Err(NoResult::Needs(read)) => {
-                    let wasted = self.wasted.entry(index).or_default();
-                    *wasted += self.running.context.operations();
-                    if *wasted > limits::OPERATIONS_UNTIL_KNOWN {
-                        let message = "this takes too long".to_owned();
-                        let mistake =
-                            self.mistake(&read, &stack, message, "read after very many others", None);
-                        return Err(self.failure(&channel, mistake).into());
+                    if is_now {
+                        self.write(&channel, value);
                     }
-                    let next = self.resolve(&read, &stack).map_err(|error| self.failure(&channel, error))?;
-                    stack.extend(next);
+                    self.states.insert(place, ChannelState::Done(value));
+                }
+                Err(NoResult::Error(error)) => return Err(failure(&channel, pending.moment, error).into()),
+                Err(NoResult::Needs(read)) => {
+                    let next = self.resolve(&read, &stack);
+                    stack.extend(next.map_err(|error| failure(&channel, pending.moment, error))?);
                 }
             }
         }
+        self.discard_other_moments();
         Ok(())
     }
 
-    fn evaluate(&mut self, channel: &ScriptChannel) -> Result<Value, NoResult> {
-        let Running { scripts, context, bases, prefix: last, .. } = &mut *self.running;
+    /// Returns a channel to be evaluated, charged to `reader` unless it is at the world's moment.
+    fn pending(&self, channel: usize, moment: Moment, reader: usize) -> PendingChannel {
+        PendingChannel { channel, moment, charged: if self.is_now(moment) { channel } else { reader } }
+    }
+
+    fn is_now(&self, moment: Moment) -> bool {
+        moment.key() == self.now.key()
+    }
+
+    /// Discards the known values at other moments if there are many. Other channels that read them compute them again.
+    fn discard_other_moments(&mut self) {
+        if self.reads_elsewhere > limits::KNOWN_ELSEWHERE {
+            let now = self.now.key();
+            self.reads_elsewhere = 0;
+            self.running.context.clear_values();
+            self.states.retain(|(_, moment), _| *moment == now);
+        }
+    }
+
+    fn evaluate(&mut self, channel: &ScriptChannel, moment: Moment) -> Result<Value, NoResult> {
+        let base = self.base(channel, moment);
+        let Running { scripts, context, prefix: last, .. } = &mut *self.running;
         let (notation, transfer) = (channel.property.notation(), scripts.transfer);
         let Some((script, prefix)) = scripts.used(channel.script.0) else {
             let error = ScriptError::new("", "there is no such script in the scene", "", None);
@@ -271,13 +328,11 @@ impl Evaluation<'_> {
             context.clear_values();
             prefix.clone_into(last);
         }
-        let known = bases.get(&(channel.entity, channel.property)).filter(|_| !channel.on_track);
-        let base =
-            known.map(|base| base.value).or_else(|| value(self.world, channel.entity, channel.property));
         let base = base.map_or(Data::Nothing, |base| notation.data(base, transfer));
         // Scripts of a part use names without the prefix of the part.
         let name = channel.name.strip_prefix(prefix).unwrap_or(&channel.name);
         context.set_owner(channel.order.map_or(0, |order| order.0), name, base);
+        context.set_time(moment.seconds, moment.frame);
         let data = scripts.language.run(script, context)?;
         let value = notation.value(&data, transfer).ok_or_else(|| notation.mismatch(&data));
         let checked = |value| {
@@ -290,6 +345,41 @@ impl Evaluation<'_> {
         })
     }
 
+    /// Returns the value of a channel without its script.
+    fn base(&self, channel: &ScriptChannel, moment: Moment) -> Option<Value> {
+        let ScriptChannel { entity, property, on_track, .. } = *channel;
+        let known = self.running.bases.get(&(entity, property)).filter(|_| !on_track);
+        known.map(|base| base.value).or_else(|| self.value_at(entity, property, [], moment))
+    }
+
+    /// Returns a value of an entity at a moment, after the motions of its sources. The scripts of the sources must be done.
+    fn value_at<const COUNT: usize>(
+        &self,
+        entity: Entity,
+        property: Property,
+        scripted: [Property; COUNT],
+        moment: Moment,
+    ) -> Option<Value> {
+        if self.is_now(moment) {
+            return value(self.world, entity, property);
+        }
+        let animated = self.world.get::<&Animated>(entity).ok();
+        value_after(self.world, entity, property, |parts| {
+            for Channel { property, motion, .. } in animated.iter().flat_map(|animated| &animated.0) {
+                if let Some(value) = motion.at(moment.seconds) {
+                    parts.set(*property, value);
+                }
+            }
+            for property in scripted {
+                let index = self.driven.indices.get(&(entity, property));
+                let state = index.and_then(|index| self.states.get(&(*index, moment.key())));
+                if let Some(ChannelState::Done(value)) = state {
+                    parts.set(property, *value);
+                }
+            }
+        })
+    }
+
     fn write(&mut self, channel: &ScriptChannel, value: Value) {
         let Ok(parts) = self.world.query_one_mut::<PartsQuery<'_>>(channel.entity) else { return };
         let mut parts = Parts::new(parts);
@@ -298,8 +388,94 @@ impl Evaluation<'_> {
         }
     }
 
-    /// Stores a value that a script reads, or returns the index of the channel that must be driven first.
-    fn resolve(&mut self, read: &Read, stack: &[usize]) -> Result<Option<usize>, Box<ScriptError>> {
+    /// Stores a value that a script reads, or returns the channel that must be evaluated first.
+    fn resolve(
+        &mut self,
+        read: &Read,
+        stack: &[PendingChannel],
+    ) -> Result<Option<PendingChannel>, Box<ScriptError>> {
+        let Some(&reader) = stack.last() else { return Ok(None) };
+        let moment = self.moment_of(read, reader);
+        self.charge(read, moment, stack)?;
+        let (entity, property) = self.owner_and_property(read, stack)?;
+        let is_driven = |property| self.driven.indices.contains_key(&(entity, property));
+        let sources = sources(self.world, entity, property, is_driven);
+        for property in sources {
+            let Some(&index) = self.driven.indices.get(&(entity, property)) else { continue };
+            match self.states.get(&(index, moment.key())) {
+                None => return Ok(Some(self.pending(index, moment, reader.charged))),
+                Some(ChannelState::Pending) => {
+                    let message = self.ring(stack, self.pending(index, moment, index));
+                    return Err(self.mistake(read, stack, message, "this closes the ring"));
+                }
+                Some(ChannelState::Done(_)) => {}
+            }
+        }
+        if self.has_steps && !self.is_now(moment) && !self.is_animated(entity, sources) {
+            let message = format!("{} of \"{}\" is not known at other moments", read.channel, read.target);
+            let mistake = self.mistake(read, stack, message, "at another moment than the frame's");
+            let help = "stepped systems may change it, since neither a track nor a script drives it: read it without a moment";
+            return Err(Box::new(ScriptError { help: Some(help.to_owned()), ..*mistake }));
+        }
+        let Some(value) = self.value_at(entity, property, sources, moment) else {
+            let message = format!("\"{}\" has no {}", read.target, read.channel);
+            return Err(self.mistake(read, stack, message, "reads it"));
+        };
+        let data = property.notation().data(value, self.running.scripts.transfer);
+        self.running.context.set_value(read, data);
+        Ok(None)
+    }
+
+    /// Returns the moment of a read. The reader's own moment stays as it is.
+    fn moment_of(&self, read: &Read, reader: PendingChannel) -> Moment {
+        let given = [reader.moment, self.now].into_iter().find(|own| own.key() == read.seconds.to_bits());
+        given.unwrap_or_else(|| {
+            let (seconds, frame) = self.running.timeline.rate.moment_at(read.seconds);
+            Moment { seconds, frame }
+        })
+    }
+
+    /// Charges a read at another moment, and returns an error if the scripts of a channel take too long.
+    fn charge(
+        &mut self,
+        read: &Read,
+        moment: Moment,
+        stack: &[PendingChannel],
+    ) -> Result<(), Box<ScriptError>> {
+        let is_elsewhere = !self.is_now(moment);
+        let charged = stack.last().map_or(0, |reader| reader.charged);
+        let operations = self.charges.entry(charged).or_default();
+        if is_elsewhere {
+            self.reads_elsewhere += 1;
+            *operations += limits::READ_ELSEWHERE;
+        }
+        if *operations <= limits::OPERATIONS_UNTIL_KNOWN {
+            return Ok(());
+        }
+        let mistake =
+            self.mistake(read, stack, "this takes too long".to_owned(), "read after very many others");
+        let help = is_elsewhere.then(|| {
+            "does a script read its own value at other moments without end? End it: `if t <= 0 { base } else { .. }`"
+                .to_owned()
+        });
+        Err(Box::new(ScriptError { help, ..*mistake }))
+    }
+
+    /// Returns whether a track or a script drives each of these values.
+    fn is_animated(&self, entity: Entity, sources: [Property; 2]) -> bool {
+        let animated = self.world.get::<&Animated>(entity);
+        sources.into_iter().all(|source| {
+            let of_source = |channel: &Channel| channel.property == source;
+            animated.as_ref().is_ok_and(|animated| animated.0.iter().any(of_source))
+        })
+    }
+
+    /// Returns the entity and the property that a script reads.
+    fn owner_and_property(
+        &mut self,
+        read: &Read,
+        stack: &[PendingChannel],
+    ) -> Result<(Entity, Property), Box<ScriptError>> {
         let (_, prefix) = self.current_script(stack);
         let target = format!("{prefix}{}", read.target);
         let Some(entity) = self.driven.named(self.world, &target) else {
@@ -309,43 +485,27 @@ impl Evaluation<'_> {
             let unknown = unknown(&read.target, "names", known.collect());
             if !prefix.is_empty() && ["camera", "scene"].contains(&read.target.as_str()) {
                 let message = format!("a part has no \"{}\" to read from", read.target);
-                let mistake = self.mistake(read, stack, message, "not available in included files", None);
+                let mistake = self.mistake(read, stack, message, "not available in included files");
                 let help = "write such a script in the scene's own file".to_owned();
                 return Err(Box::new(ScriptError { help: Some(help), ..*mistake }));
             }
             let message = format!("there is no entity \"{}\"", read.target);
-            return Err(self.mistake(read, stack, message, "reads from it", Some(unknown)));
+            let mistake = self.mistake(read, stack, message, "reads from it");
+            return Err(Box::new(ScriptError { unknown: Some(unknown), ..*mistake }));
         };
         let Some(property) = Property::named(&read.channel) else {
             let known = Property::ALL.into_iter().map(|property| property.name().to_owned());
             let unknown = unknown(&read.channel, "channels", known.collect());
             let message = format!("there is no channel {}", read.channel);
-            return Err(self.mistake(read, stack, message, "reads it", Some(unknown)));
+            let mistake = self.mistake(read, stack, message, "reads it");
+            return Err(Box::new(ScriptError { unknown: Some(unknown), ..*mistake }));
         };
-        let is_driven = |property| self.driven.indices.contains_key(&(entity, property));
-        for property in sources(self.world, entity, property, is_driven) {
-            let Some(&index) = self.driven.indices.get(&(entity, property)) else { continue };
-            match self.states[index] {
-                ChannelState::Waiting => return Ok(Some(index)),
-                ChannelState::Pending => {
-                    let message = self.ring(stack, index);
-                    return Err(self.mistake(read, stack, message, "this closes the ring", None));
-                }
-                ChannelState::Done => {}
-            }
-        }
-        let Some(value) = value(self.world, entity, property) else {
-            let message = format!("\"{}\" has no {}", read.target, read.channel);
-            return Err(self.mistake(read, stack, message, "reads it", None));
-        };
-        let data = property.notation().data(value, self.running.scripts.transfer);
-        self.running.context.set_value(read, data);
-        Ok(None)
+        Ok((entity, property))
     }
 
     /// Returns the text of the running script, and the prefix of the names that it reads.
-    fn current_script(&self, stack: &[usize]) -> (&str, &str) {
-        let script = stack.last().map(|index| self.driven.channels[*index].script);
+    fn current_script(&self, stack: &[PendingChannel]) -> (&str, &str) {
+        let script = stack.last().map(|pending| self.driven.channels[pending.channel].script);
         let used = script.and_then(|script| self.running.scripts.used(script.0));
         used.map_or(("", ""), |(script, prefix)| (script.text(), prefix))
     }
@@ -353,26 +513,35 @@ impl Evaluation<'_> {
     fn mistake(
         &self,
         read: &Read,
-        stack: &[usize],
+        stack: &[PendingChannel],
         message: String,
         label: &str,
-        unknown: Option<Box<UnknownName>>,
     ) -> Box<ScriptError> {
         let (text, _) = self.current_script(stack);
         let error = ScriptError::new(text, message, label, None);
-        Box::new(ScriptError { span: read.span.clone(), unknown, ..error })
+        Box::new(ScriptError { span: read.span.clone(), ..error })
     }
 
-    fn ring(&self, stack: &[usize], index: usize) -> String {
-        let start = stack.iter().position(|pending| *pending == index).unwrap_or(0);
-        let members = stack[start..].iter().chain([&index]);
-        let names: Vec<String> = members.map(|index| self.driven.channels[*index].title()).collect();
+    fn ring(&self, stack: &[PendingChannel], end: PendingChannel) -> String {
+        let is_end = |pending: &PendingChannel| {
+            (pending.channel, pending.moment.key()) == (end.channel, end.moment.key())
+        };
+        let start = stack.iter().position(is_end).unwrap_or(0);
+        let title = |pending: &PendingChannel| {
+            let title = self.driven.channels[pending.channel].title();
+            if self.is_now(pending.moment) {
+                title
+            } else {
+                format!("{title} at t = {}", pending.moment.seconds)
+            }
+        };
+        let names: Vec<String> = stack[start..].iter().chain([&end]).map(title).collect();
         format!("a ring of scripts: {}", names.join(" reads "))
     }
+}
 
-    fn failure(&self, channel: &ScriptChannel, error: Box<ScriptError>) -> ScriptFailure {
-        ScriptFailure { script: channel.script, channel: channel.title(), seconds: self.seconds, error }
-    }
+fn failure(channel: &ScriptChannel, moment: Moment, error: Box<ScriptError>) -> ScriptFailure {
+    ScriptFailure { script: channel.script, channel: channel.title(), seconds: moment.seconds, error }
 }
 
 impl ScriptChannel {

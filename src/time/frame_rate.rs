@@ -45,6 +45,20 @@ impl FrameRate {
         whole as f64 + rest as f64 / denominator as f64
     }
 
+    /// Returns the moment at `seconds`, which may be negative: its seconds, and its time in frames. A moment within a nanosecond of a
+    /// frame's moment is that moment, bit for bit: differences such as `17 / 24 - 0.5` are rounded, and frame 5 is meant.
+    pub(crate) fn moment_at(self, seconds: f64) -> (f64, f64) {
+        const TOLERANCE: f64 = 1e-9;
+        let (numerator, denominator) = (f64::from(self.numerator), f64::from(self.denominator));
+        let frames = seconds * numerator / denominator;
+        // Rounded once, like `Time::seconds`. The sum with 0 removes the sign of -0.
+        let (nearest, of_frame) = (frames.round() + 0.0, frames.round() * denominator / numerator + 0.0);
+        match (of_frame - seconds).abs() <= TOLERANCE {
+            true => (of_frame, nearest),
+            false => (seconds, frames),
+        }
+    }
+
     /// Returns the ratio's numerator and denominator.
     #[must_use]
     pub fn parts(self) -> (u32, u32) {
@@ -74,6 +88,28 @@ mod tests {
         let rate = FrameRate::new(30_000, 1001).unwrap();
         assert_eq!(rate.frames_at(rate.time_of(1_000_000)), 1e6);
         assert_eq!(FrameRate::new(24, 1).unwrap().frames_at("0.1".parse().unwrap()), 2.4);
+    }
+
+    #[test]
+    fn differences_of_frames_are_frames() {
+        for (numerator, denominator) in [(24, 1), (30_000, 1001), (1, 3), (60, 1), (1_000_000, 1)] {
+            let rate = FrameRate::new(numerator, denominator).unwrap();
+            let seconds = |frame: u32| rate.time_of(frame).seconds();
+            for frame in 0..1000_u32 {
+                for delay in [0, 1, 12, 997] {
+                    let (found, frames) = rate.moment_at(seconds(frame) - seconds(delay));
+                    let expected = seconds(frame.abs_diff(delay));
+                    let expected = if frame < delay { -expected } else { expected };
+                    assert_eq!(found.to_bits(), expected.to_bits(), "{frame} {delay}");
+                    assert_eq!(frames, f64::from(frame) - f64::from(delay));
+                }
+            }
+        }
+        let rate = FrameRate::new(24, 1).unwrap();
+        assert_eq!(rate.moment_at(0.1), (0.1, 0.1 * 24.0));
+        assert_eq!(rate.moment_at(0.5 + 2e-9), (0.5 + 2e-9, (0.5 + 2e-9) * 24.0));
+        assert!(rate.moment_at(-1e-300).0.is_sign_positive());
+        assert!(rate.moment_at(1e60).1.is_finite());
     }
 
     #[test]

@@ -337,6 +337,37 @@ fn every_channel_animates_during_the_shutter() {
     }
 }
 
+/// Checks values of tracks and of scripts, read by a script at another moment and at the same one.
+#[test]
+fn every_channel_is_read_at_other_moments() {
+    for property in Property::ALL {
+        let (case, name) = (case(property), property.name());
+        let [first, last] = case.values;
+        let written = (case.word, case.written.replace("{}", last));
+        let (parts, script) = match property.notation() {
+            Notation::Number | Notation::Degrees => ("[v, 0, 0]", "base * (1 - t / 16)"),
+            Notation::Rotation => ("[v[0], v[1], v[2]]", "[0, 30 * t, 0]"),
+            _ => ("[v[0], v[1], v[2]]", "base * (1 - t / 16)"),
+        };
+        for track in [format!("Keys([(0, {first}), (2, {last})])"), format!("Script(\"{script}\")")] {
+            let read = |moment: &str, at| {
+                let script = format!("let v = value(`{}`, `{name}`{moment}); {parts}", case.owner);
+                let animate = format!(
+                    "({}, channel: {name}, track: {track}), (target: \"marble\", channel: Translation, track: Script(\"{script}\"))",
+                    case.target
+                );
+                let mut engine = engine(&[written.clone(), ("animate", animate)]);
+                engine.seek(seconds(at)).unwrap();
+                value(engine.world(), named(&engine, "marble"), Property::Translation).unwrap()
+            };
+            let now = read("", 1);
+            assert_eq!(read(", t - 1", 2), now, "{name}: {track}");
+            assert_eq!(read(", 1", 5), now, "{name}: {track}");
+            assert_ne!(read("", 0), now, "{name}: {track}");
+        }
+    }
+}
+
 fn half_way(transfer: Transfer, keys: &str) -> Value {
     let animation = format!("(target: \"ball\", channel: Color, track: Keys([{keys}]))");
     let text = scene(&[("animate", animation)]);

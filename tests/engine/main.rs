@@ -14,6 +14,7 @@ mod every_channel;
 mod extends;
 mod faults;
 mod handedness;
+mod moments;
 mod movies;
 mod orthographic;
 mod passes;

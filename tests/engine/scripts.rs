@@ -518,18 +518,31 @@ fn every_bad_script_has_its_message() {
 
 #[test]
 fn the_examples_of_the_description_work() {
-    let description = include_str!("../../src/script/language.md");
-    let example = description.split("```ron\n").nth(1).unwrap().split("```").next().unwrap();
+    let [example, moments] = [1, 2].map(|number| {
+        let description = include_str!("../../src/script/language.md");
+        description.split("```ron\n").nth(number).unwrap().split("```").next().unwrap()
+    });
     let entities = r#"entities: [
         (name: "ball", shape: Sphere(radius: 1), material: "wood", transform: (translation: (1, 1, 0))),
         (name: "lamp", light: Point(intensity: (1, 1, 1))),
         (name: "shadow"),
     ],"#;
-    let mut engine = engine(&(entities.to_owned() + example).replace("\"wood\"", "\"clay\""));
+    let with = |entities: &str, example: &str| {
+        engine(&(entities.to_owned() + example).replace("\"wood\"", "\"clay\""))
+    };
+    let mut engine = with(entities, example);
     assert_eq!(engine.world().query::<&Shape>().iter().count(), 25);
     assert_eq!(translation(&mut engine, "shadow", "0.5"), DVec3::new(1.0, 0.0, 0.0));
     assert_eq!(transform(&engine, "ball").translation, DVec3::new(1.0, 2.0, 0.0));
     assert_eq!(transform(&engine, "post 6").translation.z, 4.0);
+    let entities = r#"entities: [(name: "ball"), (name: "echo"), (name: "chaser")],"#;
+    let mut engine = with(entities, moments);
+    assert_eq!(translation(&mut engine, "echo", "1.5"), DVec3::new(2.0, 1.0, 0.0));
+    // The ball is 0.2 further in each frame, and the chaser has covered a tenth of its distance twice.
+    let chaser = translation(&mut engine, "chaser", "0.2");
+    assert!((chaser - DVec3::new(0.9 * 0.02 + 0.04, 0.19, 0.0)).length() < 1e-15, "{chaser}");
+    let camera = *engine.world().get::<&rayreel::components::Camera>(named(&engine, "camera")).unwrap();
+    assert_eq!(camera.view, rayreel::components::View::Target(DVec3::new(0.9, 1.0, 0.0)));
 }
 
 #[test]

@@ -75,7 +75,7 @@ impl Author {
         let own: &[(&str, u64)] = if self.spawns {
             &[("sphere", 1), ("box", 1), ("euler", 3), ("plane", 1)]
         } else {
-            &[("value", 2)]
+            &[("value", 2), ("value", 3)]
         };
         match self.below(200) {
             0 => ("nothing", 1),
@@ -123,6 +123,7 @@ impl Author {
             return match self.below(6) {
                 0 => self.number().to_owned(),
                 1 => format!("\"{}\"", self.one_of(&["", "x", "ball", "ß", "Radius", "key", "\\n"])),
+                2 if !self.spawns && self.below(4) == 0 => self.read(),
                 2 if !self.spawns => self.one_of(&["t", "frame", "base", "name", "index", "pi"]).to_owned(),
                 _ => self.name().to_owned(),
             };
@@ -162,6 +163,14 @@ impl Author {
             13 => format!("({} {} {})", self.condition(), self.one_of(&["&&", "||"]), self.condition()),
             _ => self.value(0),
         }
+    }
+
+    /// Returns a valid read of the script's own entity, often without an end.
+    fn read(&mut self) -> String {
+        let channel = self.one_of(&["Radius", "Translation", "Scale", "Kd"]);
+        let moment =
+            self.one_of(&["t - 0.1", "t / 2", "t", "-t", "2 * t + 1", "-3", "random(t)", "1e60 * t"]);
+        format!("value(name, \"{channel}\", {moment})")
     }
 
     /// Returns a condition that is visibly true or false. Any other is refused before the script runs.

@@ -140,7 +140,7 @@ const USUAL: [&str; 50] = [
 ];
 
 /// Signatures of the functions of scripts that compute values.
-const READING: [&str; 1] = ["value(name, channel)"];
+const READING: [&str; 1] = ["value(name, channel, seconds)"];
 
 fn name_in(usage: &str) -> &str {
     usage.split('(').next().unwrap_or(usage)

@@ -5,8 +5,11 @@ use std::collections::HashMap;
 
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, Position};
 
+use super::dynamic::kind;
 use super::positions::span_of;
+use super::result::{Outcome, failed, number};
 use super::{Data, Read, budget};
+use crate::animation::limits::LARGEST;
 
 /// The inputs of a script: the time, its owner, and the known values of other channels.
 #[derive(Clone, Debug, Default)]
@@ -19,14 +22,18 @@ pub(crate) struct ScriptContext {
     name: Dynamic,
     base: Dynamic,
     operations: u64,
-    values: HashMap<(ImmutableString, ImmutableString), Dynamic>,
+    values: HashMap<ValueKey, Dynamic>,
 }
+
+/// The owner and the name of a channel, and the bits of a moment in seconds.
+type ValueKey = (ImmutableString, ImmutableString, u64);
 
 /// A read of an unknown value, as stored in the error that stops the script.
 #[derive(Clone, Debug)]
 struct ReadRequest {
     target: String,
     channel: String,
+    seconds: f64,
     position: Position,
 }
 
@@ -47,10 +54,9 @@ impl ScriptContext {
         self.base = base.into_dynamic();
     }
 
-    /// Sets the time, in seconds and in fractional frames, and discards all values of other channels.
+    /// Sets the time, in seconds and in fractional frames.
     pub(crate) fn set_time(&mut self, seconds: f64, frame: f64) {
         (self.seconds, self.frame) = (seconds, frame);
-        self.clear_values();
     }
 
     /// Returns the number of operations of the last run.
@@ -63,14 +69,15 @@ impl ScriptContext {
         self.operations = operations;
     }
 
-    /// Discards all values of other channels.
+    /// Discards all values of channels.
     pub(crate) fn clear_values(&mut self) {
         self.values.clear();
     }
 
-    /// Stores the value of another channel for subsequent reads.
+    /// Stores the value of a channel for subsequent reads.
     pub(crate) fn set_value(&mut self, read: &Read, value: Data) {
-        self.values.insert((read.target.as_str().into(), read.channel.as_str().into()), value.into_dynamic());
+        let key = (read.target.as_str().into(), read.channel.as_str().into(), read.seconds.to_bits());
+        self.values.insert(key, value.into_dynamic());
     }
 
     /// Returns the value of a provided variable, or `None` for any other name.
@@ -107,31 +114,55 @@ pub(super) fn unknown_read(text: &str, error: &EvalAltResult) -> Option<Read> {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) => unknown_read(text, inner),
         EvalAltResult::ErrorTerminated(request, _) => {
-            let ReadRequest { target, channel, position } = request.clone().try_cast::<ReadRequest>()?;
-            Some(Read { target, channel, span: span_of(text, position) })
+            let ReadRequest { target, channel, seconds, position } =
+                request.clone().try_cast::<ReadRequest>()?;
+            Some(Read { target, channel, seconds, span: span_of(text, position) })
         }
         _ => None,
     }
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "rhai hands it over so")]
+/// Returns the value of a channel at a moment, if it is known; otherwise the error that stops the script.
 fn value(
-    context: NativeCallContext<'_>,
+    call: &NativeCallContext<'_>,
     target: ImmutableString,
     channel: ImmutableString,
-) -> Result<Dynamic, Box<EvalAltResult>> {
+    seconds: f64,
+) -> Outcome {
     budget::add_text(target.len() + channel.len());
-    let key = (target, channel);
+    let key: ValueKey = (target, channel, seconds.to_bits());
     let known = CURRENT.with_borrow(|current| current.values.get(&key).cloned());
     known.ok_or_else(|| {
-        let position = context.call_position();
-        let request = ReadRequest { target: key.0.to_string(), channel: key.1.to_string(), position };
+        let position = call.call_position();
+        let (target, channel) = (key.0.to_string(), key.1.to_string());
+        let request = ReadRequest { target, channel, seconds, position };
         // Scripts cannot catch this error.
         EvalAltResult::ErrorTerminated(Dynamic::from(request), Position::NONE).into()
     })
 }
 
+/// Returns a moment that a script has computed, in seconds.
+fn moment(seconds: &Dynamic) -> Result<f64, Box<EvalAltResult>> {
+    match number(seconds) {
+        // The sum with 0 removes the sign of -0.
+        Some(seconds) if seconds.abs() <= LARGEST => Ok(seconds + 0.0),
+        Some(seconds) => {
+            failed(format!("there is no moment at {seconds:?} s\nmoments reach to 1e60 seconds"))
+        }
+        None => failed(format!("`value` takes a number of seconds, not {}\nwrite `t - 0.5`", kind(seconds))),
+    }
+}
+
 pub(super) fn register(engine: &mut Engine) {
-    engine.register_fn("value", value);
+    type Name = ImmutableString;
+    engine.register_fn("value", |call: NativeCallContext<'_>, target: Name, channel: Name| {
+        value(&call, target, channel, CURRENT.with_borrow(|current| current.seconds))
+    });
+    engine.register_fn(
+        "value",
+        |call: NativeCallContext<'_>, target: Name, channel: Name, seconds: Dynamic| {
+            value(&call, target, channel, moment(&seconds)?)
+        },
+    );
     budget::on_outside(engine, |name| CURRENT.with_borrow(|current| current.named(name)));
 }

@@ -526,9 +526,13 @@ fn animation(names: &[String], in_part: bool, random: &mut Random) -> String {
         }
         5 => {
             let other = if names.is_empty() { "camera" } else { &names[random.index(names.len())] };
-            let script = match random.index(3) {
+            let script = match random.index(5) {
                 0 => "base + [0, sin(t), index]".to_owned(),
                 1 => "[floor(t), 0, 0]".to_owned(),
+                2 => format!("value(`{other}`, `Translation`, t - 0.5) + [1, t, 0]"),
+                3 => format!(
+                    "if t <= 0 {{ base }} else {{ value(`{name}`, `Translation`, t - 0.25) + value(`{other}`, `Translation`, t / 2) }}"
+                ),
                 _ => format!("value(`{other}`, `Translation`) + [1, t, 0]"),
             };
             (name, "Translation", format!("Script(\"{script}\")"))

@@ -44,6 +44,9 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("[1, 2] < [3, 4]", "`<` does not take a list and a list", "<"),
     ("throw", "the script stops itself by `throw`", "throw"),
     ("let a = #{ b: 1 }; a.c", "the map has no `c`", "c"),
+    ("value(\"a\", \"Radius\", \"now\")", "`value` takes a number of seconds, not a text", "value"),
+    ("value(\"a\", \"Radius\", 1e61)", "there is no moment at 1e61 s", "value"),
+    ("value(\"a\", \"Radius\", [t])", "`value` takes a number of seconds, not a list", "value"),
     ("spawn(#{})", "`spawn` means nothing here", "spawn"),
     ("sphere(1)", "there is no function `sphere`", "sphere"),
     (

@@ -143,12 +143,35 @@ fn other_values_are_read_once_known() {
     let script =
         language.compile("let r = 0; try { r = value(\"ball\", \"Radius\"); } catch { } r * 2").unwrap();
     let mut context = ScriptContext::default();
-    let read = Read { target: "ball".to_owned(), channel: "Radius".to_owned(), span: 21..26 };
-    assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read.clone())));
-    context.set_value(&read, Data::Number(1.5));
+    let read =
+        |seconds| Read { target: "ball".to_owned(), channel: "Radius".to_owned(), seconds, span: 21..26 };
+    assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read(0.0))));
+    context.set_value(&read(0.0), Data::Number(1.5));
     assert_eq!(language.run(&script, &mut context), Ok(Data::Number(3.0)));
     context.set_time(1.0, 24.0);
-    assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read)));
+    assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read(1.0))));
+    context.set_time(0.0, 0.0);
+    assert_eq!(language.run(&script, &mut context), Ok(Data::Number(3.0)));
+    context.clear_values();
+    assert_eq!(language.run(&script, &mut context), Err(NoResult::Needs(read(0.0))));
+}
+
+#[test]
+fn other_moments_are_read_once_known() {
+    let language = Language::new(0);
+    let script = language
+        .compile(
+            "value(`ball`, `Radius`, t - 0.5) + 10 * value(`ball`, `Radius`, 2) + value(`ball`, `Radius`)",
+        )
+        .unwrap();
+    let mut context = ScriptContext::default();
+    context.set_time(2.0, 48.0);
+    for (seconds, known) in [(1.5, 1.0), (2.0, 5.0)] {
+        let Err(NoResult::Needs(read)) = language.run(&script, &mut context) else { panic!("{seconds}") };
+        assert_eq!(read.seconds, seconds);
+        context.set_value(&read, Data::Number(known));
+    }
+    assert_eq!(language.run(&script, &mut context), Ok(Data::Number(56.0)));
 }
 
 #[test]
