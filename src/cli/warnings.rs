@@ -1,13 +1,12 @@
 //! Warnings about parts of a scene that are not rendered as described.
 
 use std::collections::HashSet;
-use std::mem::discriminant;
 
 use serde_json::{Value, json};
 
-use rayreel::components::{Camera, Name, Order};
-use rayreel::scene::{SceneWarning, SourceLine, Sources};
-use rayreel::{Engine, Entity, Fault, World};
+use rayreel::scene::{Owner, SceneWarning, Sources};
+use rayreel::sequence::SequenceFault;
+use rayreel::{Engine, Entity, Fault};
 
 use super::args::AllowArguments;
 use super::print;
@@ -23,69 +22,20 @@ pub(super) struct Warnings {
     /// The number of moments so far.
     moments: usize,
     files: Vec<SceneWarning>,
-    listed: Vec<Warning>,
+    listed: Vec<SequenceFault>,
+    /// The owners and the first moments of the listed faults.
+    about: Vec<(Owner, String)>,
     /// Entities with faults that are not listed.
     others: HashSet<Entity>,
 }
 
-/// A fault that occurs at one or more moments.
+/// A fault at one or more moments.
 #[derive(Debug)]
-struct Warning {
-    fault: Fault,
-    owner: Owner,
+struct Warning<'a> {
+    found: &'a SequenceFault,
+    owner: &'a Owner,
     /// The first moment of the fault.
-    moment: String,
-    /// Number of further moments with the fault.
-    more: usize,
-}
-
-/// The owner of a fault.
-#[derive(Debug)]
-enum Owner {
-    /// An entity, with its name and its index in document order, if it has them.
-    Entity(Option<String>, Option<usize>),
-    /// A camera, by its name.
-    Camera(String),
-    Scene,
-}
-
-impl Owner {
-    fn of(world: &World, entity: Entity) -> Self {
-        let name = world.get::<&Name>(entity).ok().map(|name| name.0.clone());
-        let order = world.get::<&Order>(entity).ok().and_then(|order| usize::try_from(order.0).ok());
-        match (name, order) {
-            (Some(name), None) if world.satisfies::<&Camera>(entity) => Self::Camera(name),
-            (Some(_), None) => Self::Scene,
-            (name, order) => Self::Entity(name, order),
-        }
-    }
-
-    fn line<'a>(&self, sources: &'a Sources) -> Option<SourceLine<'a>> {
-        match self {
-            Self::Entity(_, order) => sources.entities(&[(*order)?]).next(),
-            Self::Camera(name) => Some(sources.camera(name)),
-            Self::Scene => None,
-        }
-    }
-
-    fn text(&self) -> String {
-        match self {
-            // Quoted as in the scene file: a name may contain any character.
-            Self::Entity(Some(name), _) => format!("{name:?}"),
-            Self::Entity(None, Some(order)) => format!("entity #{order}"),
-            Self::Entity(None, None) => "an entity".to_owned(),
-            Self::Camera(name) if name == "camera" => "the camera".to_owned(),
-            Self::Camera(name) => format!("camera {name:?}"),
-            Self::Scene => "the scene".to_owned(),
-        }
-    }
-}
-
-impl Warning {
-    /// Returns whether the fault counts after this number of moments.
-    fn counts(&self, moments: usize) -> bool {
-        !self.fault.may_pass() || self.more + 1 == moments
-    }
+    first: &'a str,
 }
 
 impl Warnings {
@@ -96,25 +46,18 @@ impl Warnings {
 
     /// Collects the faults at the engine's current moment, which is reported as `moment`.
     pub(super) fn collect(&mut self, engine: &Engine, moment: &str) {
-        self.moments += 1;
         let is_allowed = |name: &str| self.allowed.contains(&name);
         if !is_allowed(SceneWarning::NAME) {
             self.files = engine.scene_warnings().to_vec();
         }
-        for fault in engine.faults().into_iter().filter(|fault| !is_allowed(fault.consequence.name())) {
-            let same = |known: &&mut Warning| {
-                known.fault.entity == fault.entity
-                    && discriminant(&known.fault.cause) == discriminant(&fault.cause)
-            };
-            if let Some(known) = self.listed.iter_mut().find(same) {
-                known.more += 1;
-            } else if self.listed.len() < MOST {
-                let owner = Owner::of(engine.world(), fault.entity);
-                self.listed.push(Warning { fault, owner, moment: moment.to_owned(), more: 0 });
-            } else {
-                self.others.insert(fault.entity);
-            }
-        }
+        let index = u32::try_from(self.moments).unwrap_or(u32::MAX);
+        let is_wanted = |fault: &Fault| !is_allowed(fault.consequence.name());
+        let others = SequenceFault::collect(&mut self.listed, MOST, engine, index, is_wanted);
+        self.others.extend(others.iter().map(|fault| fault.entity));
+        let added = self.listed[self.about.len()..].iter();
+        self.about
+            .extend(added.map(|found| (Owner::of(engine.world(), found.fault.entity), moment.to_owned())));
+        self.moments += 1;
     }
 
     /// Returns whether no warning refers to an entity.
@@ -123,8 +66,10 @@ impl Warnings {
     }
 
     /// Returns the listed faults.
-    fn faults(&self) -> impl Iterator<Item = &Warning> {
-        self.listed.iter().filter(|warning| warning.counts(self.moments))
+    fn faults(&self) -> impl Iterator<Item = Warning<'_>> {
+        let listed = self.listed.iter().zip(&self.about);
+        let counting = listed.filter(|(found, _)| found.counts(self.moments));
+        counting.map(|(found, (owner, first))| Warning { found, owner, first })
     }
 
     /// Formats the number of warnings as `, 3 warnings`, or as an empty string if there are none.
@@ -142,16 +87,12 @@ impl Warnings {
             let about = [format!(" --> {file}:{position}"), format!("  = help: {help}")];
             print::warning(message, &about);
         }
-        for Warning { fault, owner, moment, more } in self.faults() {
+        for Warning { found, owner, first } in self.faults() {
             let line = sources.and_then(|sources| owner.line(sources));
             let line = line.map_or_else(String::new, |line| format!("{line}, "));
-            let more = match more {
-                0 => String::new(),
-                1 => " and one more".to_owned(),
-                more => format!(" and {more} more"),
-            };
-            let about = [format!(" --> {line}{moment}{more}"), format!("  = help: {}", fault.remedy())];
-            print::warning(&format!("{} {fault}", owner.text()), &about);
+            let (fault, moments) = (found.fault, found.moments(first));
+            let about = [format!(" --> {line}{moments}"), format!("  = help: {}", fault.remedy())];
+            print::warning(&format!("{owner} {fault}"), &about);
         }
         match self.others.len() {
             0 => {}
@@ -175,17 +116,18 @@ impl Warnings {
 
     /// Returns the warnings as JSON.
     pub(super) fn to_json(&self, sources: Option<&Sources>) -> Value {
-        let one = |Warning { fault, owner, moment, more }: &Warning| {
+        let one = |Warning { found, owner, first }: Warning<'_>| {
+            let fault = found.fault;
             let line = sources.and_then(|sources| owner.line(sources));
             json!({
                 "name": fault.consequence.name(),
-                "entity": owner.text(),
+                "entity": owner.to_string(),
                 "file": line.map(|line| line.file),
                 "line": line.map(|line| line.line),
                 "message": fault.to_string(),
                 "help": fault.remedy(),
-                "first": moment,
-                "more": more,
+                "first": first,
+                "more": found.frames - 1,
             })
         };
         let of_file = |SceneWarning { file, position, message, help }: &SceneWarning| {

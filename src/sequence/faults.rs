@@ -3,7 +3,6 @@
 use std::fmt;
 use std::mem::discriminant;
 
-use super::FrameRequest;
 use crate::components::Name;
 use crate::engine::Engine;
 use crate::systems::Fault;
@@ -22,37 +21,61 @@ pub struct SequenceFault {
 }
 
 impl SequenceFault {
-    /// Adds the faults at the engine's current moment to a list.
-    pub(super) fn collect(list: &mut Vec<Self>, engine: &Engine, request: &FrameRequest) {
-        for fault in engine.faults() {
+    /// Adds the faults for which `is_wanted` holds, at the engine's current moment, to a list of at most `most` faults. Returns the others
+    /// that the list has no room for.
+    pub fn collect(
+        list: &mut Vec<Self>,
+        most: usize,
+        engine: &Engine,
+        frame: u32,
+        is_wanted: impl Fn(&Fault) -> bool,
+    ) -> Vec<Fault> {
+        let mut others = Vec::new();
+        for fault in engine.faults().into_iter().filter(is_wanted) {
             let is_known = |known: &&mut Self| {
                 known.fault.entity == fault.entity
                     && discriminant(&known.fault.cause) == discriminant(&fault.cause)
             };
             if let Some(known) = list.iter_mut().find(is_known) {
                 known.frames += 1;
-                continue;
+            } else if list.len() < most {
+                let name = engine.world().get::<&Name>(fault.entity);
+                let entity = name
+                    .map_or_else(|_| format!("entity {:?}", fault.entity), |name| format!("{:?}", name.0));
+                list.push(Self { fault, entity, frame, frames: 1 });
+            } else {
+                others.push(fault);
             }
-            let name = engine.world().get::<&Name>(fault.entity);
-            let entity =
-                name.map_or_else(|_| format!("entity {:?}", fault.entity), |name| format!("{:?}", name.0));
-            list.push(Self { fault, entity, frame: request.frame.unwrap_or_default(), frames: 1 });
         }
+        others
     }
 
-    /// Removes the faults that [may pass](Fault::may_pass) and are not in all of this number of frames.
+    /// Removes the faults that do not [count](Self::counts).
     pub(super) fn remove_passing(list: &mut Vec<Self>, frames: usize) {
-        list.retain(|found| !found.fault.may_pass() || found.frames == frames);
+        list.retain(|found| found.counts(frames));
+    }
+
+    /// Returns whether this is a fault of a sequence of `frames` frames: a fault that [may pass](Fault::may_pass) must be in all of them.
+    #[must_use]
+    pub fn counts(&self, frames: usize) -> bool {
+        !self.fault.may_pass() || self.frames == frames
+    }
+
+    /// Returns the frames with the fault as text, as `frame 3 and 5 more`, where `first` names the first of them.
+    #[must_use]
+    pub fn moments(&self, first: &str) -> String {
+        match self.frames {
+            0 | 1 => first.to_owned(),
+            2 => format!("{first} and one more"),
+            frames => format!("{first} and {} more", frames - 1),
+        }
     }
 }
 
 impl fmt::Display for SequenceFault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { fault, entity, frame, frames } = self;
-        write!(formatter, "frame {frame}")?;
-        if *frames > 1 {
-            write!(formatter, " and {} more", frames - 1)?;
-        }
-        write!(formatter, ": {entity} {fault}; {}", fault.remedy())
+        let Self { fault, entity, frame, .. } = self;
+        let moments = self.moments(&format!("frame {frame}"));
+        write!(formatter, "{moments}: {entity} {fault}; {}", fault.remedy())
     }
 }

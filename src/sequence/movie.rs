@@ -40,7 +40,7 @@ impl Engine {
         let mut report = SequenceReport::default();
         for request in FrameRequest::frames(&FrameList::all(count), timeline) {
             let Some(film) = render_encoded(self, &request, &never, &mut |_| {})? else { break };
-            SequenceFault::collect(&mut report.faults, self, &request);
+            report.collect_faults(self, &request);
             writer.add(film, &never)?;
             report.written += 1;
         }

@@ -93,6 +93,14 @@ impl fmt::Display for SequenceReport {
     }
 }
 
+impl SequenceReport {
+    /// Adds the faults of a frame, at the engine's current moment.
+    pub(super) fn collect_faults(&mut self, engine: &Engine, request: &FrameRequest) {
+        let frame = request.frame.unwrap_or_default();
+        SequenceFault::collect(&mut self.faults, usize::MAX, engine, frame, |_| true);
+    }
+}
+
 /// An error that stops the rendering of a sequence. All files written are complete.
 #[derive(thiserror::Error)]
 pub enum SequenceError {
@@ -380,14 +388,14 @@ impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> Counted<F> {
 
 impl<F: FnMut(SequenceProgress) -> ControlFlow<()>> SequenceObserver for Counted<F> {
     fn kept(&mut self, engine: &Engine, request: &FrameRequest) -> ControlFlow<()> {
-        SequenceFault::collect(&mut self.report.faults, engine, request);
+        self.report.collect_faults(engine, request);
         self.report.kept += 1;
         self.report_progress(request, true);
         self.flow
     }
 
     fn rendered(&mut self, engine: &Engine, request: &FrameRequest) -> ControlFlow<()> {
-        SequenceFault::collect(&mut self.report.faults, engine, request);
+        self.report.collect_faults(engine, request);
         self.flow
     }
 

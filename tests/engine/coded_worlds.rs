@@ -165,7 +165,7 @@ fn reports_list_the_faults_of_all_frames() {
     let expected = format!(
         "4 frames rendered, 0 kept
 frame 0 and 3 more: \"bare\" is not drawn: it has a shape but no material; {}
-frame 2 and 1 more: entity {ball:?} is not as it says: its k_a is 2, and counts as 1; keep it from 0 to 1",
+frame 2 and one more: entity {ball:?} is not as it says: its k_a is 2, and counts as 1; keep it from 0 to 1",
         report.faults[0].fault.remedy()
     );
     assert_eq!(report.to_string(), expected);
