@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
 
-use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Times, Watching};
+use rayreel::live::{Event, PictureWarning, Server, Session, SessionSettings, Shown, Times, Watching};
 use rayreel::output::{self, Channels, FrameFormat};
 use rayreel::scene::input::is_stream;
 use rayreel::trace::Passes;
@@ -116,8 +116,14 @@ impl WatchPrinter {
             shown.info.frame,
             in_millions(shown.rays as f64),
         ));
-        for warning in &shown.warnings {
-            print::warning(warning, &[]);
+        for PictureWarning { message, help, place, .. } in &shown.warnings.list {
+            let place = place.iter().map(|place| format!(" --> {place}"));
+            print::warning(message, &place.chain([format!("  = help: {help}")]).collect::<Vec<_>>());
+        }
+        match shown.warnings.unlisted {
+            0 => {}
+            1 => print::warning("one more is not listed", &[]),
+            count => print::warning(&format!("{count} more are not listed"), &[]),
         }
         if let Some((path, format)) = &self.out
             && let Err(error) = output::write(path, &shown.film, shown.transfer, *format)

@@ -15,6 +15,7 @@
 //! | `renderer` | the engine; coarse pictures, the requested one, and the full one |
 //! | `progressive` | levels and times of the pictures before and during a picture that takes long |
 //! | `measure`, `pixel_info` | costs of effects, the error curve, and single pixels |
+//! | `warnings` | warnings about the scene and its full pictures |
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
 //! | `server`, `page` | the HTTP server for browsers on the same machine, and its page |
 //!
@@ -31,6 +32,7 @@ mod renderer;
 mod server;
 mod session;
 mod state;
+mod warnings;
 mod watcher;
 mod worker;
 
@@ -38,6 +40,7 @@ pub use publish::{Event, Shown};
 pub use server::{HostName, NoHostName, Server};
 pub use session::{Handle, Session, SessionSettings};
 pub use state::{Mistakes, PictureInfo, Times};
+pub use warnings::{PictureWarning, PictureWarnings};
 pub use watcher::{QUIET_PERIOD, Watcher, Watching};
 
 // Used by the server and by tests; not part of the public API.

@@ -89,7 +89,7 @@ impl SurfaceInfo {
 }
 
 /// Returns an entity's name, or `#17` for index 17 in document order, and the line in which its definition starts.
-pub(super) fn name_and_place(world: &World, sources: &Sources, entity: Entity) -> (String, Option<String>) {
+fn name_and_place(world: &World, sources: &Sources, entity: Entity) -> (String, Option<String>) {
     let order = order_of(world, entity);
     let unnamed = || order.map_or_else(|| "#".to_owned(), |order| format!("#{order}"));
     let place = order.and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()));

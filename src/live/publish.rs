@@ -7,6 +7,7 @@ use std::time::Instant;
 use tokio::sync::watch;
 
 use super::state::{Mistakes, PictureInfo, Planned, State, Times};
+use super::warnings::PictureWarnings;
 use crate::color::Transfer;
 use crate::engine::EngineError;
 use crate::output;
@@ -45,8 +46,8 @@ pub struct Shown {
     pub times: Times,
     /// Number of rays traced.
     pub rays: u64,
-    /// Faults of the scene, one line each. Only full pictures are checked for them.
-    pub warnings: Vec<String>,
+    /// Warnings about the scene and the picture. Only full pictures are checked for them.
+    pub warnings: PictureWarnings,
 }
 
 /// A published picture.
@@ -146,8 +147,8 @@ pub(super) struct RenderedPicture {
     pub(super) rays: u64,
     /// Effects of its frame, if known.
     pub(super) plan: Option<Vec<Planned>>,
-    /// Faults of the scene, one line each.
-    pub(super) warnings: Vec<String>,
+    /// Warnings about the scene and a full picture.
+    pub(super) warnings: PictureWarnings,
 }
 
 impl RenderedPicture {
@@ -160,7 +161,15 @@ impl RenderedPicture {
         state: &State,
     ) -> Self {
         let (kind, times) = (PictureKind::Coarse(progress), Times { trace, ..state.times });
-        Self { film, transfer, kind, times, rays: state.rays, plan: None, warnings: Vec::new() }
+        Self {
+            film,
+            transfer,
+            kind,
+            times,
+            rays: state.rays,
+            plan: None,
+            warnings: PictureWarnings::default(),
+        }
     }
 }
 
@@ -228,6 +237,13 @@ impl Publisher {
                 PictureKind::Full => (false, 1.0),
             };
             state.frame_mistakes = None;
+            match kind {
+                // Until the full picture follows, the warnings about the last one stay.
+                PictureKind::Coarse(_) | PictureKind::Draft { precedes_full: true } => {}
+                PictureKind::Draft { precedes_full: false } | PictureKind::Full => {
+                    state.warnings.clone_from(&warnings);
+                }
+            }
             if let Some(plan) = plan {
                 state.plan = plan;
                 state.curve.clear();
@@ -237,10 +253,15 @@ impl Publisher {
         true
     }
 
-    /// Emits the event of a picture without publishing the picture.
+    /// Emits the event of a full picture and publishes its warnings, but not the picture.
     pub(super) fn report(&mut self, state: &State, picture: RenderedPicture) {
         let RenderedPicture { film, transfer, kind, times, rays, warnings, .. } = picture;
         let info = self.info(state, &film, kind);
+        self.published.update(|state| {
+            if (state.frame, state.reloads) == (info.frame, info.reloads) {
+                state.warnings.clone_from(&warnings);
+            }
+        });
         self.emit(Event::Shown(Shown { info, film: Arc::new(film), transfer, times, rays, warnings }));
     }
 
@@ -292,7 +313,7 @@ mod tests {
             times: Times::default(),
             rays: 0,
             plan: None,
-            warnings: Vec::new(),
+            warnings: PictureWarnings::default(),
         };
         for kind in [
             PictureKind::Coarse(0.0),

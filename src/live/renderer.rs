@@ -10,15 +10,16 @@ use hecs::World;
 
 use super::commands::{CommandQueue, Detail};
 use super::measure;
-use super::pixel_info::{PixelInfo, name_and_place};
+use super::pixel_info::PixelInfo;
 use super::progressive::{
     Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RefreshTimer, RequestedPicture, Timings,
     share_of_unfinished,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
+use super::warnings::PictureWarnings;
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
-use crate::scene::{Scene, SceneWarning, Sources};
+use crate::scene::{Scene, Sources};
 use crate::systems::{Effect, EffectSet, EffectiveSettings, RenderSettings};
 use crate::trace::{Film, RenderJob, RenderedImage, Signals};
 
@@ -28,8 +29,6 @@ const PREVIEW_DELAY: Duration = Duration::from_millis(50);
 /// Minimum time slice of the full picture due after an edit, even when another picture is requested: half a frame interval at 25 frames
 /// per second, so that the picture progresses during playback, which stays smooth.
 const MIN_SLICE: Duration = Duration::from_millis(20);
-/// Maximum number of warnings that are listed. A fault may occur in every entity.
-const MOST_WARNINGS: usize = 10;
 /// Maximum time of a curve point other than the scene's own, in milliseconds, so that the curve of a slow frame ends.
 const LONGEST_POINT: f64 = 2000.0;
 
@@ -467,7 +466,10 @@ impl Renderer {
             PictureKind::Coarse(_) => None,
             PictureKind::Draft { .. } | PictureKind::Full => self.planned(state.frame, is_full).ok(),
         };
-        let warnings = if is_full { self.warnings() } else { Vec::new() };
+        let warnings = match is_full {
+            true => PictureWarnings::of(&self.engine, &self.sources, &self.allowed),
+            false => PictureWarnings::default(),
+        };
         RenderedPicture { film, transfer, kind, times, rays, plan, warnings }
     }
 
@@ -477,29 +479,6 @@ impl Renderer {
         let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
         let report = if is_last { self.engine.report() } else { self.engine.plan(request)? };
         Ok(report.plan.as_ref().map(Planned::all).unwrap_or_default())
-    }
-
-    /// Returns the warnings about the files and the faults at the moment of the last picture, one line each, with remedies.
-    fn warnings(&self) -> Vec<String> {
-        let is_allowed = |name: &str| self.allowed.contains(&name);
-        let of_files = self.engine.scene_warnings().iter().filter(|_| !is_allowed(SceneWarning::NAME)).map(
-            |SceneWarning { file, position, message, help }| format!("{file}:{position} {message}; {help}"),
-        );
-        let faults = self.engine.faults();
-        let faults = faults.iter().filter(|fault| !is_allowed(fault.consequence.name()));
-        let mut warnings: Vec<String> = of_files
-            .chain(faults.map(|fault| {
-                let (name, place) = name_and_place(self.engine.world(), &self.sources, fault.entity);
-                let place = place.map_or_else(String::new, |place| format!(" ({place})"));
-                format!("{name:?}{place} {fault}; {}", fault.remedy())
-            }))
-            .collect();
-        let more = warnings.len().saturating_sub(MOST_WARNINGS);
-        warnings.truncate(MOST_WARNINGS);
-        if more > 0 {
-            warnings.push(format!("and {more} more"));
-        }
-        warnings
     }
 }
 

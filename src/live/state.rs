@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::commands::Detail;
+use super::warnings::PictureWarnings;
 use crate::engine::{EngineError, FrameReport};
 use crate::scene::{LoadError, ScriptMistake, SourcePosition};
 use crate::systems::{Effect, Plan};
@@ -40,6 +41,8 @@ pub struct State {
     pub mistakes: Option<Mistakes>,
     /// Mistakes of this frame.
     pub frame_mistakes: Option<Mistakes>,
+    /// Warnings about the scene and the last full picture; none if only drafts are rendered.
+    pub warnings: PictureWarnings,
     /// Effects of the frame of the last picture that was not coarse.
     pub plan: Vec<Planned>,
     /// Measured error curve of that frame: the scene's own samples first, then other sample counts, ascending.

@@ -5,6 +5,7 @@
 
 mod browser;
 mod http;
+mod warnings;
 
 use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
@@ -49,9 +50,14 @@ impl Preview {
     }
 
     fn of(text: &str) -> Self {
+        Self::allowing(text, Vec::new())
+    }
+
+    /// Shows a scene without these warnings.
+    fn allowing(text: &str, allowed: Vec<&'static str>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("ball.ron"), text).unwrap();
-        let session = session(&folder);
+        let session = session(&folder, allowed);
         let server = Server::start(0, session.handle()).unwrap();
         let port = server.address().port();
         Self { folder, session, server: Some(server), port }
@@ -65,19 +71,19 @@ impl Preview {
 
     fn restart(&mut self) {
         self.server = None;
-        self.session = session(&self.folder);
+        self.session = session(&self.folder, Vec::new());
         self.server = Some(Server::start(self.port, self.session.handle()).unwrap());
     }
 }
 
-fn session(folder: &TempDir) -> Session {
+fn session(folder: &TempDir, allowed: Vec<&'static str>) -> Session {
     let scene = folder.path().join("ball.ron");
     Session::start(
         SessionSettings {
             scene,
             overrides: Vec::new(),
             without: EffectSet::default(),
-            allowed: Vec::new(),
+            allowed,
             frame: 0,
             watching: Watching::Events,
             finish: false,

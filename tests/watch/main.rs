@@ -15,6 +15,7 @@ mod ignored;
 mod levels;
 mod saves;
 mod session;
+mod warnings;
 mod watcher;
 
 /// Time limit for expected events, generous enough for a busy machine.

@@ -101,6 +101,7 @@ function draw() {
   drawTransport();
   drawComparison();
   drawMistakes(wrong);
+  drawWarnings(wrong);
   drawTimes();
   drawPlan();
   drawCurve();

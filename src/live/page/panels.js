@@ -1,5 +1,5 @@
 "use strict";
-// The text panels: the pixel, mistakes, times and the plan.
+// The text panels: the pixel, mistakes, warnings, times and the plan.
 
 function pixelOf(event) {
   const box = at("film").getBoundingClientRect(), [width, height] = film();
@@ -90,6 +90,27 @@ function caretLeft(text) {
   const left = text.scrollWidth * carets.indexOf("^") / Math.max(...lines.map(line => line.length));
   return left < 0.7 * text.clientWidth ? 0 : left - text.clientWidth / 3;
 }
+
+// Warnings are about the picture, which mistakes replace by the last good one.
+function drawWarnings(wrong) {
+  const { list, unlisted } = state.warnings, count = list.length + unlisted;
+  at("warnings").hidden = at("warned").hidden = Boolean(wrong) || count === 0;
+  const text = JSON.stringify(state.warnings);
+  if (warnedText === text) return;
+  warnedText = text;
+  const title = count === 1 ? "1 warning" : `${count} warnings`;
+  at("warned").textContent = at("warnings").querySelector("h2").textContent = title;
+  const items = list.map(({ name, message, help, place }) => {
+    const item = element("li", message), where = element("small", undefined, { title: place ?? "" });
+    where.append([place?.split(/[\\/]/).pop(), name].filter(Boolean).join(" · "));
+    item.append(element("small", help), where);
+    return item;
+  });
+  if (unlisted > 0) items.push(element("li", unlisted === 1 ? "one more" : `${unlisted} more`));
+  at("warnings").querySelector("ul").replaceChildren(...items);
+}
+
+let warnedText = null;  // that is listed
 
 const milliseconds = time => time < 10 ? time.toFixed(2) : time < 100 ? time.toFixed(1) : time.toFixed(0);
 
