@@ -10,16 +10,16 @@ use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use rayreel::Time;
 use rayreel::live::HostName;
 use rayreel::output::FrameNames;
 use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
 use rayreel::trace::{Passes, Precision};
+use rayreel::{Effect, Time};
 
 use super::values::{
-    parse_cutoff, parse_duration, parse_index, parse_max_error, parse_movie, parse_pixel, parse_sheet,
-    parse_size, parse_threads, parse_warning,
+    parse_cutoff, parse_duration, parse_effect, parse_index, parse_max_error, parse_movie, parse_pixel,
+    parse_sheet, parse_size, parse_threads, parse_warning,
 };
 
 pub(super) use measuring::{AccuracyArguments, CompareArguments};
@@ -86,6 +86,7 @@ pub(super) enum Command {
   rayreel render scenes/first_light.ron --frames 10-20,30,40-80x5 --size 1920x1080
   rayreel render scenes/first_light.ron --at 1.5s --out stills
   rayreel render scenes/first_light.ron --sheet 6x4
+  rayreel render scenes/first_light.ron --frames 12 --variants shadows,reflection
   rayreel render scenes/first_light.ron --draft
   rayreel render scenes/first_light.ron --samples 16 --set camera.fov=50 --without shadows
   rayreel render scenes/first_light.ron --max-error 0.5
@@ -141,6 +142,10 @@ pub(super) struct RenderArguments {
     /// wide
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = parse_sheet, conflicts_with = "at", allow_hyphen_values = true)]
     pub(super) sheet: Option<(u32, u32)>,
+    /// Render one frame onto a captioned sheet, <scene>.variants.png: with all effects and, side by side, without each of these, as in
+    /// --variants shadows,reflection. --without lists the effects; --sheet sets the columns and rows
+    #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',', conflicts_with_all = ["shard", "clean", "name", "movie", "max_error", "deadline", "settings"])]
+    pub(super) variants: Vec<Effect>,
     /// Render fast low-quality frames into the subfolder draft: a third of the film's width and height, unless --size is given,
     /// one sample per pixel, no motion blur or depth of field, a depth of at most 5, and at most 4 samples per area light
     #[arg(long)]

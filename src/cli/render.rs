@@ -25,7 +25,7 @@ use super::movie;
 use super::overrides::load;
 use super::print;
 use super::progress::Progress;
-use super::report::{RenderReport, RenderedFrameReport};
+use super::report::{RenderReport, RenderedFrameReport, SheetReport};
 use super::settings::OutputSettings;
 use super::sheet;
 use super::stream;
@@ -162,6 +162,9 @@ fn print_report(
         if let Some(missed) = missed {
             warn(arguments, missed);
         }
+    }
+    if let Some(unchanged) = report.sheet.as_ref().and_then(SheetReport::unchanged) {
+        note(arguments, &unchanged);
     }
     if let Some(slow) = report.slow_frames() {
         note(arguments, &slow);

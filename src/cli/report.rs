@@ -14,6 +14,7 @@ use super::args::RenderArguments;
 use super::choice::Chosen;
 use super::overrides::Changed;
 use super::settings::OutputSettings;
+use super::values::effect_name;
 use super::warnings::Warnings;
 
 /// The report of all frames of one run.
@@ -47,6 +48,10 @@ pub(super) struct SheetReport {
     pub(super) tiles: (u32, u32),
     /// The size in pixels.
     pub(super) size: (u32, u32),
+    /// The effects without which the picture was rendered again.
+    pub(super) variants: Vec<Effect>,
+    /// The effects without which the picture is the same.
+    pub(super) unchanged: Vec<UnchangedVariant>,
     /// Time for encoding and writing.
     pub(super) write: Duration,
 }
@@ -145,6 +150,7 @@ impl RenderReport {
     pub(super) fn summary(&self, settings: &OutputSettings) -> String {
         let frames = match self.frames.len() {
             1 => "1 frame".to_owned(),
+            count if !settings.variants.is_empty() => format!("{count} variants of a frame"),
             count => format!("{count} frames"),
         };
         let rays: u64 = self.frames.iter().map(|frame| frame.cost.rays.total()).sum();
@@ -168,12 +174,34 @@ impl RenderReport {
     }
 }
 
+/// An effect without which a picture is the same.
+#[derive(Clone, Debug)]
+pub(super) struct UnchangedVariant {
+    pub(super) effect: Effect,
+    /// The reason why the picture does not need it, if the plan knows one.
+    pub(super) reason: Option<&'static str>,
+}
+
 impl SheetReport {
+    /// Lists the effects without which the picture is the same, if there are any.
+    pub(super) fn unchanged(&self) -> Option<String> {
+        let text = |UnchangedVariant { effect, reason }: &UnchangedVariant| match reason {
+            Some(reason) => format!("{effect} ({reason})"),
+            None => effect.to_string(),
+        };
+        let names: Vec<_> = self.unchanged.iter().map(text).collect();
+        (!names.is_empty()).then(|| format!("the picture is the same without {}", names.join(", ")))
+    }
+
     fn to_json(&self) -> Value {
+        let variants: Vec<_> = self.variants.iter().map(|effect| effect_name(*effect)).collect();
+        let unchanged: Vec<_> = self.unchanged.iter().map(|variant| effect_name(variant.effect)).collect();
         json!({
             "file": self.path.display().to_string(),
             "columns": self.tiles.0,
             "rows": self.tiles.1,
+            "variants": variants,
+            "unchanged": unchanged,
             "width": self.size.0,
             "height": self.size.1,
             "write_seconds": self.write.as_secs_f64(),

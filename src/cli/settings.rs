@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
 
-use rayreel::Time;
 use rayreel::components::FilmSettings;
 use rayreel::output::{Channels, FrameFormat, Sequence, Sheet, VideoFormat};
 use rayreel::scene::input::is_stream;
 use rayreel::sequence::{Existing, FrameRequest, RenderOrder};
 use rayreel::time::{FrameList, Timeline};
+use rayreel::{Effect, Time};
 
 use super::args::{Format, ProgressName, RenderArguments};
+use super::values::effect_name;
 
 /// The pictures to render.
 #[derive(Clone, Debug)]
@@ -32,6 +33,8 @@ pub(super) struct OutputSettings {
     pub(super) existing: Existing,
     /// Columns and rows of the sheet, if all pictures go to one.
     pub(super) sheet: Option<(u32, u32)>,
+    /// The effects without which the picture is rendered again, each next to the picture with all effects on the sheet.
+    pub(super) variants: Vec<Effect>,
     /// Format of the frames on standard output, if they go there.
     pub(super) stream: Option<VideoFormat>,
     pub(super) progress: ProgressOutput,
@@ -70,7 +73,8 @@ impl OutputSettings {
                         frames.count()
                     );
                 }
-                let most = arguments.sheet.map(|(columns, rows)| columns * rows);
+                let sheet = arguments.sheet.filter(|_| arguments.variants.is_empty());
+                let most = sheet.map(|(columns, rows)| columns * rows);
                 let frames = most.map_or_else(|| frames.clone(), |most| frames.spread(most));
                 match arguments.shard.map_or_else(|| Some(frames.clone()), |shard| shard.of(&frames)) {
                     Some(frames) => Selection::Frames(frames, timeline),
@@ -78,13 +82,17 @@ impl OutputSettings {
                 }
             }
         };
-        let sheet = arguments.sheet.map(|(columns, _)| filled(columns, selection.count()));
+        let variants = variants(arguments)?;
+        let sheet = match variants.len() {
+            0 => arguments.sheet.map(|(columns, _)| filled(columns, selection.count())),
+            count => Some(sheet_of_variants(arguments.sheet, count + 1, selection.count())?),
+        };
         let fitting = sheet.map(|(columns, _)| Sheet::fitting_tile(columns, (film.width, film.height)));
         let size = arguments.size.or(fitting);
         let existing = if arguments.overwrite { Existing::Overwrite } else { Existing::Keep };
         let (order, threads) = (arguments.order.into(), arguments.threads.map(usize::from));
         let progress = ProgressOutput::new(arguments);
-        Ok(Self { selection, order, sequence, existing, sheet, stream, progress, size, threads })
+        Ok(Self { selection, order, sequence, existing, sheet, variants, stream, progress, size, threads })
     }
 }
 
@@ -136,7 +144,12 @@ impl OutputSettings {
 
     /// Returns the number of pictures.
     pub(super) fn count(&self) -> usize {
-        self.selection.count()
+        self.selection.count() * (1 + self.variants.len())
+    }
+
+    /// Returns the path of the sheet.
+    pub(super) fn file_of_sheet(&self) -> PathBuf {
+        if self.variants.is_empty() { self.sequence.sheet() } else { self.sequence.variants() }
     }
 
     /// Returns the path of the settings file.
@@ -179,7 +192,11 @@ fn format_of_files(arguments: &RenderArguments) -> anyhow::Result<FrameFormat> {
         format.channels() == channels,
         "--alpha is for --format png, png16 or exr: other files have no room for it"
     );
-    let of_bytes = [(arguments.sheet.is_some(), "--sheet"), (arguments.movie.is_some(), "--movie")];
+    let of_bytes = [
+        (arguments.sheet.is_some(), "--sheet"),
+        (!arguments.variants.is_empty(), "--variants"),
+        (arguments.movie.is_some(), "--movie"),
+    ];
     if let Some((_, option)) = of_bytes.into_iter().find(|(is_given, _)| *is_given && format.is_linear()) {
         bail!("{option} is made of colours in 8 bits: it takes --format png or ppm, without --alpha");
     }
@@ -190,6 +207,7 @@ fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat,
     let others = [
         (arguments.json, "--json writes to standard output, too"),
         (arguments.sheet.is_some(), "--sheet makes one file"),
+        (!arguments.variants.is_empty(), "--variants makes one file"),
         (arguments.passes.is_some(), "--passes are for files"),
         (arguments.alpha, "--alpha is for files"),
         (arguments.draft, "--draft makes files in a folder of their own"),
@@ -209,6 +227,42 @@ fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat,
             )
         }
     }
+}
+
+/// Returns the effects of `--variants`, each once.
+fn variants(arguments: &RenderArguments) -> anyhow::Result<Vec<Effect>> {
+    let disabled = arguments.overrides.without();
+    let mut variants = Vec::new();
+    for effect in arguments.variants.iter().copied() {
+        ensure!(
+            !disabled.contains(effect),
+            "--variants {0}: the picture has no {effect} in any variant, as --without or --only disables it: omit one of them",
+            effect_name(effect)
+        );
+        if !variants.contains(&effect) {
+            variants.push(effect);
+        }
+    }
+    Ok(variants)
+}
+
+/// Returns the columns and rows of a sheet with `count` variants of a picture. `pictures` is the number of chosen pictures.
+fn sheet_of_variants(sheet: Option<(u32, u32)>, count: usize, pictures: usize) -> anyhow::Result<(u32, u32)> {
+    ensure!(
+        pictures == 1,
+        "--variants show one frame, and {pictures} are chosen: choose one, as --frames 0, or a moment, as --at 1s"
+    );
+    let Some((columns, rows)) = sheet else {
+        // Up to three pictures are in a row, and more in a grid that is not higher than wide.
+        let columns = (count.min(3)..).find(|columns| columns * columns >= count).unwrap_or(count);
+        return Ok(filled(u32::try_from(columns).unwrap_or(u32::MAX), count));
+    };
+    ensure!(
+        (columns * rows) as usize >= count,
+        "--sheet {columns}x{rows} has no room for {count} pictures: write --sheet {columns}x{}",
+        count.div_ceil(columns as usize)
+    );
+    Ok(filled(columns, count))
 }
 
 /// Returns the columns and rows that `count` pictures fill.

@@ -1,10 +1,18 @@
 //! Labels below pictures, in a font of a few bitmap glyphs.
 
-/// Characters with glyphs; any other character is drawn as a space.
-const CHARACTERS: &str = "0123456789.s#";
+/// Glyphs side by side, and the characters in their order. Any other character is drawn as a space.
+struct GlyphTable {
+    characters: &'static str,
+    rows: [&'static str; HEIGHT as usize],
+}
 
-/// Glyphs side by side, in the order of [`CHARACTERS`].
-const GLYPHS: [&str; HEIGHT as usize] = [
+const TABLES: [GlyphTable; 3] = [
+    GlyphTable { characters: "0123456789.s#", rows: DIGITS },
+    GlyphTable { characters: "abcdefghijklm", rows: FIRST_LETTERS },
+    GlyphTable { characters: "nopqrtuvwxyz", rows: LAST_LETTERS },
+];
+
+const DIGITS: [&str; HEIGHT as usize] = [
     " ####    ##    ####   ####      ## ######  ####  ######  ####   ####                 #  #  ",
     "##  ##  ###   ##  ## ##  ##    ### ##     ##  ##     ## ##  ## ##  ##                #  #  ",
     "##  ## ####       ##     ##   #### ##     ##         ## ##  ## ##  ##               ###### ",
@@ -14,6 +22,31 @@ const GLYPHS: [&str; HEIGHT as usize] = [
     "##  ##   ##    ##        ##     ##     ## ##  ##   ##   ##  ##     ##         ####  ###### ",
     "##  ##   ##   ##     ##  ##     ## ##  ## ##  ##  ##    ##  ## ##  ##   ##       ##  #  #  ",
     " ####  ###### ######  ####      ##  ####   ####   ##     ####   ####    ##   #####   #  #  ",
+];
+
+/// Letters with descenders stand on the baseline, as high as the letters without.
+const FIRST_LETTERS: [&str; HEIGHT as usize] = [
+    "       ##                ##          ###         ##                   ##      ###          ",
+    "       ##                ##         ##           ##       ##      ##  ##       ##          ",
+    "       ##                ##         ##           ##       ##      ##  ##       ##          ",
+    "       ##                ##        #####         ##                   ##       ##          ",
+    " ####  #####   ####   #####  ####   ##     ##### #####   ###     ###  ## ##    ##   ## ##  ",
+    "    ## ##  ## ##  ## ##  ## ##  ##  ##    ##  ## ##  ##   ##      ##  ####     ##   ###### ",
+    " ##### ##  ## ##     ##  ## ######  ##     ##### ##  ##   ##      ##  ###      ##   # ## # ",
+    "##  ## ##  ## ##  ## ##  ## ##      ##        ## ##  ##   ##      ##  ####     ##   # ## # ",
+    " ##### #####   ####   #####  ####   ##    ####   ##  ##  ####  ###    ## ##   ####  # ## # ",
+];
+
+const LAST_LETTERS: [&str; HEIGHT as usize] = [
+    "                                                                                    ",
+    "                                    ##                                              ",
+    "                                    ##                                              ",
+    "                                   #####                                            ",
+    "#####   ####  #####   ##### ## ###  ##    ##  ## ##  ## # ## # ##  ## ##  ## ###### ",
+    "##  ## ##  ## ##  ## ##  ## ###     ##    ##  ## ##  ## # ## #  ####  ##  ##    ##  ",
+    "##  ## ##  ## #####   ##### ##      ##    ##  ## ##  ## # ## #   ##    #####   ##   ",
+    "##  ## ##  ## ##         ## ##      ##    ##  ##  ####  ######  ####      ##  ##    ",
+    "##  ##  ####  ##         ## ##       ###   #####   ##    #  #  ##  ## ####   ###### ",
 ];
 
 /// Number of rows of a line of text.
@@ -36,9 +69,11 @@ pub(super) fn dots(text: &str) -> impl Iterator<Item = (u32, u32)> {
 
 /// Returns the column and row of every dot of a character.
 fn glyph(character: char) -> impl Iterator<Item = (u32, u32)> {
-    let start = CHARACTERS.find(character).map(|index| index * ADVANCE as usize);
-    start.into_iter().flat_map(|start| {
-        (0..).zip(GLYPHS).flat_map(move |(row, dots)| {
+    let find = |GlyphTable { characters, rows }: GlyphTable| {
+        Some((characters.find(character)? * ADVANCE as usize, rows))
+    };
+    TABLES.into_iter().find_map(find).into_iter().flat_map(|(start, rows)| {
+        (0..).zip(rows).flat_map(move |(row, dots)| {
             let dots = dots.bytes().skip(start).take(ADVANCE as usize);
             (0..).zip(dots).filter(|(_, dot)| *dot == b'#').map(move |(column, _)| (column, row))
         })
@@ -53,14 +88,16 @@ mod tests {
 
     #[test]
     fn every_character_has_a_glyph_of_its_own_and_stays_in_its_columns() {
+        let characters: String = TABLES.map(|table| table.characters).concat();
         let glyphs: BTreeSet<Vec<_>> =
-            CHARACTERS.chars().map(|character| glyph(character).collect()).collect();
-        assert_eq!(glyphs.len(), CHARACTERS.len());
+            characters.chars().map(|character| glyph(character).collect()).collect();
+        assert_eq!((glyphs.len(), characters.len()), (38, 38));
         for glyph in glyphs {
             assert!(!glyph.is_empty());
             assert!(glyph.iter().all(|(column, row)| *column < ADVANCE - 1 && *row < HEIGHT));
         }
-        assert!(GLYPHS.iter().all(|row| row.len() == CHARACTERS.len() * ADVANCE as usize));
+        let width = |table: &GlyphTable| table.characters.len() * ADVANCE as usize;
+        assert!(TABLES.iter().all(|table| table.rows.iter().all(|row| row.len() == width(table))));
     }
 
     #[test]

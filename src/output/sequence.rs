@@ -179,6 +179,12 @@ impl Sequence {
         self.file("sheet")
     }
 
+    /// Returns the path of a sheet of variants of a frame.
+    #[must_use]
+    pub fn variants(&self) -> PathBuf {
+        self.file("variants")
+    }
+
     /// Returns the path of the settings that were chosen for frames.
     #[must_use]
     pub fn settings(&self) -> PathBuf {

@@ -99,6 +99,14 @@ impl Sheet {
 
     /// Adds a frame as the next tile. Pixels outside the tile or the sheet are cropped.
     pub fn add(&mut self, film: &EncodedFilm, frame: u32, time: Time) {
+        let number = format!("#{frame}");
+        let label = format!("{number}  {:.3} s", time.seconds());
+        self.add_captioned(film, &[&label, &number]);
+    }
+
+    /// Adds a picture as the next tile, with the first of these captions that fits below it, in lower case letters and digits. Pixels outside
+    /// the tile or the sheet are cropped.
+    pub fn add_captioned(&mut self, film: &EncodedFilm, captions: &[&str]) {
         let (left, top) = self.next_corner();
         let columns = self.tile.0.min(film.width()).min(self.width().saturating_sub(left)) as usize;
         let rows = self.tile.1.min(film.height()).min(self.height().saturating_sub(top)) as usize;
@@ -107,8 +115,7 @@ impl Sheet {
         for (sheet_row, film_row) in sheet_rows.zip(film_rows).take(rows) {
             sheet_row[left as usize..][..columns].copy_from_slice(&film_row[..columns]);
         }
-        let label = format!("#{frame}  {:.3} s", time.seconds());
-        self.label(&label, left, top.saturating_add(self.tile.1 + LABEL_GAP));
+        self.label(captions, left, top.saturating_add(self.tile.1 + LABEL_GAP));
     }
 
     /// Returns the width in pixels.
@@ -141,12 +148,11 @@ impl Sheet {
         (GAP + column * across, row.saturating_mul(down).saturating_add(GAP))
     }
 
-    /// Draws a label below a tile. If the tile is too narrow, draws only the first word, or nothing.
-    fn label(&mut self, label: &str, left: u32, top: u32) {
+    /// Draws the first of several labels that fits below a tile, or nothing.
+    fn label(&mut self, labels: &[&str], left: u32, top: u32) {
         let (dot, room) = (dot(self.tile), self.tile.0);
-        let first_word = label.split(' ').next().unwrap_or_default();
-        let fitting = [label, first_word].into_iter().find(|text| dot * label::width(text) <= room);
-        for (column, row) in label::dots(fitting.unwrap_or_default()) {
+        let fitting = labels.iter().find(|text| dot * label::width(text) <= room);
+        for (column, row) in label::dots(fitting.copied().unwrap_or_default()) {
             for (x, y) in (0..dot * dot).map(|index| (column * dot + index % dot, row * dot + index / dot)) {
                 let (x, y) = (left + x, top.saturating_add(y));
                 if x < self.width() && y < self.height() {
@@ -260,6 +266,16 @@ mod tests {
         }
         assert_eq!(inked(83), label::dots("#170.000s").count());
         assert_eq!(inked(800), 4 * inked(83));
+    }
+
+    #[test]
+    fn first_caption_that_fits_is_drawn() {
+        for (columns, caption) in [(69, "no shadows"), (68, "no"), (12, "")] {
+            let mut sheet = Sheet::new(1, 1, (columns, 1)).unwrap();
+            sheet.add_captioned(&film((columns, 1), Rgb::ONE), &["no shadows", "no"]);
+            let inked = sheet.pixels.iter().filter(|pixel| **pixel == INK).count();
+            assert_eq!(inked, label::dots(caption).count(), "{columns}");
+        }
     }
 
     /// Returns the number of pixels with ink in a tile's label.

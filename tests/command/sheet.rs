@@ -101,6 +101,84 @@ fn sheets_do_not_depend_on_the_thread_count() {
 }
 
 #[test]
+fn variants_are_the_frame_without_each_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["--frames", "7", "--variants", "shadows,reflections,fog,shadows", "--size", "160x90"];
+    let report = render(&folder, FIRST_LIGHT, &arguments);
+    let out = folder.path().join("out/first_light");
+    assert_eq!(files(&out), ["first_light.variants.png"]);
+    assert_eq!(frames(&report), [7, 7, 7, 7]);
+    let sheet = &report["sheet"];
+    assert_eq!((&sheet["columns"], &sheet["rows"]), (&3.into(), &2.into()));
+    assert_eq!(sheet["variants"], serde_json::json!(["shadows", "reflection", "fog"]));
+    // The scene has no fog.
+    assert_eq!(sheet["unchanged"], serde_json::json!(["fog"]));
+    let sheet = picture(&out.join("first_light.variants.png"));
+    let without = [&[][..], &["--without", "shadows"], &["--without", "reflection"], &[]];
+    for (index, without) in (0..).zip(without) {
+        let arguments = ["--frames", "7", "--size", "160x90", "--out", "alone", "--overwrite"];
+        render(&folder, FIRST_LIGHT, &[&arguments, without].concat());
+        let (column, row) = (index % 3, index / 3);
+        let (left, top) = (GAP + column * (160 + GAP), GAP + row * (90 + BETWEEN_ROWS));
+        let tile = crop_imm(&sheet, left, top, 160, 90).to_image();
+        assert!(tile == picture(&folder.path().join("alone/first_light.0007.png")), "{without:?}");
+        let caption = crop_imm(&sheet, left, top + 90, 160, BETWEEN_ROWS - GAP).to_image();
+        let inked = caption.pixels().filter(|pixel| pixel.0 == [200; 3]).count();
+        assert!(inked > 100, "{without:?}: {inked}");
+    }
+
+    // Text output gives the reason.
+    let arguments = ["--frames", "7", "--variants", "fog,area-lights", "--size", "16x9"];
+    let output = rayreel(folder.path(), [&["render", FIRST_LIGHT], &arguments[..]].concat());
+    let note = "the picture is the same without fog (the scene has no `fog`)";
+    assert!(crate::text(&output.stderr).contains(note), "{}", crate::text(&output.stderr));
+
+    // Two pictures side by side, at a moment, in a grid of one's own.
+    let report = render(&folder, FIRST_LIGHT, &["--at", "0.3s", "--variants", "shadows", "--size", "40x30"]);
+    assert_eq!((&report["sheet"]["columns"], &report["sheet"]["rows"]), (&2.into(), &1.into()));
+    let grid = ["--frames", "0", "--variants", "shadows,fog", "--sheet", "2x9", "--size", "40x30"];
+    let report = render(&folder, FIRST_LIGHT, &grid);
+    assert_eq!((&report["sheet"]["columns"], &report["sheet"]["rows"]), (&2.into(), &2.into()));
+}
+
+#[test]
+fn impossible_variants_are_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, message) in [
+        (
+            &["--variants", "shadows"][..],
+            "--variants show one frame, and 96 are chosen: choose one, as --frames 0, or a moment, as --at 1s",
+        ),
+        (
+            &["--frames", "0", "--variants", "shadows,fog", "--sheet", "1x2"],
+            "--sheet 1x2 has no room for 3 pictures: write --sheet 1x3",
+        ),
+        (
+            &["--frames", "0", "--variants", "fog,shadows", "--without", "shadows"],
+            "--variants shadows: the picture has no shadows in any variant, as --without or --only disables it: omit one of them",
+        ),
+        (
+            &["--frames", "0", "--variants", "fog", "--format", "exr"],
+            "--variants is made of colours in 8 bits: it takes --format png or ppm, without --alpha",
+        ),
+        (
+            &["--frames", "0", "--variants", "fog", "--out", "-"],
+            "frames cannot go to standard output: --variants makes one file; name a folder with --out",
+        ),
+    ] {
+        let output = rayreel(folder.path(), [&["render", FIRST_LIGHT], arguments].concat());
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert_eq!(crate::text(&output.stderr), format!("error: {message}\n"));
+    }
+    let output = rayreel(folder.path(), ["render", FIRST_LIGHT, "--frames", "0", "--variants", "fog,shade"]);
+    assert_eq!(output.status.code(), Some(2));
+    let message =
+        "invalid value 'shade' for '--variants <EFFECTS>': the effects are ambient-light, emission,";
+    assert!(crate::text(&output.stderr).contains(message), "{}", crate::text(&output.stderr));
+    assert!(files(folder.path()).is_empty());
+}
+
+#[test]
 fn drafts_are_small_and_have_their_own_folder() {
     let folder = tempfile::tempdir().unwrap();
     let report = render(&folder, NEWTONS_CRADLE, &["--draft", "--frames", "3"]);

@@ -135,6 +135,7 @@ fn render_arguments(arguments: &FarmArguments) -> anyhow::Result<RenderArguments
         (rendered.shard.is_some(), "--shard", "each job gets its own"),
         (rendered.at.is_some(), "--at", "a moment has no shards"),
         (rendered.sheet.is_some(), "--sheet", "a sheet has no shards"),
+        (!rendered.variants.is_empty(), "--variants", "a sheet has no shards"),
         (rendered.movie.is_some(), "--movie", "make it once all frames are there"),
         (rendered.clean, "--clean", "a shard knows nothing of the others"),
         (rendered.deadline.is_some(), "--deadline", "each job would have all of that time"),
