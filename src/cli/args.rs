@@ -15,8 +15,9 @@ use rayreel::output::FrameNames;
 use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
 use rayreel::trace::{Passes, Precision};
-use rayreel::{Effect, Time};
+use rayreel::{Effect, Ray, Time};
 
+use super::probe::parse_ray;
 use super::values::{
     parse_cutoff, parse_duration, parse_effect, parse_index, parse_max_error, parse_movie, parse_pixel,
     parse_sheet, parse_size, parse_threads, parse_warning,
@@ -387,17 +388,31 @@ pub(super) struct ExplainArguments {
 }
 
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("question").required(true).args(["pixel", "rays"])))]
+#[command(group(ArgGroup::new("question").required(true).args(["pixel", "ray", "rays"])))]
 #[command(after_help = "Examples:
   rayreel probe scenes/first_light.ron --pixel 480,270
   rayreel probe scenes/first_light.ron --pixel 480,270 --frame 12 --json
+  rayreel probe scenes/first_light.ron --pixel 480,270 --terms
+  rayreel probe scenes/first_light.ron --ray 0,1,-8,0,0,1 --terms
+  rayreel probe scenes/first_light.ron --pixel 320,133 --svg rays.svg
   rayreel probe scenes/first_light.ron --rays rays.csv > hits.csv
   echo 0,1,-8,0,0,1 | rayreel probe scenes/first_light.ron --at 1.5s --rays -
 
 --pixel prints the tree of a pixel's rays. The light of each hit is the sum of the contributions
 listed below it; multiplied by the ray's throughput, it is added to the pixel, whose colour is the
 sum over all rays. If pixels have several samples, one sample is printed, and the pixel is the mean
-of all samples.
+of all samples. --ray prints the tree of a given ray instead.
+
+--terms adds the terms of the sums. In the equation of an intersection, the direction dir is a unit
+vector, so that t is the distance from the origin. The colour at a point is the sum of
+  ambient           k_a c I_a
+  emission          the light that the surface gives off
+  for each light    (k_d c I (N.L) + k_s I (N.H)^shininess) V
+  reflected light   k_r R, and k_t F R if a part of the refracted light is reflected
+  refracted light   k_t (1 - F) T
+where V is the share of the light that arrives, R and T the light that the reflected and the
+refracted ray bring back, and F the reflectance. n1 and n2 are the refractive indices. A light behind
+a transparent surface adds k_d c I |N.L| V. Every sum is rounded to 32 bits per channel.
 
 --rays reads one ray per line, ox,oy,oz,dx,dy,dz: its origin and its direction, which may have any
 length except zero; a header line with these names is skipped. For each ray, a line
@@ -413,8 +428,19 @@ pub(super) struct ProbeArguments {
     #[arg(long, value_name = "COLUMN,ROW", value_parser = parse_pixel, allow_hyphen_values = true)]
     pub(super) pixel: Option<(u32, u32)>,
     /// Index of the sample to print, from 0 [default: 0]
-    #[arg(long, value_name = "INDEX", conflicts_with = "rays", value_parser = parse_index, allow_hyphen_values = true)]
+    #[arg(long, value_name = "INDEX", conflicts_with_all = ["ray", "rays"], value_parser = parse_index, allow_hyphen_values = true)]
     pub(super) sample: Option<u32>,
+    /// Print the ray tree of this ray: its origin and its direction, which may have any length except zero
+    #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", value_parser = parse_ray, allow_hyphen_values = true)]
+    pub(super) ray: Option<Ray>,
+    /// Also print the terms of every sum: the equation of each intersection with all roots, the coefficients of the material, N.L,
+    /// N.H, diffuse term, highlight and visibility of each light, and the shares of the reflected and the refracted light
+    #[arg(long, conflicts_with = "rays")]
+    pub(super) terms: bool,
+    /// Instead, draw the rays into this SVG file, from above and from the side: camera ray, reflected and refracted rays, normals,
+    /// and shadow rays, dashed up to the occluder if they are occluded; at most 200 rays
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["rays", "terms", "json"])]
+    pub(super) svg: Option<PathBuf>,
     /// Print the hits of the rays in this CSV file; - reads standard input
     #[arg(long, value_name = "FILE")]
     pub(super) rays: Option<PathBuf>,
@@ -425,7 +451,7 @@ pub(super) struct ProbeArguments {
     #[arg(long, value_name = "SECONDS", conflicts_with = "frame", allow_hyphen_values = true)]
     pub(super) at: Option<Time>,
     /// Frame size in pixels, as in 1280x720 [default: the scene's size]
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "rays", allow_hyphen_values = true)]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with_all = ["ray", "rays"], allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
     /// Print JSON: one object for a pixel, or one line with an object for each ray
     #[arg(long)]

@@ -12,7 +12,7 @@ use crate::systems::{
     RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
 };
 use crate::time::{Time, Timeline};
-use crate::trace::{Film, RayTree, RenderedImage, SampleMemory, SharedRoundPolicy, Signals};
+use crate::trace::{Film, PreparedRay, RayTree, RenderedImage, SampleMemory, SharedRoundPolicy, Signals};
 
 /// A world of entities that is rendered at any moment of its timeline.
 ///
@@ -380,6 +380,19 @@ impl Engine {
     ) -> Result<Option<RayTree>, EngineError> {
         let frame = self.simulation.frame(time, self.settings);
         let tree = systems::trace_sample(&mut self.simulation, &frame, pixel, index);
+        tree.map_err(|interrupted| self.error(interrupted))
+    }
+
+    /// Returns the ray tree of any ray at a moment, traced by the reference path: the rays that follow from it, and their light. Area lights
+    /// are sampled as for the first sample of the first pixel. `None` if a number of the ray is not finite or its direction is zero.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::render_frame`].
+    pub fn probe_ray(&mut self, time: Time, ray: Ray) -> Result<Option<RayTree>, EngineError> {
+        let Some(ray) = PreparedRay::new(ray.origin, ray.direction) else { return Ok(None) };
+        let frame = self.simulation.frame(time, self.settings);
+        let tree = systems::trace_ray(&mut self.simulation, &frame, ray);
         tree.map_err(|interrupted| self.error(interrupted))
     }
 

@@ -7,8 +7,7 @@ use crate::components::{Name, Order};
 use crate::engine::{Engine, EngineError};
 use crate::scene::Sources;
 use crate::time::Time;
-use crate::trace::reference::RayEnd;
-use crate::trace::{Film, SurfacePoint};
+use crate::trace::{Film, RayEnd, SurfacePoint};
 
 /// A pixel of a picture, and the surface seen by its first sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]

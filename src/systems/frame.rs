@@ -194,7 +194,7 @@ impl Simulation {
 
     /// Applies the overrides to the prepared instant, and the film and the sampling of the frame's first instant, which `of_frame` stores.
     /// Returns the instant's own settings.
-    fn apply_settings(
+    pub(super) fn apply_settings(
         &mut self,
         overrides: &RenderSettings,
         of_frame: &mut Option<(FilmSettings, Sampling)>,

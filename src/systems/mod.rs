@@ -67,4 +67,4 @@ pub use schedule::Step;
 pub(crate) use scripts::Scripts;
 pub use snapshot::UnknownComponent;
 pub(crate) use snapshot::{Registry, Snapshot};
-pub(crate) use trace::{plan, render, trace_sample};
+pub(crate) use trace::{plan, render, trace_ray, trace_sample};

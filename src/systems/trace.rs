@@ -13,10 +13,10 @@ use super::{
     RenderRequest, Simulation,
 };
 use crate::color::Encoding;
-use crate::trace::reference::{RayTree, Reference, ReferenceSums};
+use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    Effects, Film, PassPixel, RenderJob, RenderedImage, SampleMemory, SharedRoundPolicy, Signals,
-    round_policy,
+    Effects, Film, PassPixel, PreparedRay, RayTree, RenderJob, RenderedImage, SampleMemory,
+    SharedRoundPolicy, Signals, round_policy,
 };
 
 /// Renders a frame, and reports its costs.
@@ -205,6 +205,24 @@ pub(crate) fn trace_sample(
     let (columns, rows) = data.camera().resolution();
     let exists = i < columns && j < rows && index < data.samples();
     Ok(exists.then(|| reference(frame, &data).sample(i, j, index)).flatten())
+}
+
+/// Returns the ray tree of any ray at a moment, by the reference path. Pictures do not have to have a pixel for it.
+///
+/// # Errors
+///
+/// If the world cannot be advanced to the moment.
+pub(crate) fn trace_ray(
+    simulation: &mut Simulation,
+    frame: &FrameInstants,
+    ray: PreparedRay,
+) -> Result<Option<RayTree>, Interrupted> {
+    simulation.advance_to(frame.time, frame, &mut FrameReport::default(), Signals::none().cancelled)?;
+    let overridden = simulation.apply_settings(&frame.settings, &mut None);
+    let Some(preparation) = simulation.preparation.as_ref().filter(|_| overridden.is_some()) else {
+        return Ok(None);
+    };
+    Ok(Some(reference(frame, &preparation.without(frame.settings.without)).cast(ray)))
 }
 
 /// Returns the first hit of the ray through the centre of each pixel, row by row from the top, at the frame's first instant.

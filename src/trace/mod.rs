@@ -58,6 +58,7 @@
 //! The rays of a sample form a tree: every surface can spawn a reflected and a refracted ray. A path ends where a ray's contribution is
 //! negligible, by a proven bound (the contributions cut from a sample add up to less than the scene's cutoff), at the last bounce, and at 4096
 //! rays; rays beyond the last two limits see the background untraced. [`TreeEnds`] counts these rays.
+//! The reference path keeps the tree of a sample, with the terms of its light, in a [`RayTree`]; an [`Equation`] explains a hit.
 //!
 //! # Passes
 //!
@@ -80,6 +81,7 @@ mod bvh;
 mod effects;
 mod intersect;
 pub(crate) mod math;
+mod ray_tree;
 mod rays;
 pub(crate) mod reference;
 mod render;
@@ -94,8 +96,10 @@ mod tests;
 
 pub use intersect::{Escalations, ShapeHit, SurfacePoint};
 pub use math::{PixelSampling, SimdLevel};
+pub use ray_tree::{
+    LightReach, LitSurface, RayEnd, RayKind, RayTree, SurfaceTerms, TracedLightSample, TracedRay,
+};
 pub use rays::{PreparedRay, ShapeId};
-pub use reference::{LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay};
 pub(crate) use render::adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
 pub use render::adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 pub use render::film::{EncodedFilm, Film};
@@ -107,12 +111,15 @@ pub(crate) use render::job::{SampleMemory, SamplePlan};
 pub use render::passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use render::tile_work::Signals;
 pub use render_stats::{RayCounts, TreeEnds};
-pub use scene::{Attenuation, Precision, PreparedCamera};
+pub use scene::{
+    Attenuation, BackgroundTerms, GradientTerms, PassageTerms, Precision, PreparedCamera, SkyLight,
+};
 pub(crate) use scene::{
     CheckerPattern, Cone, FogLayer, MaterialTable, PreparedChecker, PreparedFalloff, PreparedFog,
     PreparedSky, PreparedStars, PreparedSun,
 };
-pub use shading::Unlit;
+pub use shading::{LightTerms, RefractionTerms, SecondaryTerms, Unlit};
+pub use shapes::{Equation, Interval};
 
 // The kernel's arrays, for tests and benchmarks; not part of the library's interface.
 #[doc(hidden)]

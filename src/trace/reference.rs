@@ -7,6 +7,9 @@ use crate::color::Rgb;
 use crate::trace::effects::{Effects, Lighting};
 use crate::trace::intersect::{CrossingDetail, Scratch, SurfacePoint};
 use crate::trace::math::{LANES, PixelSampling};
+use crate::trace::ray_tree::{
+    LightReach, LitSurface, RayEnd, RayKind, RayTree, SurfaceTerms, TracedLightSample, TracedRay,
+};
 use crate::trace::rays::{PreparedRay, RayView, ShapeId};
 use crate::trace::render::adaptive::{
     Adaptive, PacketSums, PixelMemory, SampleSums, SharedRoundPolicy, block,
@@ -15,136 +18,13 @@ use crate::trace::render::film::{self, Film};
 use crate::trace::render::image::RenderedImage;
 use crate::trace::render::job::SamplePlan;
 use crate::trace::render::visibility::{hidden_images, reference_features};
-use crate::trace::scene::{Attenuation, PreparedCamera, PreparedLight, PreparedScene, SIDE};
+use crate::trace::scene::{Attenuation, PassageTerms, PreparedCamera, PreparedLight, PreparedScene, SIDE};
 use crate::trace::shading::{
     ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
-    SecondaryRays, ShadingPoint, ShadowRay, TreeRay, Unlit, ambient, clamped, emission,
-    filtered_and_absorbed, handed_over, sample_light, secondary_rays,
+    SecondaryRays, SecondaryTerms, ShadingPoint, ShadowRay, TreeRay, Unlit, ambient, emission,
+    filtered_and_absorbed, handed_over, light_terms, secondary_rays_and_terms,
 };
 use crate::trace::stages::{Portion, Tile};
-
-/// All rays of one sample of a pixel, breadth first.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RayTree {
-    /// The rays: the camera ray is the first, and every ray comes after its parent.
-    pub rays: Vec<TracedRay>,
-}
-
-/// A ray of a ray tree.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TracedRay {
-    /// The kind of the ray.
-    pub kind: RayKind,
-    /// Index of the parent, from whose hit this ray continues; `None` for a camera ray.
-    pub parent: Option<usize>,
-    /// The ray.
-    pub ray: PreparedRay,
-    /// The share of the radiance along the ray that reaches the pixel, before the mean over samples is taken.
-    pub throughput: Rgb,
-    /// The transparent solids that the ray is inside, the last entered first.
-    pub inside: Vec<ShapeId>,
-    /// The transmittance along the ray, and the light added on the way.
-    pub passage: Attenuation,
-    /// The end of the ray.
-    pub end: RayEnd,
-    /// The number of secondary rays that are cut because their contribution is negligible.
-    pub cut: u64,
-}
-
-/// The kind of a ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RayKind {
-    /// A camera ray.
-    Camera,
-    /// A reflected ray, from a mirror or by total internal reflection.
-    Reflection,
-    /// A ray refracted at the surface of a transparent medium.
-    Refraction,
-}
-
-/// The end of a ray.
-#[derive(Clone, Debug, PartialEq)]
-pub enum RayEnd {
-    /// No hit: the background, with this colour.
-    Background(Rgb),
-    /// Not traced, as it is beyond the last bounce or the maximum number of rays: the background, with this colour.
-    BeyondDepth(Rgb),
-    /// A surface.
-    Surface(Box<LitSurface>),
-}
-
-/// A surface point and its illumination.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LitSurface {
-    /// The point.
-    pub surface: SurfacePoint,
-    /// The other shapes at the point, in document order.
-    pub coincident: Vec<ShapeId>,
-    /// Ambient light scattered back along the ray.
-    pub ambient: Rgb,
-    /// Light that the surface gives off.
-    pub emission: Rgb,
-    /// The result of every light of the scene, in document order.
-    pub lights: Vec<LightReach>,
-}
-
-/// The result of a light at a surface point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LightReach {
-    /// The light cannot contribute, and no shadow ray is traced. Holds the reason, for an area light that of its last sample.
-    NoShadowRay(Unlit),
-    /// Nothing of the light arrives, and shadow rays are occluded. Holds the first shape in document order that occludes the first occluded
-    /// shadow ray.
-    Occluded(ShapeId),
-    /// The light is scattered back along the ray.
-    Reaches {
-        /// The mean over the light's samples.
-        color: Rgb,
-        /// The number of occluded samples.
-        occluded: u32,
-    },
-}
-
-impl RayTree {
-    /// Returns the sample's colour: the sum of the contributions of all rays, in order.
-    #[must_use]
-    pub fn color(&self) -> Rgb {
-        self.rays.iter().fold(Rgb::ZERO, |sum, traced| sum + traced.contribution())
-    }
-
-    /// Returns whether the scene covers the pixel in this sample: the camera ray does not see the unattenuated background.
-    #[must_use]
-    pub fn is_covered(&self) -> bool {
-        let sees_background = |traced: &TracedRay| {
-            traced.passage == Attenuation::CLEAR && matches!(traced.end, RayEnd::Background(_))
-        };
-        !self.rays.first().is_some_and(sees_background)
-    }
-}
-
-impl TracedRay {
-    /// Returns the ray's contribution to the sample.
-    #[must_use]
-    pub fn contribution(&self) -> Rgb {
-        self.throughput * self.passage.of(self.end.light())
-    }
-}
-
-impl RayEnd {
-    /// Returns the radiance from the end of the ray towards its origin.
-    #[must_use]
-    pub fn light(&self) -> Rgb {
-        match self {
-            Self::Background(color) | Self::BeyondDepth(color) => *color,
-            Self::Surface(lit) => {
-                clamped(lit.lights.iter().fold(lit.ambient + lit.emission, |sum, reach| match reach {
-                    LightReach::Reaches { color, .. } => sum + *color,
-                    LightReach::NoShadowRay(_) | LightReach::Occluded(_) => sum,
-                }))
-            }
-        }
-    }
-}
 
 /// Renders samples of pixels, one ray tree after the other.
 pub(crate) struct Reference<'a> {
@@ -206,13 +86,30 @@ impl<'a> Reference<'a> {
     /// Returns the rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera's position is not finite.
     #[must_use]
     pub(crate) fn sample(&mut self, i: u32, j: u32, index: u32) -> Option<RayTree> {
+        let ray = self.context.camera.sample_ray(self.context.sampling, i, j, index)?;
+        self.clear();
+        let medium = self.context.medium(ray.origin(), &mut self.scratch.media);
+        let sample_id = SampleId { seed: self.context.sampling.seed, pixel: (i, j), sample: index };
+        Some(self.tree(ray, medium, sample_id))
+    }
+
+    /// Returns the rays that follow from any ray. Area lights are sampled as for the first sample of the first pixel.
+    #[must_use]
+    pub(crate) fn cast(&mut self, ray: PreparedRay) -> RayTree {
+        self.clear();
+        let medium = self.context.medium_anywhere(ray.origin(), &mut self.scratch.media);
+        let sample_id = SampleId { seed: self.context.sampling.seed, pixel: (0, 0), sample: 0 };
+        self.tree(ray, medium, sample_id)
+    }
+
+    fn clear(&mut self) {
+        self.scratch.media.clear();
+        self.scratch.search.ties.clear();
+        self.scratch.search.tied_hits.clear();
+    }
+
+    fn tree(&mut self, ray: PreparedRay, medium: MediumStack, sample_id: SampleId) -> RayTree {
         let Self { context, scratch } = self;
-        let ray = context.camera.sample_ray(context.sampling, i, j, index)?;
-        scratch.media.clear();
-        scratch.search.ties.clear();
-        scratch.search.tied_hits.clear();
-        let medium = context.medium(ray.origin(), &mut scratch.media);
-        let sample_id = SampleId { seed: context.sampling.seed, pixel: (i, j), sample: index };
         let mut tree = Vec::new();
         let state = PathState::at_camera(medium);
         let mut wave: Vec<Queued> = vec![(RayKind::Camera, None, TreeRay { ray, state })];
@@ -223,12 +120,13 @@ impl<'a> Reference<'a> {
             }
             let mut next = Vec::new();
             for (kind, parent, mut ray) in wave {
-                let traced = trace(context, scratch, kind, parent, &ray, sample_id);
+                let mut traced = trace(context, scratch, kind, parent, &ray, sample_id);
                 ray.state.throughput *= traced.passage.transmitted;
-                if let RayEnd::Surface(lit) = &traced.end {
+                if let RayEnd::Surface(lit) = &mut traced.end {
                     let arrived = (&ray.ray, &ray.state);
-                    let SecondaryRays { reflected, refracted } =
-                        secondary_rays(context, scratch, arrived, &lit.surface);
+                    let (SecondaryRays { reflected, refracted }, terms) =
+                        secondary_rays_and_terms(context, scratch, arrived, &lit.surface);
+                    lit.terms.secondary = terms;
                     let kinds = [(RayKind::Reflection, reflected), (RayKind::Refraction, refracted)];
                     let parent = Some(tree.len());
                     next.extend(kinds.into_iter().filter_map(|(kind, ray)| Some((kind, parent, ray?))));
@@ -248,12 +146,13 @@ impl<'a> Reference<'a> {
                 }
             }
         }
+        let untraced = (Attenuation::CLEAR, PassageTerms::default());
         let beyond = beyond.into_iter().map(|(kind, parent, ray)| {
-            let background = context.scene.miss_radiance(ray.ray.direction());
-            traced(kind, parent, &ray, scratch, Attenuation::CLEAR, RayEnd::BeyondDepth(background))
+            let background = Box::new(context.scene.background_terms(ray.ray.direction()));
+            traced(kind, parent, &ray, scratch, untraced, RayEnd::BeyondDepth(background))
         });
         tree.extend(beyond);
-        Some(RayTree { rays: tree })
+        RayTree { rays: tree }
     }
 }
 
@@ -382,8 +281,8 @@ fn trace(
     let (scene, seen) = (context.scene, context.seen_by(ray.state.path));
     let Some(closest) = seen.closest_of_all(&ray.ray, &mut scratch.search) else {
         let passage = ray.state.passage(context.effects, scene, &scratch.media, (&ray.ray, f64::INFINITY));
-        let background = scene.miss_radiance(ray.ray.direction());
-        return traced(kind, parent, ray, scratch, passage, RayEnd::Background(background));
+        let background = scene.background_terms(ray.ray.direction());
+        return traced(kind, parent, ray, scratch, passage, RayEnd::Background(Box::new(background)));
     };
     let surface = seen.surface(&ray.ray, &closest, &mut scratch.search);
     let length = surface.distance(&ray.ray);
@@ -397,11 +296,12 @@ fn traced(
     parent: Option<usize>,
     ray: &TreeRay,
     scratch: &LightScratch<'_>,
-    passage: Attenuation,
+    (passage, medium): (Attenuation, PassageTerms),
     end: RayEnd,
 ) -> TracedRay {
     let inside = scratch.media.solids(ray.state.medium).collect();
-    TracedRay { kind, parent, ray: ray.ray, throughput: ray.state.throughput, inside, passage, end, cut: 0 }
+    let (ray, throughput) = (ray.ray, ray.state.throughput);
+    TracedRay { kind, parent, ray, throughput, inside, passage, medium, end, cut: 0 }
 }
 
 fn lit(
@@ -422,11 +322,20 @@ fn lit(
     let coincident = arrived_in.tied(&surface, &scratch.search.ties);
     let (left, medium) =
         handed_over(context, (arrived_in, context.shadow), (ray, &surface), state.medium, scratch);
-    let seen = (&left, medium);
+    let (seen, mut samples) = ((&left, medium), Vec::new());
     let lights = scene.lights.iter().enumerate();
-    let lights = lights.map(|light| reach(context, scratch, light, &lit, seen)).collect();
+    let lights = lights.map(|light| reach(context, scratch, light, &lit, seen, &mut samples)).collect();
+    let terms = SurfaceTerms {
+        is_second_square: material.second_square(surface.point, surface.normal).is_some(),
+        ambient_color,
+        ambient_light: scene.ambient,
+        diffuse_color: diffuse,
+        specular: material.specular,
+        shininess: material.shininess,
+        secondary: SecondaryTerms::default(),
+    };
     let (ambient, emission) = (ambient(scene, ambient_color), emission(context.effects, material));
-    LitSurface { ambient, emission, lights, surface, coincident }
+    LitSurface { ambient, emission, lights, samples, terms, surface, coincident }
 }
 
 fn reach(
@@ -435,22 +344,26 @@ fn reach(
     light: (usize, &PreparedLight),
     lit: &ShadingPoint<'_>,
     seen: (&SurfacePoint, MediumStack),
+    samples: &mut Vec<TracedLightSample>,
 ) -> LightReach {
     let (mut first, mut occluded, mut traced, mut unlit) = (None, 0, false, None);
     let own_shape = light.1.own_shape;
     let mut sum = DVec3::ZERO;
     for sample in 0..light.1.sample_count() {
-        let LightSample { color, shadow } = match sample_light(context.effects, light, lit, sample) {
-            Ok(light_sample) => light_sample,
+        let terms = match light_terms(context.effects, light, lit, sample) {
+            Ok(terms) => terms,
             Err(reason) => {
                 unlit = Some(if light.1.intensity == Rgb::ZERO { Unlit::Off } else { reason });
                 continue;
             }
         };
+        let LightSample { color, shadow } = terms.light_sample(context.effects, light.1);
         let share = shadow.map_or(Ok(Rgb::ONE), |segment| {
             traced = true;
             visibility(context, scratch, &segment.ray(seen.0), own_shape, seen)
         });
+        let (visibility, occluder) = (share.unwrap_or(Rgb::ZERO), share.err());
+        samples.push(TracedLightSample { light: light.0, sample, terms, visibility, occluder });
         match share {
             Ok(share) => sum += (color * share).as_dvec3(),
             Err(id) => {
@@ -463,6 +376,7 @@ fn reach(
     match (first, unlit) {
         (Some(id), _) if color == Rgb::ZERO => LightReach::Occluded(id),
         (None, Some(reason)) if color == Rgb::ZERO && !traced => LightReach::NoShadowRay(reason),
+        (None, _) if color == Rgb::ZERO && traced => LightReach::Absorbed,
         _ => LightReach::Reaches { color, occluded },
     }
 }

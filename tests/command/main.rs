@@ -15,6 +15,7 @@ mod ignored;
 mod movies;
 mod overrides;
 mod probe;
+mod probe_terms;
 #[cfg(unix)]
 mod process;
 mod reproducible;

@@ -25,20 +25,20 @@ fn root() -> &'static Path {
 }
 
 /// Runs `rayreel probe` in `tests/probe/`.
-fn probe(arguments: &[&str], input: &str) -> Output {
+pub(crate) fn probe(arguments: &[&str], input: &str) -> Output {
     let mut command = Command::cargo_bin("rayreel").unwrap();
     command.current_dir(root().join("tests/probe")).arg("probe").args(arguments);
     command.write_stdin(input).output().unwrap()
 }
 
 /// Returns the standard output of a call that must succeed.
-fn stdout_of(arguments: &[&str], input: &str) -> String {
+pub(crate) fn stdout_of(arguments: &[&str], input: &str) -> String {
     let output = probe(arguments, input);
     assert!(output.status.success() && output.stderr.is_empty(), "{arguments:?}: {}", text(&output.stderr));
     text(&output.stdout)
 }
 
-fn json_of(arguments: &[&str]) -> Value {
+pub(crate) fn json_of(arguments: &[&str]) -> Value {
     serde_json::from_str(&stdout_of(&[arguments, &["--json"]].concat(), "")).unwrap()
 }
 
@@ -53,11 +53,11 @@ fn shipped_scenes() -> Vec<PathBuf> {
 
 /// Returns an `f32` that was written as an `f64`.
 #[expect(clippy::cast_possible_truncation, reason = "it is one")]
-fn single(value: f64) -> f32 {
+pub(crate) fn single(value: f64) -> f32 {
     value as f32
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
 }
 
@@ -150,6 +150,12 @@ fn probe_trees_match_their_snapshots() {
         ("mirrors.deep", vec!["mirrors.ron", "--pixel", "2,3", "--frame", "2"]),
         ("lens.sample", vec!["lens.ron", "--pixel", "2,1", "--sample", "3"]),
         ("mirrors.moment", vec!["mirrors.ron", "--pixel", "8,8", "--at", "0.3s"]),
+        ("seed.screen", vec!["seed.ron", "--pixel", "10,20", "--terms"]),
+        ("seed.sphere", vec!["seed.ron", "--ray", "0,-2,0,1,2,1", "--terms"]),
+        ("terms.glass", vec!["terms.ron", "--pixel", "13,8", "--depth", "2", "--terms"]),
+        ("sky.terms", vec!["sky.ron", "--pixel", "4,9", "--terms"]),
+        ("sky.mirror", vec!["sky.ron", "--pixel", "13,7", "--depth", "2", "--terms"]),
+        ("terms.crate", vec!["terms.ron", "--ray", "1.8,0.7,-9,0,0,1", "--depth", "2", "--terms"]),
     ] {
         let found = stdout_of(&arguments, "");
         assert!(found.lines().all(|line| line.chars().count() <= 100 && line.trim_end() == line));
@@ -447,7 +453,7 @@ fn invalid_options_report_the_valid_form() {
         }
     }
     for (arguments, expected) in [
-        (vec!["corner.ron"], "<--pixel <COLUMN,ROW>|--rays <FILE>>"),
+        (vec!["corner.ron"], "<--pixel <COLUMN,ROW>|--ray <OX,OY,OZ,DX,DY,DZ>|--rays <FILE>>"),
         (vec!["corner.ron", "--pixel", "1,1", "--rays", "-"], "cannot be used with"),
         (vec!["corner.ron", "--rays", "-", "--size", "5x5"], "cannot be used with"),
         (vec!["corner.ron", "--pixel", "1,1", "--frame", "0", "--at", "1s"], "cannot be used with"),

@@ -1,12 +1,15 @@
 //! `rayreel probe`
 //!
-//! [`pixel`] explains a pixel, as a [`tree`] or as JSON. [`rays`] casts given rays, which [`read`] parses.
+//! [`pixel`] explains a pixel or a ray, as a [`tree`] or as JSON, with the [`terms`] of its light, or as a [`drawing`]. [`rays`] casts given rays, which [`read`]
+//! parses.
 
+mod drawing;
 mod names;
 mod numbers;
 mod pixel;
 mod rays;
 mod read;
+mod terms;
 mod tree;
 
 use rayreel::{Engine, RenderSettings, Scene};
@@ -14,6 +17,9 @@ use rayreel::{Engine, RenderSettings, Scene};
 use super::args::ProbeArguments;
 use super::exit::Failure;
 use super::settings::require_frame;
+use pixel::{OutputForm, Probed, ProbedAt};
+
+pub(super) use read::parse_ray;
 
 pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     if arguments.scene.as_os_str() == "-"
@@ -41,14 +47,20 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
         engine.seek(time)?;
         return rays::run(rays, &engine, arguments.json);
     }
-    let at = pixel::PixelAt {
-        file: &file,
-        sources: &sources,
-        pixel: arguments.pixel.unwrap_or((0, 0)),
-        sample: arguments.sample.unwrap_or(0),
-        samples: engine.effective_settings().sampling.samples,
-        frame,
-        time,
+    let probed = match arguments.ray {
+        Some(ray) => Probed::Ray(ray),
+        None => Probed::Pixel {
+            pixel: arguments.pixel.unwrap_or((0, 0)),
+            sample: arguments.sample.unwrap_or(0),
+            samples: engine.effective_settings().sampling.samples,
+        },
     };
-    pixel::run(&at, &mut engine, arguments.json)
+    let at = ProbedAt { file: &file, sources: &sources, probed, terms: arguments.terms, frame, time };
+    let scene = &arguments.scene;
+    let output = match &arguments.svg {
+        Some(file) => OutputForm::Svg { file, scene },
+        None if arguments.json => OutputForm::Json,
+        None => OutputForm::Text,
+    };
+    pixel::run(&at, &mut engine, output)
 }

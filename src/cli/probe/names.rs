@@ -1,4 +1,4 @@
-//! The names of entities and their lines in the scene's files.
+//! The names of rays, and of entities with their lines in the scene's files.
 
 use std::collections::HashMap;
 
@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use rayreel::components::{Name, Order};
 use rayreel::scene::{SourceLine, Sources};
+use rayreel::trace::RayKind;
 use rayreel::{Entity, World};
 
 /// Returns an entity's name or, without one, its index in document order, as `#17`.
@@ -21,6 +22,15 @@ pub(super) fn label(world: &World, entity: Entity) -> String {
 
 fn order(world: &World, entity: Entity) -> Option<u64> {
     world.get::<&Order>(entity).ok().map(|order| order.0)
+}
+
+/// Returns the name of a ray at a depth.
+pub(super) fn ray_name(kind: RayKind, depth: usize) -> String {
+    match kind {
+        RayKind::Camera => "camera ray".to_owned(),
+        RayKind::Reflection => format!("reflection {depth}"),
+        RayKind::Refraction => format!("refraction {depth}"),
+    }
 }
 
 /// Entities with the lines on which they start.

@@ -1,6 +1,8 @@
-//! Formatting of numbers that parse back to the same bits.
+//! Formatting of numbers and vectors that parse back to the same bits.
 
 use std::fmt::{Display, Formatter, LowerExp, Result};
+
+use rayreel::Rgb;
 
 /// Formats a number with 17 significant digits, which distinguish all `f64` values. Zero is formatted as `0` or `-0`.
 pub(super) fn exact(value: f64) -> String {
@@ -31,6 +33,33 @@ impl<T: Copy + Display + LowerExp + Into<f64>> Display for Shortest<T> {
             LowerExp::fmt(&self.0, formatter)
         }
     }
+}
+
+/// Pads a number so that signs and decimal points align in columns, with a space after it.
+pub(super) fn column_of(number: &str) -> String {
+    let sign = if number.starts_with('-') { "" } else { " " };
+    format!("{:<22}", format!("{sign}{number} "))
+}
+
+/// Formats a number for a column.
+pub(super) fn number(value: f64) -> String {
+    column_of(&exact(value))
+}
+
+/// Formats a vector in three columns.
+pub(super) fn vector(value: impl Into<[f64; 3]>) -> String {
+    value.into().map(number).concat()
+}
+
+/// Formats a colour in three columns.
+pub(super) fn color(value: Rgb) -> String {
+    value.to_array().map(|channel| column_of(&Shortest(channel).to_string())).concat()
+}
+
+/// Formats a contribution to the light of a surface.
+pub(super) fn adds(value: Rgb) -> String {
+    let channels = value.to_array().map(|channel| format!("{:<13}", format!("{} ", Shortest(channel))));
+    format!("adds {}", channels.concat())
 }
 
 #[cfg(test)]

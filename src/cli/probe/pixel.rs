@@ -1,55 +1,101 @@
-//! Explanation of the colour of a pixel.
+//! Explanation of the colour of a pixel, or of the light along a ray.
+
+use std::path::Path;
 
 use anyhow::{Context, ensure};
 use serde_json::{Value, json};
 
-use rayreel::components::Name;
+use rayreel::components::{Material, Name};
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::systems::{Preparation, active_camera};
-use rayreel::trace::Attenuation;
-use rayreel::trace::{LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay, Unlit};
-use rayreel::{Engine, Entity, Rgb, Time};
+use rayreel::trace::{
+    Attenuation, BackgroundTerms, LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay, Unlit,
+};
+use rayreel::{Effect, Engine, Entity, Ray, Rgb, Time};
 
 use super::super::exit::Failure;
 use super::super::print;
-use super::names::EntityLines;
-use super::numbers::{Shortest, exact};
+use super::super::write_file::{ensure_not_the_scene, write_file};
+use super::drawing::RayDrawing;
+use super::names::{EntityLines, ray_name};
+use super::numbers::{Shortest, adds, color, column_of, number, vector};
+use super::terms::{self, Terms};
 use super::tree::TreeNode;
+
+/// The reason why nothing of a light arrives behind transparent shapes.
+const ABSORBED: &str = "absorbed by transparent shapes";
 
 /// Number of ray depths that are drawn nested; rays at the next depth become separate trees at the margin.
 const NESTED: usize = 6;
 
-/// The pixel to explain, with its scene and moment.
-pub(super) struct PixelAt<'a> {
+/// The rays to explain.
+#[derive(Clone, Copy)]
+pub(super) enum Probed {
+    /// The rays of a pixel.
+    Pixel {
+        /// The column and the row.
+        pixel: (u32, u32),
+        /// The index of the sample.
+        sample: u32,
+        /// Number of samples of the pixel.
+        samples: u32,
+    },
+    /// The rays that follow from a ray.
+    Ray(Ray),
+}
+
+/// The rays to explain, with their scene and moment.
+pub(super) struct ProbedAt<'a> {
     pub(super) file: &'a str,
     pub(super) sources: &'a Sources,
-    /// The column and the row.
-    pub(super) pixel: (u32, u32),
-    /// The index of the sample.
-    pub(super) sample: u32,
-    /// Number of samples of the pixel.
-    pub(super) samples: u32,
+    pub(super) probed: Probed,
+    /// True if the terms of every sum are printed.
+    pub(super) terms: bool,
     /// Number of the frame; `None` for a moment that is not a frame.
     pub(super) frame: Option<u32>,
     pub(super) time: Time,
 }
 
-pub(super) fn run(at: &PixelAt<'_>, engine: &mut Engine, json: bool) -> Result<(), Failure> {
-    let film = engine.effective_settings().film;
-    ensure_pixel(at.pixel, (film.width, film.height))?;
-    ensure_sample(at.sample, at.samples)?;
-    let tree = engine.probe(at.time, at.pixel, at.sample)?;
+/// The form of an explanation.
+#[derive(Clone, Copy)]
+pub(super) enum OutputForm<'a> {
+    Text,
+    Json,
+    /// A drawing in a file, which must not be the scene's.
+    Svg {
+        file: &'a Path,
+        scene: &'a Path,
+    },
+}
+
+pub(super) fn run(at: &ProbedAt<'_>, engine: &mut Engine, output: OutputForm<'_>) -> Result<(), Failure> {
+    if let OutputForm::Svg { file, scene } = output {
+        ensure_not_the_scene(file, scene)?;
+    }
+    let tree = match at.probed {
+        Probed::Pixel { pixel, sample, samples } => {
+            let film = engine.effective_settings().film;
+            ensure_pixel(pixel, (film.width, film.height))?;
+            ensure_sample(sample, samples)?;
+            engine.probe(at.time, pixel, sample)?
+        }
+        Probed::Ray(ray) => engine.probe_ray(at.time, ray)?,
+    };
     let (tree, prepared) = tree
         .zip(engine.prepared())
         .context("the camera is not in a finite place at this moment: all pixels show the background")?;
     let mut entities = prepared.lights().to_vec();
     entities.extend(tree.rays.iter().flat_map(|traced| met(prepared, traced)));
     let lines = EntityLines::of(engine.world(), at.sources, &entities);
-    let explanation = PixelExplanation { at, engine, prepared, tree, lines };
-    if json {
-        print::json(explanation.json())?;
-    } else {
-        print::result(&explanation.text())?;
+    let terms = at.terms.then(|| Terms::new(engine, prepared, &tree, &lines));
+    let explanation = RayExplanation { at, engine, prepared, tree: &tree, lines: &lines, terms };
+    match output {
+        OutputForm::Text => print::result(&explanation.text())?,
+        OutputForm::Json => print::json(explanation.json())?,
+        OutputForm::Svg { file, .. } => {
+            write_file(file, explanation.drawing().as_bytes())?;
+            print::result_line(&format!("{}: {}", file.display(), explanation.summary()))?;
+        }
     }
     Ok(())
 }
@@ -76,24 +122,23 @@ fn ensure_sample(sample: u32, samples: u32) -> anyhow::Result<()> {
 /// Returns all entities that are hit by a ray or by the shadow rays from its end.
 fn met(prepared: &Preparation, traced: &TracedRay) -> Vec<Entity> {
     let RayEnd::Surface(lit) = &traced.end else { return Vec::new() };
-    let hiding = lit.lights.iter().filter_map(|reach| match reach {
-        LightReach::Occluded(slot) => Some(*slot),
-        LightReach::NoShadowRay(_) | LightReach::Reaches { .. } => None,
-    });
+    let hiding = lit.samples.iter().filter_map(|sample| sample.occluder);
     let slots = std::iter::once(lit.surface.hit.id).chain(lit.coincident.iter().copied()).chain(hiding);
     slots.map(|slot| prepared.entity(slot)).collect()
 }
 
 /// The contents of an explanation.
-struct PixelExplanation<'a> {
-    at: &'a PixelAt<'a>,
+struct RayExplanation<'a> {
+    at: &'a ProbedAt<'a>,
     engine: &'a Engine,
     prepared: &'a Preparation,
-    tree: RayTree,
-    lines: EntityLines<'a>,
+    tree: &'a RayTree,
+    lines: &'a EntityLines<'a>,
+    /// The terms of every sum, if they are printed.
+    terms: Option<Terms<'a>>,
 }
 
-impl PixelExplanation<'_> {
+impl RayExplanation<'_> {
     fn bytes(&self) -> [u8; 3] {
         self.engine.effective_settings().film.transfer.encode(self.tree.color())
     }
@@ -106,34 +151,72 @@ impl PixelExplanation<'_> {
         self.at.sources.camera(name.as_ref().map_or("", |name| name.0.as_str()))
     }
 
+    /// Draws the rays from above and from the side.
+    fn drawing(&self) -> String {
+        let is_pixel = matches!(self.at.probed, Probed::Pixel { .. });
+        let drawing = RayDrawing::new(self.engine, self.prepared, self.tree, is_pixel);
+        let heading = self.heading();
+        drawing.draw(heading.trim_end(), &self.summary(), self.bytes())
+    }
+
+    /// Counts the rays and shadow rays.
+    fn summary(&self) -> String {
+        let surfaces = self.tree.rays.iter().filter_map(|traced| match &traced.end {
+            RayEnd::Surface(lit) => Some(lit),
+            RayEnd::Background(_) | RayEnd::BeyondDepth(_) => None,
+        });
+        let samples: Vec<_> = surfaces.flat_map(|lit| &lit.samples).collect();
+        let occluded = samples.iter().filter(|sample| sample.occluder.is_some()).count();
+        let [red, green, blue] = self.bytes();
+        format!(
+            "{} and {} to lights, {occluded} of them occluded; the colour is {red}, {green}, {blue}",
+            rays(self.tree.rays.len() as u64),
+            rays(samples.len() as u64),
+        )
+    }
+
     fn text(&self) -> String {
-        let (film, (column, row)) = (self.engine.effective_settings().film, self.at.pixel);
+        let mut text = self.heading();
+        text += &format!("{:<14}{}\n", "linear", color(self.tree.color()).trim_end());
+        let bytes = self.bytes().map(|byte| column_of(&byte.to_string()));
+        text += &format!("{:<14}{}\n", "bytes", bytes.concat().trim_end());
+        for node in self.screen().into_iter().chain(self.roots()) {
+            text.push('\n');
+            text += &node.draw();
+        }
+        text
+    }
+
+    /// Describes the probed rays in a line.
+    fn heading(&self) -> String {
         let time = Shortest(self.at.time.seconds());
         let moment = match self.at.frame {
             Some(frame) => format!("frame {frame} at {time} s"),
             None => format!("the moment {time} s"),
         };
-        let sample = match self.at.samples {
-            1 => String::new(),
-            samples if self.engine.effective_settings().sampling.is_adaptive() => {
-                format!(" sample {} of {samples} at most,", self.at.sample)
+        match self.at.probed {
+            Probed::Pixel { pixel: (column, row), sample, samples } => {
+                let (settings, camera) = (self.engine.effective_settings(), self.camera());
+                let (width, height) = (settings.film.width, settings.film.height);
+                let sample = match samples {
+                    1 => String::new(),
+                    _ if settings.sampling.is_adaptive() => format!(" sample {sample} of {samples} at most,"),
+                    _ => format!(" sample {sample} of {samples},"),
+                };
+                format!("Pixel {column},{row} of {width}x{height},{sample} {moment}, camera ({camera})\n")
             }
-            samples => format!(" sample {} of {samples},", self.at.sample),
-        };
-        let mut text = format!(
-            "Pixel {column},{row} of {}x{},{sample} {moment}, camera ({})\n",
-            film.width,
-            film.height,
-            self.camera()
-        );
-        text += &format!("{:<14}{}\n", "linear", color(self.tree.color()).trim_end());
-        let bytes = self.bytes().map(|byte| column_of(&byte.to_string()));
-        text += &format!("{:<14}{}\n", "bytes", bytes.concat().trim_end());
-        for node in self.roots() {
-            text.push('\n');
-            text += &node.draw();
+            Probed::Ray(Ray { origin, direction }) => {
+                let vector = |vector: [f64; 3]| vector.map(|part| Shortest(part).to_string()).join(",");
+                let (origin, direction) = (vector(origin.to_array()), vector(direction.to_array()));
+                format!("Ray from {origin} in direction {direction}, {moment} ({})\n", self.at.file)
+            }
         }
-        text
+    }
+
+    /// Returns the place of the pixel on the screen, if the terms are printed.
+    fn screen(&self) -> Option<TreeNode> {
+        let Probed::Pixel { pixel, sample, .. } = self.at.probed else { return None };
+        self.terms.as_ref().map(|terms| terms.screen(pixel, sample, self.at.time).node())
     }
 
     /// Returns the tree of rays. Subtrees nested deeper than [`NESTED`] become separate trees.
@@ -144,8 +227,7 @@ impl PixelExplanation<'_> {
             depths.push(traced.parent.map_or(0, |parent| depths[parent] + 1));
         }
         let mut roots = Vec::new();
-        let mut nodes: Vec<TreeNode> =
-            rays.iter().zip(&depths).map(|(traced, depth)| self.node(traced, *depth)).collect();
+        let mut nodes: Vec<TreeNode> = (0..rays.len()).map(|index| self.node(index, depths[index])).collect();
         // Rays are stored after their parents, so the last node already has all its children.
         while let Some(mut node) = nodes.pop() {
             let index = nodes.len();
@@ -164,15 +246,19 @@ impl PixelExplanation<'_> {
         roots
     }
 
-    fn node(&self, traced: &TracedRay, depth: usize) -> TreeNode {
-        let name = ray_name(traced.kind, depth);
+    fn node(&self, index: usize, depth: usize) -> TreeNode {
+        let traced = &self.tree.rays[index];
+        let name = match (self.at.probed, traced.kind) {
+            (Probed::Ray(_), RayKind::Camera) => "ray".to_owned(),
+            (_, kind) => ray_name(kind, depth),
+        };
         let light = traced.end.light();
         let mut facts =
             vec![("origin", vector(traced.ray.origin())), ("direction", vector(traced.ray.direction()))];
         let (found, children) = match &traced.end {
-            RayEnd::Background(_) => ("sees the background".to_owned(), Vec::new()),
-            RayEnd::BeyondDepth(_) => {
-                (format!("is beyond the depth of {depth} and sees the background"), Vec::new())
+            RayEnd::Background(seen) => ("sees the background".to_owned(), self.background(seen)),
+            RayEnd::BeyondDepth(seen) => {
+                (format!("is beyond the depth of {depth} and sees the background"), self.background(seen))
             }
             RayEnd::Surface(lit) => {
                 let surface = &lit.surface;
@@ -187,16 +273,22 @@ impl PixelExplanation<'_> {
                     facts.push(("also there", format!(" {}", self.lines.text(self.prepared.entity(slot)))));
                 }
                 let entity = self.lines.text(self.prepared.entity(surface.hit.id));
-                (format!("meets {entity} from {side}"), self.contributions(lit))
+                (format!("meets {entity} from {side}"), self.contributions(index, lit))
             }
         };
         for slot in &traced.inside {
             facts.push(("inside", format!(" {}", self.lines.text(self.prepared.entity(*slot)))));
         }
         facts.push(("light", color(light)));
+        if self.terms.is_some() {
+            facts.extend(terms::medium_facts(&traced.medium));
+        }
         if traced.passage != Attenuation::CLEAR {
             facts.push(("let through", color(traced.passage.transmitted)));
             facts.push(("added", color(traced.passage.added)));
+        }
+        if let Some(terms) = &self.terms {
+            facts.push(("brings back", color(terms.returned[index])));
         }
         facts.push(("throughput", color(traced.throughput)));
         facts.push(("to pixel", color(traced.contribution())));
@@ -206,58 +298,104 @@ impl PixelExplanation<'_> {
         TreeNode { title: format!("{name} {found}"), facts, children }
     }
 
-    /// Lists all contributions to the light from a surface: the ambient light, the emission and each light source.
-    fn contributions(&self, lit: &LitSurface) -> Vec<TreeNode> {
+    /// Lists the terms of the background, if they are printed.
+    fn background(&self, seen: &BackgroundTerms) -> Vec<TreeNode> {
+        aligned(self.terms.as_ref().map_or_else(Vec::new, |_| terms::background_nodes(seen)))
+    }
+
+    /// Lists all contributions to the light from a surface: the ambient light, the emission and each light source. With terms, lists the
+    /// values that they consist of and the light of the secondary rays, too.
+    fn contributions(&self, index: usize, lit: &LitSurface) -> Vec<TreeNode> {
         let lights =
             self.prepared.lights().iter().zip(&lit.lights).enumerate().map(|(index, (entity, reach))| {
                 let text = match reach {
                     LightReach::Reaches { color, occluded: 0 } => adds(*color),
                     LightReach::Reaches { color, occluded } => {
-                        let samples = self.prepared.light_samples(index);
+                        let samples = terms::light_samples(self.engine, self.prepared, index);
                         format!("{} ({occluded} of {samples} samples are hidden)", adds(*color))
                     }
-                    LightReach::NoShadowRay(reason) => format!("no shadow ray: {}", reason_text(*reason)),
+                    LightReach::NoShadowRay(reason) => {
+                        format!("no shadow ray: {}", self.reason(*reason, lit))
+                    }
                     LightReach::Occluded(slot) => {
                         format!("hidden by {}", self.lines.text(self.prepared.entity(*slot)))
                     }
+                    LightReach::Absorbed => ABSORBED.to_owned(),
                 };
-                (self.lines.text(*entity), text)
+                let node = self.terms.as_ref().map(|terms| terms.light_node(index, lit));
+                (self.lines.text(*entity), text, node.unwrap_or_default())
             });
-        let mut all = vec![("ambient".to_owned(), adds(lit.ambient))];
+        let ambient = self.terms.as_ref().map(|_| terms::ambient_node(lit));
+        let mut all = vec![("ambient".to_owned(), adds(lit.ambient), ambient.unwrap_or_default())];
         if lit.emission != Rgb::ZERO {
-            all.push(("emission".to_owned(), adds(lit.emission)));
+            all.push(("emission".to_owned(), adds(lit.emission), TreeNode::default()));
         }
         all.extend(lights);
-        let width = all.iter().map(|(source, _)| source.chars().count()).max().unwrap_or(0);
-        all.into_iter().map(|(source, text)| TreeNode::leaf(format!("{source:<width$}  {text}"))).collect()
+        if let Some(terms) = &self.terms {
+            all.extend(terms.secondary(index, lit));
+        }
+        let equation = self.terms.iter().flat_map(|terms| terms.surface(index, lit));
+        equation.chain(aligned(all)).collect()
+    }
+
+    /// Explains why a light contributes nothing to a surface.
+    fn reason(&self, unlit: Unlit, lit: &LitSurface) -> &'static str {
+        let disabled = self.engine.settings.without;
+        let material = self.engine.world().get::<&Material>(self.prepared.entity(lit.surface.hit.id));
+        let is_black = material.is_ok_and(|material| material.k_d > 0.0);
+        match unlit {
+            Unlit::Off => "the light is off",
+            Unlit::Behind => "the light is behind the surface",
+            Unlit::OutsideCone => "the point is outside the light's cone",
+            Unlit::OutOfReach => "the point is beyond the light's reach",
+            Unlit::NotDiffuse | Unlit::NoHighlight if disabled.contains(Effect::Diffuse) => {
+                "diffuse light is disabled"
+            }
+            Unlit::NotDiffuse if is_black => "the surface is black",
+            Unlit::NotDiffuse => "k_d is 0, and the surface has no highlights",
+            Unlit::NoHighlight => "the ray is outside the light's highlight",
+            Unlit::OtherColor => "the surface reflects none of the light's colour",
+            Unlit::NoDirection => "the point is at the light",
+        }
     }
 
     fn json(&self) -> Value {
-        let film = self.engine.effective_settings().film;
-        json!({
+        let mut object = json!({
             "scene": self.at.file,
-            "width": film.width,
-            "height": film.height,
-            "pixel": [self.at.pixel.0, self.at.pixel.1],
-            "sample": self.at.sample,
-            "samples": self.at.samples,
             "frame": self.at.frame,
             "time": self.at.time.seconds(),
-            "camera_line": self.camera().line,
             "linear": self.tree.color().to_array(),
             "bytes": self.bytes(),
-            "rays": self.tree.rays.iter().map(|traced| self.ray_json(traced)).collect::<Vec<_>>(),
-        })
+            "rays": (0..self.tree.rays.len()).map(|index| self.ray_json(index)).collect::<Vec<_>>(),
+        });
+        match self.at.probed {
+            Probed::Pixel { pixel, sample, samples } => {
+                let film = self.engine.effective_settings().film;
+                (object["width"], object["height"]) = (film.width.into(), film.height.into());
+                object["pixel"] = json!([pixel.0, pixel.1]);
+                (object["sample"], object["samples"]) = (sample.into(), samples.into());
+                object["camera_line"] = self.camera().line.into();
+                if let Some(terms) = &self.terms {
+                    object["screen"] = terms.screen(pixel, sample, self.at.time).json();
+                }
+            }
+            Probed::Ray(ray) => {
+                object["ray"] =
+                    json!({ "origin": ray.origin.to_array(), "direction": ray.direction.to_array() });
+            }
+        }
+        object
     }
 
-    fn ray_json(&self, traced: &TracedRay) -> Value {
+    fn ray_json(&self, index: usize) -> Value {
+        let traced = &self.tree.rays[index];
         let entity = |slot: &_| self.lines.json(self.prepared.entity(*slot));
         let (found, surface) = match &traced.end {
             RayEnd::Background(_) => ("background", Value::Null),
             RayEnd::BeyondDepth(_) => ("depth limit", Value::Null),
-            RayEnd::Surface(lit) => ("surface", self.surface_json(traced, lit)),
+            RayEnd::Surface(lit) => ("surface", self.surface_json(index, lit)),
         };
-        json!({
+        let mut object = json!({
             "kind": kind(traced.kind),
             "parent": traced.parent,
             "origin": traced.ray.origin().to_array(),
@@ -271,32 +409,49 @@ impl PixelExplanation<'_> {
             "throughput": traced.throughput.to_array(),
             "to_pixel": traced.contribution().to_array(),
             "not_followed": traced.cut,
-        })
+        });
+        if let Some(terms) = &self.terms {
+            object["brings_back"] = terms.returned[index].to_array().into();
+            object["absorption"] = traced.medium.absorption.to_array().into();
+            object["fog"] = traced.medium.fog.to_array().into();
+            object["fog_depth"] = json!(traced.medium.optical_depth);
+            if let RayEnd::Background(seen) | RayEnd::BeyondDepth(seen) = &traced.end {
+                object["background"] = terms::background_json(seen);
+            }
+        }
+        object
     }
 
-    fn surface_json(&self, traced: &TracedRay, lit: &LitSurface) -> Value {
-        let surface = &lit.surface;
+    fn surface_json(&self, index: usize, lit: &LitSurface) -> Value {
+        let (surface, traced) = (&lit.surface, &self.tree.rays[index]);
         let entity = |slot| self.lines.json(self.prepared.entity(slot));
-        let lights = self.prepared.lights().iter().zip(&lit.lights).map(|(light, reach)| {
-            let (outcome, adds, hidden_samples, hidden_by, reason) = match reach {
-                LightReach::Reaches { color, occluded } => {
-                    ("reaches", Some(color.to_array()), Some(*occluded), None, None)
+        let lights =
+            self.prepared.lights().iter().zip(&lit.lights).enumerate().map(|(index, (light, reach))| {
+                let (outcome, adds, hidden_samples, hidden_by, reason) = match reach {
+                    LightReach::Reaches { color, occluded } => {
+                        ("reaches", Some(color.to_array()), Some(*occluded), None, None)
+                    }
+                    LightReach::NoShadowRay(unlit) => {
+                        ("no shadow ray", None, None, None, Some(self.reason(*unlit, lit)))
+                    }
+                    LightReach::Occluded(slot) => ("hidden", None, None, Some(entity(*slot)), None),
+                    LightReach::Absorbed => ("absorbed", None, None, None, Some(ABSORBED)),
+                };
+                let mut object = json!({
+                    "entity": self.lines.json(*light),
+                    "outcome": outcome,
+                    "adds": adds,
+                    "hidden_samples": hidden_samples,
+                    "hidden_by": hidden_by,
+                    "reason": reason,
+                });
+                if let Some(terms) = &self.terms {
+                    object["sample_count"] = terms::light_samples(self.engine, self.prepared, index).into();
+                    object["samples"] = terms.light_json(index, lit);
                 }
-                LightReach::NoShadowRay(unlit) => {
-                    ("no shadow ray", None, None, None, Some(reason_text(*unlit)))
-                }
-                LightReach::Occluded(slot) => ("hidden", None, None, Some(entity(*slot)), None),
-            };
-            json!({
-                "entity": self.lines.json(*light),
-                "outcome": outcome,
-                "adds": adds,
-                "hidden_samples": hidden_samples,
-                "hidden_by": hidden_by,
-                "reason": reason,
-            })
-        });
-        json!({
+                object
+            });
+        let mut object = json!({
             "entity": entity(surface.hit.id),
             "t": surface.t.rounded(),
             "distance": surface.distance(&traced.ray),
@@ -307,26 +462,19 @@ impl PixelExplanation<'_> {
             "ambient": lit.ambient.to_array(),
             "emission": lit.emission.to_array(),
             "lights": lights.collect::<Vec<_>>(),
-        })
+        });
+        if let Some(terms) = &self.terms {
+            object["terms"] = terms.surface_json(index, lit);
+        }
+        object
     }
 }
 
-fn reason_text(unlit: Unlit) -> &'static str {
-    match unlit {
-        Unlit::Off => "the light is off",
-        Unlit::Behind => "the light is behind the surface",
-        Unlit::OutOfReach => "the point is outside the light's cone or reach",
-        Unlit::Unscattered => "the surface scatters none of it along the ray",
-        Unlit::NoDirection => "the point is at the light",
-    }
-}
-
-fn ray_name(kind: RayKind, depth: usize) -> String {
-    match kind {
-        RayKind::Camera => "camera ray".to_owned(),
-        RayKind::Reflection => format!("reflection {depth}"),
-        RayKind::Refraction => format!("refraction {depth}"),
-    }
+/// Gives nodes titles of two columns: the sources of light, and what comes from them.
+fn aligned(nodes: Vec<(String, String, TreeNode)>) -> Vec<TreeNode> {
+    let width = nodes.iter().map(|(source, ..)| source.chars().count()).max().unwrap_or(0);
+    let titled = |(source, text, node)| TreeNode { title: format!("{source:<width$}  {text}"), ..node };
+    nodes.into_iter().map(titled).collect()
 }
 
 fn kind(kind: RayKind) -> &'static str {
@@ -339,27 +487,4 @@ fn kind(kind: RayKind) -> &'static str {
 
 fn rays(count: u64) -> String {
     if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") }
-}
-
-/// Pads a number so that signs and decimal points align in columns, with a space after it.
-fn column_of(number: &str) -> String {
-    let sign = if number.starts_with('-') { "" } else { " " };
-    format!("{:<22}", format!("{sign}{number} "))
-}
-
-fn number(value: f64) -> String {
-    column_of(&exact(value))
-}
-
-fn vector(value: impl Into<[f64; 3]>) -> String {
-    value.into().map(number).concat()
-}
-
-fn color(value: Rgb) -> String {
-    value.to_array().map(|channel| column_of(&Shortest(channel).to_string())).concat()
-}
-
-fn adds(value: Rgb) -> String {
-    let channels = value.to_array().map(|channel| format!("{:<13}", format!("{} ", Shortest(channel))));
-    format!("adds {}", channels.concat())
 }

@@ -102,6 +102,11 @@ impl RayReader {
     }
 }
 
+/// Parses the value of `--ray`.
+pub(in crate::cli) fn parse_ray(text: &str) -> Result<Ray, String> {
+    parse(text).map_err(|mistake| mistake.message)
+}
+
 fn parse(line: &str) -> Result<Ray, LineMistake> {
     let mut numbers = [0.0_f64; 6];
     let mut columns = [0; 6];

@@ -74,7 +74,7 @@ impl Exact {
     }
 
     /// Returns the quotient, rounded to a [`Double`]. The divisor must not be zero.
-    fn over(&self, divisor: &Self) -> Double {
+    pub(crate) fn over(&self, divisor: &Self) -> Double {
         const BITS: isize = 160;
         let length = |number: &Self| number.digits.bit_len().cast_signed();
         let shift = BITS + length(divisor) - length(self);
@@ -87,7 +87,8 @@ impl Exact {
         Self { digits: dividend / by, exponent: self.exponent - divisor.exponent - shift }.rounded()
     }
 
-    fn rounded(&self) -> Double {
+    /// Returns the number rounded to a [`Double`].
+    pub(crate) fn rounded(&self) -> Double {
         let high = self.to_f64();
         if high.is_infinite() {
             return high.into();

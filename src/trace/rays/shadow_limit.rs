@@ -8,7 +8,7 @@ use glam::DVec3;
 pub(crate) const FAR: f64 = f64::from_bits((1023 + 560) << 52);
 
 /// The end of a shadow ray, at the light.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ShadowLimit {
     t: f64,
     /// The light's exact position; the ray's own direction is rounded. Not finite for directional lights.

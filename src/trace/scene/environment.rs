@@ -51,14 +51,16 @@ impl PreparedBackground {
         match *self {
             Self::Flat(color) => color,
             Self::Gradient { bottom, horizon, top } => {
-                let y = direction.y / direction.length();
-                let (from, to, share) = match horizon {
-                    None => (bottom, top, 0.5 + 0.5 * y),
-                    Some(horizon) => (horizon, if y < 0.0 { bottom } else { top }, y.abs()),
-                };
-                let share = to_f32(share);
-                from * (1.0 - share) + to * share
+                gradient_terms(bottom, horizon, top, direction).color()
             }
+        }
+    }
+
+    /// Returns the terms of the gradient in a direction of any length except zero; `None` without a gradient.
+    pub(super) fn gradient_terms(&self, direction: DVec3) -> Option<GradientTerms> {
+        match *self {
+            Self::Flat(_) => None,
+            Self::Gradient { bottom, horizon, top } => Some(gradient_terms(bottom, horizon, top, direction)),
         }
     }
 
@@ -84,6 +86,34 @@ impl PreparedBackground {
             }
         }
     }
+}
+
+/// The terms of a gradient in a direction: (1 - s) c1 + s c2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GradientTerms {
+    /// c1: the colour straight down, or the horizon's.
+    pub from: Rgb,
+    /// c2: the colour straight up, or, below a horizon, straight down.
+    pub to: Rgb,
+    /// s: with the unit direction's y component y, (1 + y)/2, or |y| with a horizon.
+    pub share: f32,
+}
+
+impl GradientTerms {
+    #[inline]
+    fn color(&self) -> Rgb {
+        self.from * (1.0 - self.share) + self.to * self.share
+    }
+}
+
+#[inline]
+fn gradient_terms(bottom: Rgb, horizon: Option<Rgb>, top: Rgb, direction: DVec3) -> GradientTerms {
+    let y = direction.y / direction.length();
+    let (from, to, share) = match horizon {
+        None => (bottom, top, 0.5 + 0.5 * y),
+        Some(horizon) => (horizon, if y < 0.0 { bottom } else { top }, y.abs()),
+    };
+    GradientTerms { from, to, share: to_f32(share) }
 }
 
 /// Fog: over an optical depth t, a share exp(-t) of the light behind is visible, and the rest is `color`.
@@ -169,6 +199,17 @@ impl FogLayer {
     }
 }
 
+/// The medium along a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassageTerms {
+    /// The absorption coefficients of the transparent solid that the ray is inside, per unit of length.
+    pub absorption: Rgb,
+    /// The colour of the fog.
+    pub fog: Rgb,
+    /// The optical depth of the fog.
+    pub optical_depth: f64,
+}
+
 /// The effect of the medium along a ray on light: incoming light times `transmitted`, plus `added`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attenuation {
@@ -182,8 +223,9 @@ impl Attenuation {
     /// The identity: no medium along the ray.
     pub const CLEAR: Self = Self { transmitted: Rgb::ONE, added: Rgb::ZERO };
 
-    /// Computes the passage through `length` of an absorbing medium that contains fog of this colour and optical depth.
-    pub(crate) fn through(absorption: Rgb, length: f64, fog: Rgb, optical_depth: f64) -> Self {
+    /// Computes the passage through `length` of a medium.
+    pub(crate) fn through(medium: &PassageTerms, length: f64) -> Self {
+        let PassageTerms { absorption, fog, optical_depth } = *medium;
         let absorbed = transmittance(absorption, length);
         let seen = share(1.0, optical_depth);
         Self { transmitted: absorbed * seen, added: absorbed * (fog * (1.0 - seen)) }
@@ -216,13 +258,14 @@ mod tests {
         assert_eq!(transmittance(absorption, f64::INFINITY), Rgb::new(1.0, 0.0, 0.0));
         let gray = Rgb::splat(0.5);
         let fog = PreparedFog { color: gray, density: 1e-3, ..PreparedFog::default() };
+        let medium = |optical_depth| PassageTerms { absorption: Rgb::ZERO, fog: gray, optical_depth };
         let endless = |fog: &PreparedFog| {
             let depth = fog.optical_depth(DVec3::ZERO, DVec3::Z, f64::INFINITY);
-            Attenuation::through(Rgb::ZERO, f64::INFINITY, fog.color, depth)
+            Attenuation::through(&medium(depth), f64::INFINITY)
         };
         assert_eq!(endless(&fog).of(Rgb::ONE), gray);
         assert_eq!(endless(&PreparedFog { hides_background: false, ..fog }), Attenuation::CLEAR);
-        assert_eq!(Attenuation::through(Rgb::ZERO, f64::INFINITY, gray, 0.0), Attenuation::CLEAR);
+        assert_eq!(Attenuation::through(&medium(0.0), f64::INFINITY), Attenuation::CLEAR);
     }
 
     /// Integrates a density that falls with height by Simpson's rule, with ever finer steps near the lower end.

@@ -6,8 +6,10 @@ use rayon::prelude::*;
 use super::document_order::DocumentOrder;
 use super::ray_visibility::{RayClass, RayVisibility};
 use crate::trace::math::Bytes;
-use crate::trace::rays::ShapeId;
-use crate::trace::shapes::{AlignedBox, Bounds, BoxImage, Plane, Sphere, SphereImage};
+use crate::trace::rays::{PreparedRay, ShapeId};
+use crate::trace::shapes::{
+    AlignedBox, Bounds, BoxImage, Equation, EquationLine, Plane, Sphere, SphereImage,
+};
 
 /// A shape prepared for intersection. The closed set of shapes that the kernel can draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -327,6 +329,19 @@ impl Geometry {
             ShapeKind::AlignedBox => self.boxes.len(),
             ShapeKind::SphereImage => self.sphere_images.len(),
             ShapeKind::BoxImage => self.box_images.len(),
+        }
+    }
+
+    /// Returns the textbook equation of the intersections of a ray's line with a shape. The ray's numbers must be finite.
+    #[must_use]
+    pub fn equation(&self, id: ShapeId, ray: &PreparedRay) -> Equation {
+        let line = EquationLine::new(ray.origin(), ray.direction());
+        match self.shape(id) {
+            ShapeRef::Sphere(sphere) => sphere.equation(&line),
+            ShapeRef::Plane(plane) => plane.equation(&line),
+            ShapeRef::AlignedBox(shape) => shape.equation(&line),
+            ShapeRef::SphereImage(image) => image.equation(&line),
+            ShapeRef::BoxImage(image) => image.equation(&line),
         }
     }
 

@@ -110,9 +110,14 @@ impl SurfaceMaterial {
 
     /// Returns the ambient and diffuse colours at a point of the surface with this outward normal.
     pub(crate) fn colors_at(&self, point: DVec3, normal: DVec3) -> (Rgb, Rgb) {
-        match &self.checker {
-            Some(checker) if checker.squares.is_second(point, normal) => (checker.ambient, checker.diffuse),
-            _ => (self.ambient, self.diffuse),
+        match self.second_square(point, normal) {
+            Some(checker) => (checker.ambient, checker.diffuse),
+            None => (self.ambient, self.diffuse),
         }
+    }
+
+    /// Returns the checker pattern, if the point is on one of its second squares.
+    pub(crate) fn second_square(&self, point: DVec3, normal: DVec3) -> Option<&PreparedChecker> {
+        self.checker.as_deref().filter(|checker| checker.squares.is_second(point, normal))
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::changes::{BvhUpdate, ShapeChange};
 use super::document_order::DocumentOrder;
-use super::environment::{PreparedBackground, PreparedFog};
+use super::environment::{GradientTerms, PreparedBackground, PreparedFog};
 use super::equal_shapes::EqualShapes;
 use super::geometry::{Geometry, PreparedShape};
 use super::leaf_shapes::LeafShapes;
@@ -16,12 +16,27 @@ use super::material_summary::MaterialSummary;
 use super::material_table::MaterialTable;
 use super::precision::Precision;
 use super::ray_visibility::{RayClass, RayViews, RayVisibility};
-use super::sky::PreparedSky;
+use super::sky::{PreparedSky, SkyLight};
 use super::tree_maintenance::{SceneTree, TreeMaintenance};
 use crate::color::Rgb;
 use crate::trace::bvh::Tree;
 use crate::trace::math::{Bytes, Digest, SimdLevel, digest_of_all};
 use crate::trace::rays::ShapeId;
+
+/// The terms of the radiance of a ray that hits nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BackgroundTerms {
+    /// The background in the ray's direction.
+    pub background: Rgb,
+    /// The terms of the background, if it is a gradient.
+    pub gradient: Option<GradientTerms>,
+    /// The light of the sun, if there is one.
+    pub sun: Option<SkyLight>,
+    /// The light of the stars, if there are any.
+    pub stars: Option<SkyLight>,
+    /// The sum of background, sun and stars.
+    pub color: Rgb,
+}
 
 /// Everything that the kernel uses of a scene at one moment, except the camera.
 #[derive(Clone, Debug)]
@@ -171,6 +186,18 @@ impl PreparedScene {
             return background;
         }
         (background + self.sky.towards(direction / direction.length())).min(Rgb::splat(f32::MAX))
+    }
+
+    /// Returns the terms of [`miss_radiance`](Self::miss_radiance).
+    pub(crate) fn background_terms(&self, direction: DVec3) -> BackgroundTerms {
+        let [sun, stars] = self.sky.lights(direction / direction.length());
+        BackgroundTerms {
+            background: self.background.towards(direction),
+            gradient: self.background.gradient_terms(direction),
+            sun,
+            stars,
+            color: self.miss_radiance(direction),
+        }
     }
 
     /// Returns the radiance of all rays that hit nothing; `None` if it can differ between directions.

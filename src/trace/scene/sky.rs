@@ -14,6 +14,24 @@ pub(crate) struct PreparedSky {
     pub stars: Option<PreparedStars>,
 }
 
+/// The light of the sun or the stars in a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkyLight {
+    /// The radiance of the sun's disc or of the centre of the brightest star.
+    pub intensity: Rgb,
+    /// The share of the intensity in the direction.
+    pub share: f32,
+}
+
+impl SkyLight {
+    /// Returns the radiance in the direction.
+    #[must_use]
+    #[inline]
+    pub fn color(&self) -> Rgb {
+        self.intensity * self.share
+    }
+}
+
 /// A disc with a soft edge and a halo.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PreparedSun {
@@ -56,8 +74,19 @@ impl PreparedSky {
 
     /// Returns the radiance in a unit direction.
     pub(super) fn towards(&self, unit: DVec3) -> Rgb {
-        let sun = self.sun.map_or(Rgb::ZERO, |sun| sun.intensity * to_f32(sun.share(unit)));
-        sun + self.stars.map_or(Rgb::ZERO, |stars| stars.intensity * to_f32(stars.share(unit)))
+        let [sun, stars] = self.lights(unit);
+        let color = |light: Option<SkyLight>| light.map_or(Rgb::ZERO, |light| light.color());
+        color(sun) + color(stars)
+    }
+
+    /// Returns the sun and the stars in a unit direction.
+    #[inline]
+    pub(super) fn lights(&self, unit: DVec3) -> [Option<SkyLight>; 2] {
+        let light = |intensity, share| SkyLight { intensity, share: to_f32(share) };
+        [
+            self.sun.map(|sun| light(sun.intensity, sun.share(unit))),
+            self.stars.map(|stars| light(stars.intensity, stars.share(unit))),
+        ]
     }
 
     /// Returns an upper bound of each channel over all directions.

@@ -33,7 +33,7 @@ pub(crate) struct RenderContext<'a> {
     start: StartMedia,
 }
 
-/// Transparent solids in which camera rays may start, outer solids first.
+/// Transparent solids in which rays may start, outer solids first.
 struct StartMedia(Vec<ShapeId>);
 
 impl<'a> RenderContext<'a> {
@@ -45,7 +45,7 @@ impl<'a> RenderContext<'a> {
     ) -> Self {
         let lights = scene.lights.iter().enumerate();
         let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
-        let (radiance_bound, start) = (RadianceBound::of(scene), StartMedia::new(scene, camera));
+        let (radiance_bound, start) = (RadianceBound::of(scene), StartMedia::near(scene, camera.eye()));
         let pixel_centers = PixelCenters::of(camera);
         let [secondary, shadow] = [RayClass::Secondary, RayClass::Shadow].map(|class| scene.seen_by(class));
         Self {
@@ -90,14 +90,18 @@ impl<'a> RenderContext<'a> {
 
     /// Returns the stack of transparent solids that contain the origin of a camera ray.
     pub(crate) fn medium(&self, origin: DVec3, media: &mut MediumStacks) -> MediumStack {
-        let around = self.start.0.iter().filter(|id| self.scene.geometry().contains(**id, origin));
-        around.fold(MediumStack::NONE, |medium, id| media.added(medium, *id))
+        self.start.around(self.scene, origin, media)
+    }
+
+    /// Returns the stack of transparent solids that contain the origin of any ray.
+    pub(crate) fn medium_anywhere(&self, origin: DVec3, media: &mut MediumStacks) -> MediumStack {
+        StartMedia::near(self.scene, (origin, 0.0)).around(self.scene, origin, media)
     }
 }
 
 impl StartMedia {
-    fn new(scene: &PreparedScene, camera: &PreparedCamera) -> Self {
-        let (eye, reach) = camera.eye();
+    /// Collects the solids in which rays may start at most `reach` away from a point.
+    fn near(scene: &PreparedScene, (eye, reach): (DVec3, f64)) -> Self {
         let near = |id: &ShapeId| {
             let bounds = scene.geometry().bounds(*id);
             bounds.is_none_or(|Bounds { min, max }| {
@@ -109,6 +113,12 @@ impl StartMedia {
         let mut solids: Vec<ShapeId> = transparent.filter(near).collect();
         solids.sort_by(|one, other| outer_first(scene, *one, *other));
         Self(solids)
+    }
+
+    /// Returns the stack of the solids that contain a point.
+    fn around(&self, scene: &PreparedScene, point: DVec3, media: &mut MediumStacks) -> MediumStack {
+        let around = self.0.iter().filter(|id| scene.geometry().contains(**id, point));
+        around.fold(MediumStack::NONE, |medium, id| media.added(medium, *id))
     }
 }
 

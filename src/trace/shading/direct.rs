@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::terms::{diffuse, intensity, length, specular};
+use super::terms::{diffuse, half_cosine, intensity, length, specular};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::intersect::SurfacePoint;
@@ -54,6 +54,56 @@ pub(crate) struct LightSample {
     pub(crate) shadow: Option<ShadowSegment>,
 }
 
+/// The terms of a light's contribution to a shading point, before occlusion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightTerms {
+    /// The direction to the light; of any length except zero.
+    pub to_light: DVec3,
+    /// End of the shadow ray, at the light.
+    limit: ShadowLimit,
+    /// N.L, the cosine of the angle between the normal and the direction to the light. It is negative if the light arrives from behind,
+    /// through a transparent medium.
+    pub cosine: f64,
+    /// N.H, if the surface has highlights.
+    pub half_cosine: Option<f64>,
+    /// I, the intensity of the light in this direction and at this distance.
+    pub intensity: Rgb,
+    /// The diffuse term, k_d c I |N.L|.
+    pub diffuse: Rgb,
+    /// The specular term, k_s I (N.H)^shininess.
+    pub specular: Rgb,
+}
+
+impl LightTerms {
+    /// Returns the unoccluded contribution.
+    #[must_use]
+    #[inline(always)]
+    pub fn contribution(&self) -> Rgb {
+        self.diffuse + self.specular
+    }
+
+    /// Returns the distance of the light; infinite for a directional light.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.to_light.length() * self.limit.t()
+    }
+
+    /// Returns the point of the light that is sampled; `None` for a directional light.
+    #[must_use]
+    pub fn place(&self) -> Option<DVec3> {
+        Some(self.limit.place()).filter(|place| place.is_finite())
+    }
+
+    /// Returns the contribution, with the shadow ray that can occlude it.
+    #[inline(always)]
+    pub(crate) fn light_sample(&self, effects: Effects, light: &PreparedLight) -> LightSample {
+        let Self { to_light: direction, limit, cosine, .. } = *self;
+        let segment = ShadowSegment { direction, limit, from_behind: cosine < 0.0 };
+        let shadow = (effects.shadows() && light.casts_shadows).then_some(segment);
+        LightSample { color: self.contribution(), shadow }
+    }
+}
+
 /// The reason why a light contributes nothing to a shading point, before occlusion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unlit {
@@ -61,10 +111,16 @@ pub enum Unlit {
     Off,
     /// The light is behind the surface.
     Behind,
-    /// The point is outside the light's cone, or so far away that its falloff leaves nothing.
+    /// The point is outside the light's cone.
+    OutsideCone,
+    /// The point is so far away that the light's falloff leaves nothing.
     OutOfReach,
-    /// The surface scatters none of the light back along the ray.
-    Unscattered,
+    /// k_d times the surface's colour is 0, and the surface has no highlights.
+    NotDiffuse,
+    /// k_d times the surface's colour is 0, and (N.H)^shininess is 0 in the direction of the ray.
+    NoHighlight,
+    /// The product of the surface's colour and the light's is 0 in every channel.
+    OtherColor,
     /// The direction to the light is not defined, as at the light itself.
     NoDirection,
 }
@@ -100,6 +156,18 @@ pub(crate) fn sample_light(
     lit: &ShadingPoint<'_>,
     sample: u32,
 ) -> Result<LightSample, Unlit> {
+    let terms = light_terms(effects, (index, light), lit, sample)?;
+    Ok(terms.light_sample(effects, light))
+}
+
+/// Returns the terms of the contribution of [`sample_light`].
+#[inline(always)]
+pub(crate) fn light_terms(
+    effects: Effects,
+    (index, light): (usize, &PreparedLight),
+    lit: &ShadingPoint<'_>,
+    sample: u32,
+) -> Result<LightTerms, Unlit> {
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => from_place(effects, light, lit, place),
         LightSource::Directional(direction) => {
@@ -142,19 +210,19 @@ pub(super) fn light_point(light: &PreparedLight, of_pixel: u32, sample: u32) -> 
     of_pixel.wrapping_mul(light.sample_count()).wrapping_add(sample)
 }
 
-/// Returns the contribution of a light from `place`.
+/// Returns the terms of a light from `place`.
 #[inline(always)]
 fn from_place(
     effects: Effects,
     light: &PreparedLight,
     lit: &ShadingPoint<'_>,
     place: DVec3,
-) -> Result<LightSample, Unlit> {
+) -> Result<LightTerms, Unlit> {
     let (to_light, scale) = scaled(place - lit.point).ok_or(Unlit::NoDirection)?;
     arriving(effects, light, lit, to_light, ShadowLimit::new(scale.recip(), place))
 }
 
-/// Returns the contribution of a light in direction `to_light`, which is [`scaled`]; `limit` is the end of the shadow ray, at the light.
+/// Returns the terms of a light in direction `to_light`, which is [`scaled`]; `limit` is the end of the shadow ray, at the light.
 #[inline(always)]
 fn arriving(
     effects: Effects,
@@ -162,7 +230,7 @@ fn arriving(
     lit: &ShadingPoint<'_>,
     to_light: DVec3,
     limit: ShadowLimit,
-) -> Result<LightSample, Unlit> {
+) -> Result<LightTerms, Unlit> {
     let ShadingPoint { material, normal, .. } = *lit;
     let length = length::<f64>(to_light.into());
     let cosine = normal.dot(to_light) / length;
@@ -171,16 +239,36 @@ fn arriving(
         return Err(Unlit::Behind);
     }
     let intensity = intensity(effects, light, to_light, length, limit.t());
-    let mut color = diffuse(lit.diffuse, intensity, cosine.abs());
+    let diffuse = diffuse(lit.diffuse, intensity, cosine.abs());
+    let mut terms =
+        LightTerms { to_light, limit, cosine, half_cosine: None, intensity, diffuse, specular: Rgb::ZERO };
     if effects.extras && material.specular > 0.0 && !from_behind && intensity != Rgb::ZERO {
-        color += specular(material, intensity, normal, to_light, -lit.arriving);
+        let half_cosine = half_cosine::<f64>(normal.into(), to_light.into(), (-lit.arriving).into());
+        (terms.half_cosine, terms.specular) = (Some(half_cosine), specular(material, intensity, half_cosine));
     }
-    if color == Rgb::ZERO {
-        return Err(if intensity == Rgb::ZERO { Unlit::OutOfReach } else { Unlit::Unscattered });
+    if terms.contribution() == Rgb::ZERO {
+        return Err(unlit(light, &terms, lit));
     }
-    let segment = ShadowSegment { direction: to_light, limit, from_behind };
-    let shadow = (effects.shadows() && light.casts_shadows).then_some(segment);
-    Ok(LightSample { color, shadow })
+    Ok(terms)
+}
+
+/// Returns the reason why a light that is not behind a surface contributes nothing.
+#[cold]
+fn unlit(light: &PreparedLight, terms: &LightTerms, lit: &ShadingPoint<'_>) -> Unlit {
+    let LightTerms { to_light, half_cosine, intensity, .. } = *terms;
+    if intensity == Rgb::ZERO {
+        return match &light.source {
+            LightSource::Spot(_, cone) if cone.at(-cone.axis.dot(to_light) / to_light.length()) <= 0.0 => {
+                Unlit::OutsideCone
+            }
+            _ => Unlit::OutOfReach,
+        };
+    }
+    match half_cosine {
+        _ if lit.diffuse != Rgb::ZERO => Unlit::OtherColor,
+        Some(_) => Unlit::NoHighlight,
+        None => Unlit::NotDiffuse,
+    }
 }
 
 fn to_u32(index: usize) -> u32 {

@@ -25,8 +25,8 @@ mod transmission;
 pub(crate) use area_light_samples::AreaLightSamples;
 pub(crate) use context::RenderContext;
 pub(crate) use contribution::{ErrorBudget, RadianceBound, most_radiance};
-pub use direct::Unlit;
-pub(crate) use direct::{LightSample, SampleId, ShadingPoint, ShadowRay, sample_light};
+pub(crate) use direct::{LightSample, SampleId, ShadingPoint, ShadowRay, light_terms};
+pub use direct::{LightTerms, Unlit};
 pub(crate) use direct_packet::sample_light_lanes;
 pub(crate) use handover::handed_over;
 pub(crate) use light_sample_packet::{LightSamplePacket, ShadingPacket};
@@ -34,7 +34,10 @@ pub(crate) use medium_stack::MediumStack;
 pub(crate) use passage_packet::{Absorbers, PassageLanes, transmittances};
 pub(crate) use path_packet::PathPacket;
 pub(crate) use scratch::LightScratch;
-pub(crate) use secondary::{LARGEST_TREE, PathState, SecondaryRays, TreeRay, secondary_rays};
+pub(crate) use secondary::{
+    LARGEST_TREE, PathState, SecondaryRays, TreeRay, secondary_rays, secondary_rays_and_terms,
+};
+pub use secondary::{RefractionTerms, SecondaryTerms};
 pub(crate) use secondary_packet::{BranchPacket, branch_lanes};
 pub(crate) use terms::{ambient, clamped, emission};
 pub(crate) use transmission::{filtered_along, filtered_and_absorbed, visibility};

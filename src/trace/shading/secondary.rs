@@ -13,7 +13,7 @@ use crate::color::{Rgb, to_f32};
 use crate::trace::effects::Effects;
 use crate::trace::intersect::SurfacePoint;
 use crate::trace::rays::PreparedRay;
-use crate::trace::scene::{Attenuation, PreparedScene, Refraction};
+use crate::trace::scene::{Attenuation, PassageTerms, PreparedScene, Refraction};
 
 /// A ray in the ray tree of a sample.
 #[derive(Clone, Copy, Debug)]
@@ -40,21 +40,20 @@ impl PathState {
         Self { throughput: Rgb::ONE, medium, path: 1 }
     }
 
-    /// Computes the attenuation along the ray, over a length, which is infinite if the ray hits nothing.
+    /// Computes the attenuation along the ray, over a length, which is infinite if the ray hits nothing, and its terms.
     pub(crate) fn passage(
         &self,
         effects: Effects,
         scene: &PreparedScene,
         media: &MediumStacks,
         (ray, length): (&PreparedRay, f64),
-    ) -> Attenuation {
+    ) -> (Attenuation, PassageTerms) {
         let absorption = if effects.in_media() { media.absorption(scene, self.medium) } else { Rgb::ZERO };
         let in_fog = effects.extras && scene.fog.density != 0.0;
-        if absorption == Rgb::ZERO && !in_fog {
-            return Attenuation::CLEAR;
-        }
-        let depth = if in_fog { scene.fog.optical_depth(ray.origin(), ray.direction(), length) } else { 0.0 };
-        Attenuation::through(absorption, length, scene.fog.color, depth)
+        let optical_depth =
+            if in_fog { scene.fog.optical_depth(ray.origin(), ray.direction(), length) } else { 0.0 };
+        let terms = PassageTerms { absorption, fog: scene.fog.color, optical_depth };
+        (Attenuation::through(&terms, length), terms)
     }
 }
 
@@ -69,38 +68,85 @@ pub(crate) struct SecondaryRays {
     pub(crate) refracted: Option<TreeRay>,
 }
 
-/// Spawns the secondary rays of a ray that arrives at a surface, in the scene as the ray sees it. Total internal reflection adds the refracted light to the mirrored light.
+/// The shares of the light of its secondary rays that a surface sends back along the ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SecondaryTerms {
+    /// The mirror coefficient, k_r.
+    pub mirror: f32,
+    /// The share of the reflected ray's light: k_r, and the part of k_t that is reflected.
+    pub reflected: f32,
+    /// The terms of refraction, if the surface is transparent.
+    pub refraction: Option<RefractionTerms>,
+}
+
+/// The terms of refraction at a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RefractionTerms {
+    /// The transmission coefficient, k_t.
+    pub coefficient: f32,
+    /// Refractive index of the medium from which the ray arrives.
+    pub from: f64,
+    /// Refractive index of the medium behind the surface.
+    pub into: f64,
+    /// The reflectance F: 1 under total internal reflection, 0 without Fresnel's equations.
+    pub reflectance: f32,
+    /// The share of the refracted ray's light, k_t (1 - F).
+    pub share: f32,
+}
+
+/// Spawns the secondary rays of a ray that arrives at a surface, in the scene as the ray sees it. Total internal reflection adds the
+/// refracted light to the mirrored light.
 pub(crate) fn secondary_rays(
+    context: &RenderContext<'_>,
+    scratch: &mut LightScratch<'_>,
+    arrived: (&PreparedRay, &PathState),
+    surface: &SurfacePoint,
+) -> SecondaryRays {
+    secondary_rays_and_terms(context, scratch, arrived, surface).0
+}
+
+/// Spawns the [`secondary_rays`] of a surface, with the terms of their shares of the light.
+#[inline(always)]
+pub(crate) fn secondary_rays_and_terms(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
     (ray, arrived): (&PreparedRay, &PathState),
     surface: &SurfacePoint,
-) -> SecondaryRays {
+) -> (SecondaryRays, SecondaryTerms) {
     let RenderContext { scene, effects, .. } = *context;
-    let (from, direction) = (context.seen_by(arrived.path), ray.direction());
+    let (seen, direction) = (context.seen_by(arrived.path), ray.direction());
     let material = scene.material(surface.hit.id);
     let mut reflected = material.reflected;
     let mut refraction = None;
+    let mut terms = SecondaryTerms { mirror: reflected, ..SecondaryTerms::default() };
     if effects.media()
         && let Some(medium) = &material.refraction
     {
         let LightScratch { media, search, .. } = scratch;
-        let beyond = media.through(from, arrived.medium, surface, &search.ties, direction);
-        let boundary = Boundary { from: media.ior(scene, arrived.medium), into: media.ior(scene, beyond) };
-        let refracted = Refracted::at(medium, boundary, direction, surface);
+        let beyond = media.through(seen, arrived.medium, surface, &search.ties, direction);
+        let (from, into) = (media.ior(scene, arrived.medium), media.ior(scene, beyond));
+        let refracted = Refracted::at(medium, Boundary { from, into }, direction, surface);
         reflected += refracted.reflected;
+        terms.refraction = Some(RefractionTerms {
+            coefficient: medium.transmitted,
+            from,
+            into,
+            reflectance: refracted.reflectance,
+            share: refracted.transmitted,
+        });
         refraction = refracted.direction.map(|direction| (direction, refracted.transmitted, beyond));
     }
 
     let (surface, medium) =
-        &handed_over(context, (from, context.secondary), (ray, surface), arrived.medium, scratch);
+        &handed_over(context, (seen, context.secondary), (ray, surface), arrived.medium, scratch);
     if let Some((.., beyond)) = &mut refraction
-        && !ptr::eq(from, context.secondary)
+        && !ptr::eq(seen, context.secondary)
     {
         let LightScratch { media, search, .. } = scratch;
         *beyond = media.through(context.secondary, *medium, surface, &search.ties, direction);
     }
 
+    terms.reflected = reflected;
     let mut branches = SecondaryRays::default();
     if let Some(state) = reaching(arrived, reflected, *medium, 0) {
         let direction = mirrored::<f64>(direction.into(), surface.normal.into()).into();
@@ -113,7 +159,7 @@ pub(crate) fn secondary_rays(
         branches.refracted =
             surface.leave(!surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }
-    branches
+    (branches, terms)
 }
 
 /// Returns the state of a secondary ray that carries a share of the light in a medium, as child `place`, 0 or 1, of the ray that it
@@ -134,6 +180,7 @@ pub(super) fn reaching(
 
 /// The division of a surface's share k_t of the light into mirrored and refracted light.
 struct Refracted {
+    reflectance: f32,
     /// Share that is added to the mirrored light.
     reflected: f32,
     transmitted: f32,
@@ -145,17 +192,20 @@ impl Refracted {
     fn at(medium: &Refraction, boundary: Boundary, direction: DVec3, surface: &SurfacePoint) -> Self {
         // Equal indices neither bend nor mirror light; the direction stays exact.
         if boundary.from == boundary.into {
-            return Self { reflected: 0.0, transmitted: medium.transmitted, direction: Some(direction) };
+            let (transmitted, direction) = (medium.transmitted, Some(direction));
+            return Self { reflectance: 0.0, reflected: 0.0, transmitted, direction };
         }
         let unit = direction / direction.length();
         let normal = surface.facing_normal();
         let cosine = incidence(unit.into(), normal.into());
         let (transmitted, passes) = boundary.refraction(cosine);
         if !passes {
-            return Self { reflected: medium.transmitted, transmitted: 0.0, direction: None };
+            let reflected = medium.transmitted;
+            return Self { reflectance: 1.0, reflected, transmitted: 0.0, direction: None };
         }
         let share = if medium.fresnel { boundary.partial_reflectance(cosine, transmitted) } else { 0.0 };
         Self {
+            reflectance: to_f32(share),
             reflected: medium.transmitted * to_f32(share),
             transmitted: medium.transmitted * to_f32(1.0 - share),
             direction: Some(boundary.refracted(unit.into(), normal.into(), cosine, transmitted).into()),

@@ -59,17 +59,9 @@ pub(crate) fn diffuse(color: Rgb, intensity: Rgb, cosine: f64) -> Rgb {
     color * intensity * to_f32(cosine)
 }
 
-/// Computes the specular term, k_s I_j (N.H_j)^shininess. `to_light` and `back`, the direction back along the ray, may have any length
-/// except zero.
-pub(crate) fn specular(
-    material: &SurfaceMaterial,
-    intensity: Rgb,
-    normal: DVec3,
-    to_light: DVec3,
-    back: DVec3,
-) -> Rgb {
-    let cosine = half_cosine(normal.into(), to_light.into(), back.into());
-    let highlight = pow(cosine, f64::from(material.shininess));
+/// Computes the specular term, k_s I_j (N.H_j)^shininess, with the [`half_cosine`] N.H_j.
+pub(crate) fn specular(material: &SurfaceMaterial, intensity: Rgb, half_cosine: f64) -> Rgb {
+    let highlight = pow(half_cosine, f64::from(material.shininess));
     intensity * (material.specular * to_f32(highlight))
 }
 

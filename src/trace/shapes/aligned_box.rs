@@ -134,7 +134,7 @@ impl AlignedBox {
         exit_exactly(&self.exact_slabs(origin, direction))
     }
 
-    fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [ExactSlab; 3] {
+    pub(super) fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [ExactSlab; 3] {
         let ahead = |place: f64, origin: f64| &Exact::from(place) - &Exact::from(origin);
         std::array::from_fn(|axis| ExactSlab {
             low: ahead(self.min[axis], origin[axis]),

@@ -159,7 +159,7 @@ impl BoxImage {
         exit_exactly(&self.exact_slabs(origin, direction))
     }
 
-    fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [ExactSlab; 3] {
+    pub(super) fn exact_slabs(&self, origin: DVec3, direction: &Exact3) -> [ExactSlab; 3] {
         let origin = Exact3::from(origin);
         std::array::from_fn(|axis| {
             let row = Exact3::from(self.rows[axis]);

@@ -14,10 +14,12 @@
 //! - `facet`: the plane of the face that is hit at a `t`, if the surface is flat there and the face is certain.
 //! - `contains`: whether a point is strictly inside the solid; for a plane, strictly behind it.
 //! - `bounds`: the bounding box, for shapes that have one.
+//! - `equation`: the numbers of the textbook's equation, for explanations.
 
 mod aligned_box;
 mod bounds;
 mod box_image;
+mod equation;
 mod intersection;
 mod plane;
 mod slabs;
@@ -30,6 +32,8 @@ pub use aligned_box::AlignedBox;
 pub(crate) use aligned_box::refine_box;
 pub use bounds::Bounds;
 pub use box_image::BoxImage;
+pub(crate) use equation::EquationLine;
+pub use equation::{Equation, Interval};
 pub(crate) use intersection::{ExactHit, Face, Intersections, Refined, Side};
 pub(crate) use intersection::{Intersection, RefinedHit};
 pub use plane::Plane;

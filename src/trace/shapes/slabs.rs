@@ -242,7 +242,7 @@ pub(super) struct ExactSlab {
 
 impl ExactSlab {
     /// Returns the entry and the exit of the ray.
-    fn meetings(&self, axis: usize) -> [ExactHit; 2] {
+    pub(super) fn meetings(&self, axis: usize) -> [ExactHit; 2] {
         let upwards = self.speed.sign().is_gt();
         let (near, far) = if upwards { (&self.low, &self.high) } else { (&self.high, &self.low) };
         let meeting = |height: &Exact, upper: bool, side: Side| ExactHit {

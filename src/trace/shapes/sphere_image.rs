@@ -191,25 +191,25 @@ impl SphereImage {
 
     /// Returns the exact entry and exit of the ray's line.
     pub(crate) fn cross_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactCrossing> {
-        let (own, way, radius) = self.exactly_back(origin, direction);
-        roots(&own, &way, &radius)
+        let (own, way, determinant) = self.exactly_back(origin, direction);
+        roots(&own, &way, &(&determinant * &self.sphere.radius.into()))
     }
 
     /// Returns the exact exit of a ray that starts on the ellipsoid and goes inwards.
     pub(crate) fn exit_exactly(&self, origin: DVec3, direction: &Exact3) -> Option<ExactHit> {
-        let (own, way, radius) = self.exactly_back(origin, direction);
-        Some(last_root(&own, &way, &radius))
+        let (own, way, determinant) = self.exactly_back(origin, direction);
+        Some(last_root(&own, &way, &(&determinant * &self.sphere.radius.into())))
     }
 
-    /// Returns the vector from the origin to the centre, the direction and the radius in the sphere's own space, all multiplied by the
-    /// determinant of the map, which avoids divisions.
-    fn exactly_back(&self, origin: DVec3, direction: &Exact3) -> (Exact3, Exact3, Exact) {
+    /// Returns the vector from the origin to the centre and the direction in the sphere's own space, both multiplied by the determinant of
+    /// the map, which avoids divisions; and the determinant.
+    pub(super) fn exactly_back(&self, origin: DVec3, direction: &Exact3) -> (Exact3, Exact3, Exact) {
         let DAffine3 { matrix3, translation } = self.map.forward;
         let [a, b, c] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Exact3::from);
         let rows = [b.cross(&c), c.cross(&a), a.cross(&b)];
         let to_center = &Exact3::from(translation) - &origin.into();
         let back = |vector: &Exact3| Exact3(rows.each_ref().map(|row| row.dot(vector)));
-        (back(&to_center), back(direction), &a.dot(&rows[0]) * &self.sphere.radius.into())
+        (back(&to_center), back(direction), a.dot(&rows[0]))
     }
 
     /// Returns the hit near an approximate `t`: [`SphereImage::refined`].

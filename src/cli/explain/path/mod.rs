@@ -5,7 +5,6 @@
 
 mod chart;
 mod sample;
-mod shapes;
 mod view;
 
 use std::path::Path;
@@ -16,18 +15,12 @@ use rayreel::time::FrameList;
 use super::super::exit::Failure;
 use super::super::print;
 use super::super::write_file::{ensure_not_the_scene, write_file};
-use crate::cli::svg::{Anchor, Area, Svg};
+use crate::cli::svg::{Anchor, Area, Svg, VIEW_STYLE};
 use sample::CameraPath;
 
-/// Style sheet with mid-tones, which are visible on light and on dark backgrounds.
+/// Style sheet of the path, in addition to that of the views.
 const STYLE: &str = "
-text { font: 11px sans-serif; fill: #808080 }
-.title { font-size: 15px; font-weight: bold }
 .moment { fill: #3b7dd8 }
-path, ellipse { fill: none; stroke-linejoin: round; stroke-linecap: round }
-.axis { stroke: #808080; stroke-width: 1 }
-.grid { stroke: #808080; stroke-width: 1; stroke-opacity: 0.22 }
-.thing { stroke: #808080; stroke-width: 1; stroke-opacity: 0.55 }
 .target { stroke: #d98324; stroke-width: 1.2; stroke-opacity: 0.7 }
 .target-dot { fill: #d98324; fill-opacity: 0.8 }
 .view { stroke: #2f9e6e; stroke-width: 1.2; stroke-opacity: 0.85 }
@@ -54,7 +47,11 @@ pub(super) fn draw(
 
 /// Draws two square views and two charts below them.
 fn drawing(path: &CameraPath, name: &str) -> String {
-    let mut svg = Svg::standalone([960.0, 860.0], &format!("The camera's path in {name}"), STYLE);
+    let mut svg = Svg::standalone(
+        [960.0, 860.0],
+        &format!("The camera's path in {name}"),
+        &[VIEW_STYLE, STYLE].concat(),
+    );
     svg.text("title", [20.0, 28.0], Anchor::Start, name);
     svg.text("", [20.0, 48.0], Anchor::Start, &path.describe());
     let frames = [

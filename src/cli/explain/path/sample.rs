@@ -7,8 +7,7 @@ use rayreel::systems::{ActiveCamera, active_camera};
 use rayreel::time::FrameList;
 use rayreel::{Engine, EngineError, Time};
 
-use super::shapes::OutlinedShape;
-use crate::cli::svg::Steps;
+use crate::cli::svg::{OutlinedShape, Steps, outlined_shapes};
 
 /// The camera's path over the chosen frames.
 pub(super) struct CameraPath {
@@ -47,7 +46,7 @@ impl CameraPath {
             let time = engine.timeline().time_of(frame);
             engine.seek(time)?;
             if samples.is_empty() {
-                shapes = super::shapes::all(engine);
+                shapes = outlined_shapes(engine);
             }
             if let Some(sample) = CameraSample::of(engine, time) {
                 samples.push(sample);
@@ -99,13 +98,6 @@ impl CameraPath {
             span: self.span(),
             shots: self.shots().map(|shot| shot.windows(2).map(rate).collect()).collect(),
         }
-    }
-
-    /// Returns whether the space is right-handed: right x up points back.
-    pub(super) fn is_right_handed(&self) -> bool {
-        self.samples
-            .first()
-            .is_some_and(|CameraSample { axes: [right, up, ahead], .. }| right.cross(*up).dot(*ahead) < 0.0)
     }
 
     /// Returns whether the eye stands still throughout every shot.

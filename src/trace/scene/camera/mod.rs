@@ -230,11 +230,22 @@ impl PreparedCamera {
         index: u32,
     ) -> Option<PreparedRay> {
         let samples = PixelSamples::new(sampling.seed, i, j);
-        let [right, down] = samples.pair(Dimension::Pixel, index).map(|place| place - 0.5);
+        let [right, down] = from_center(&samples, index);
         let on_lens = self.lens.map(|_| disc(samples.pair(Dimension::Lens, index)));
         let Rays { origin, direction } =
             self.rays_through(f64::from(i) + right, f64::from(j) + down, on_lens);
         PreparedRay::new(origin.into(), direction.into())
+    }
+
+    /// Returns the place on the screen of sample `index` of pixel (i, j), as of [`PreparedCamera::sample_ray`]: alpha to the right and beta
+    /// upwards from its middle. A lens does not change it.
+    #[must_use]
+    pub fn on_screen_at(&self, sampling: PixelSampling, (i, j): (u32, u32), index: u32) -> [f64; 2] {
+        let [right, down] = match sampling.samples {
+            0 | 1 => [0.0; 2],
+            _ => from_center(&PixelSamples::new(sampling.seed, i, j), index),
+        };
+        [self.across(f64::from(i) + right), self.upwards(f64::from(j) + down)]
     }
 
     /// Returns the change of the direction from the eye from one column to the next, and from one row to the next.
@@ -279,7 +290,8 @@ impl PreparedCamera {
     }
 
     /// Returns whether all rays are parallel, unless they pass through a lens.
-    pub(crate) fn is_orthographic(&self) -> bool {
+    #[must_use]
+    pub fn is_orthographic(&self) -> bool {
         self.is_orthographic
     }
 
@@ -351,6 +363,12 @@ impl PreparedCamera {
     pub fn resolution(&self) -> (u32, u32) {
         (self.columns, self.rows)
     }
+}
+
+/// Returns the columns and rows from a pixel's centre to one of its samples.
+#[inline]
+fn from_center(samples: &PixelSamples, index: u32) -> [f64; 2] {
+    samples.pair(Dimension::Pixel, index).map(|place| place - 0.5)
 }
 
 /// Returns the rays through points of the screen, given by their vectors from its middle: from the eye or, if orthographic, forward.

@@ -1,4 +1,4 @@
-//! Outlines of the shapes around the camera's path.
+//! Outlines of a scene's shapes.
 
 use glam::{DMat3, DVec3};
 
@@ -9,7 +9,7 @@ use rayreel::components::{Order, Shape, WorldTransform};
 const MOST: usize = 400;
 
 /// The outline of a shape in world space.
-pub(super) enum OutlinedShape {
+pub(crate) enum OutlinedShape {
     /// The image of the unit ball under a linear map, around a centre.
     Ball { center: DVec3, image: DMat3 },
     /// Eight corners. Two corners share an edge if their indices differ in one bit.
@@ -19,7 +19,7 @@ pub(super) enum OutlinedShape {
 }
 
 /// Returns the outlines of the first shapes in document order.
-pub(super) fn all(engine: &Engine) -> Vec<OutlinedShape> {
+pub(crate) fn outlined_shapes(engine: &Engine) -> Vec<OutlinedShape> {
     let mut query = engine.world().query::<(&Order, &Shape, &WorldTransform)>();
     let mut found: Vec<_> = query.iter().collect();
     found.sort_by_key(|(order, ..)| **order);
@@ -49,7 +49,7 @@ impl OutlinedShape {
     }
 
     /// Returns the centre and the radius of the outline, or `None` for planes, which are unbounded.
-    pub(super) fn extent(&self) -> Option<(DVec3, f64)> {
+    pub(crate) fn extent(&self) -> Option<(DVec3, f64)> {
         match self {
             Self::Ball { center, image } => Some((
                 *center,

@@ -1,0 +1,152 @@
+//! Views of a scene from above and from the side.
+
+use glam::DVec3;
+
+use super::shapes::OutlinedShape;
+use super::{Anchor, Area, Axis, PagePoint, Plot, Svg};
+
+/// Style sheet of views, with mid-tones, which are visible on light and on dark backgrounds.
+pub(crate) const VIEW_STYLE: &str = "
+text { font: 11px sans-serif; fill: #808080 }
+.title { font-size: 15px; font-weight: bold }
+path, ellipse { fill: none; stroke-linejoin: round; stroke-linecap: round }
+.axis { stroke: #808080; stroke-width: 1 }
+.grid { stroke: #808080; stroke-width: 1; stroke-opacity: 0.22 }
+.thing { stroke: #808080; stroke-width: 1; stroke-opacity: 0.55 }";
+
+/// An orthographic view along a coordinate axis.
+pub(crate) struct OrthographicView {
+    name: &'static str,
+    /// The indices of the coordinates to the right, upwards, and along the line of sight.
+    axes: [usize; 3],
+    pub(crate) frame: Area,
+    /// World point at the centre of the frame.
+    center: DVec3,
+    /// Pixels per scene unit.
+    scale: f64,
+}
+
+impl OrthographicView {
+    /// Creates a view from above and a view from the side, at the same scale, that show points and the outlines near them. `axes` are a
+    /// camera's u, v and n, by which a right-handed space is told from a left-handed one.
+    pub(crate) fn pair(
+        points: impl Iterator<Item = DVec3>,
+        shapes: &[OutlinedShape],
+        axes: Option<[DVec3; 3]>,
+        [left, right]: [Area; 2],
+    ) -> [Self; 2] {
+        /// Width of the margin at each side, as a fraction of the frame.
+        const MARGIN: f64 = 0.08;
+        let (least, most) = bounds(points, shapes);
+        let size = (most - least).max_element();
+        let scale = (1.0 - 2.0 * MARGIN) * left.width / if size > 0.0 { size } else { 10.0 };
+        let center = 0.5 * least + 0.5 * most;
+        let view = |name, axes, frame| Self { name, axes, frame, center, scale };
+        [
+            match axes.is_some_and(|[right, up, ahead]| right.cross(up).dot(ahead) < 0.0) {
+                false => view("from above: x to the right, z upwards", [0, 2, 1], left),
+                true => view("from above: z to the right, x upwards", [2, 0, 1], left),
+            },
+            view("from the side: z to the right, y upwards", [2, 1, 0], right),
+        ]
+    }
+
+    /// Draws the grid and the outlines. Everything drawn until [`Self::end`] is clipped to the frame.
+    pub(crate) fn begin(&self, svg: &mut Svg, shapes: &[OutlinedShape]) {
+        self.grid(svg);
+        svg.clip(self.frame);
+        for shape in shapes {
+            self.outline(svg, shape);
+        }
+    }
+
+    pub(crate) fn end(&self, svg: &mut Svg) {
+        svg.end_group();
+        svg.outline("axis", self.frame);
+    }
+
+    /// Projects a point of the world onto the page.
+    pub(crate) fn project(&self, point: DVec3) -> PagePoint {
+        let [right, up] = self.across(point - self.center);
+        let [x, y] = self.frame.middle();
+        [x + right * self.scale, y - up * self.scale]
+    }
+
+    /// Returns the components of a vector to the right and upwards.
+    pub(crate) fn across(&self, vector: DVec3) -> [f64; 2] {
+        [vector[self.axes[0]], vector[self.axes[1]]]
+    }
+
+    fn grid(&self, svg: &mut Svg) {
+        let half = 0.5 * self.frame.width / self.scale;
+        let [x, y] = self.across(self.center).map(|middle| Axis::linear((middle - half, middle + half), 7.0));
+        Plot { area: self.frame, x, y }.draw(svg);
+        svg.text("", [self.frame.left, self.frame.top - 8.0], Anchor::Start, self.name);
+    }
+
+    /// Draws an outline, unless it is outside the frame or so large that it would appear as a line.
+    fn outline(&self, svg: &mut Svg, shape: &OutlinedShape) {
+        if let Some((middle, radius)) = shape.extent() {
+            let reach = radius * self.scale;
+            let around = Area::around(self.project(middle), [reach; 2]);
+            if !self.frame.overlaps(&around) || reach > 20.0 * self.frame.width {
+                return;
+            }
+        }
+        match shape {
+            OutlinedShape::Ball { center, image } => {
+                let [a, b] = [self.axes[0], self.axes[1]].map(|axis| image.row(axis) * self.scale);
+                // The projection of the unit ball is an ellipse. Its radii are the square roots of the eigenvalues of (a b)^T (a b).
+                let (mean, half) = (0.5 * (a.dot(a) + b.dot(b)), 0.5 * (a.dot(a) - b.dot(b)));
+                let apart = libm::hypot(half, a.dot(b));
+                let radii = [mean + apart, (mean - apart).max(0.0)].map(f64::sqrt);
+                let degrees = (0.5 * libm::atan2(a.dot(b), half)).to_degrees();
+                svg.ellipse("thing", self.project(*center), radii, -degrees);
+            }
+            OutlinedShape::Box(corners) => {
+                let edges = (0..8_usize).flat_map(|corner| [1, 2, 4].map(|bit| (corner, corner | bit)));
+                let edges = edges.filter(|(one, other)| one != other);
+                let edge = |(one, other): (usize, usize)| {
+                    vec![self.project(corners[one]), self.project(corners[other])]
+                };
+                svg.lines("thing", &edges.map(edge).collect::<Vec<_>>());
+            }
+            OutlinedShape::Plane { point, normal } => self.plane(svg, *point, *normal),
+        }
+    }
+
+    /// Draws a plane as a line, if it is seen edge-on.
+    fn plane(&self, svg: &mut Svg, point: DVec3, normal: DVec3) {
+        if normal[self.axes[2]].abs() > 1e-6 {
+            return;
+        }
+        let [right, up] = self.across(normal);
+        let ([x, y], middle) = (self.project(point), self.frame.middle());
+        // The y axis of the page points down.
+        let away = (middle[0] - x) * right - (middle[1] - y) * up;
+        let foot = [middle[0] - away * right, middle[1] + away * up];
+        let reach = 2.0 * self.frame.width;
+        let end = |sign: f64| [foot[0] + sign * reach * up, foot[1] + sign * reach * right];
+        svg.line("thing", end(-1.0), end(1.0));
+    }
+}
+
+/// Returns the bounds of points, and of the outlines near them.
+fn bounds(points: impl Iterator<Item = DVec3>, shapes: &[OutlinedShape]) -> (DVec3, DVec3) {
+    let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for point in points {
+        (least, most) = (least.min(point), most.max(point));
+    }
+    if !least.is_finite() {
+        return (DVec3::ZERO, DVec3::ZERO);
+    }
+    let reach = (most - least).max_element();
+    let (near_least, near_most) = (least - 0.5 * reach, most + 0.5 * reach);
+    for (middle, radius) in shapes.iter().filter_map(OutlinedShape::extent) {
+        let (low, high) = (middle - radius, middle + radius);
+        if reach == 0.0 || low.cmpge(near_least).all() && high.cmple(near_most).all() {
+            (least, most) = (least.min(low), most.max(high));
+        }
+    }
+    (least, most)
+}
