@@ -257,7 +257,7 @@ fn text_output_is_a_table_of_the_json_values() {
     ] {
         assert!(omitted.lines().any(|found| found == line), "{line}\n{omitted}");
     }
-    assert_eq!(omitted.lines().count(), 1 + 23);
+    assert_eq!(omitted.lines().count(), 1 + 24);
     assert_eq!(blocks.next(), None);
 }
 
