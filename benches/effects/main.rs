@@ -32,7 +32,7 @@ const EFFECTS: &[(&str, &[(&str, &str)])] = &[
         "transparent media, absorption",
         &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5, absorption: (1, 0.5, 0.2)),")],
     ),
-    ("checker", &[("/* clay */", "checker: (color: (20, 20, 20), size: 1),")]),
+    ("checker", &[("/* clay */", "pattern: Checker(color: (20, 20, 20), size: 1),")]),
     ("emission", &[("/* clay */", "emission: (0.1, 0.1, 0.1),")]),
     ("shapes without shadows", &[("/* entity */", "casts_shadow: false,")]),
     ("fog", &[("/* scene */", "fog: (color: (90, 90, 100), density: 0.05),")]),

@@ -136,7 +136,7 @@ def ron(scene):
 
     colors = [*PALETTE, (255, 255, 255), (255, 255, 255)]
     lines = [f'        "m{index}": {material(index, color)},' for index, color in enumerate(colors)]
-    squares = ', checker: (color: (60, 60, 70), size: 1)' if scene.checkered else ''
+    squares = ', pattern: Checker(color: (60, 60, 70), size: 1)' if scene.checkered else ''
     lines.append(f'        "floor": (k_a: 0.15, k_d: 0.75, color: ({numbers(FLOOR)}){squares}{shiny}),')
     entities = ['        (shape: Plane(normal: (0, 1, 0)), material: "floor"),']
     for x, y, z, radius, index in scene.balls:

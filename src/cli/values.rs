@@ -68,7 +68,7 @@ pub(super) fn parse_count(path: &str, text: &str) -> Result<Override, String> {
 }
 
 /// Other words for effects.
-const EFFECT_WORDS: [(&str, Effect); 15] = [
+const EFFECT_WORDS: [(&str, Effect); 19] = [
     ("ambient", Effect::Ambient),
     ("diffuse", Effect::Diffuse),
     ("emissive", Effect::Emission),
@@ -81,6 +81,10 @@ const EFFECT_WORDS: [(&str, Effect); 15] = [
     ("refracted", Effect::Refraction),
     ("refractions", Effect::Refraction),
     ("soft-shadows", Effect::AreaLights),
+    ("pattern", Effect::Patterns),
+    ("checker", Effect::Patterns),
+    ("stripes", Effect::Patterns),
+    ("bricks", Effect::Patterns),
     ("anti-aliasing", Effect::Antialiasing),
     ("lens", Effect::DepthOfField),
     ("shutter", Effect::MotionBlur),

@@ -23,7 +23,7 @@ macro_rules! with_components {
             Specular: material,
             Reflective: material,
             Refractive: material,
-            Checker: material,
+            Pattern: material,
             Emission: material,
             Light: rewritten,
             Camera: rewritten,

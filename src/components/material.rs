@@ -1,5 +1,7 @@
 //! The appearance of surfaces.
 
+use glam::DVec3;
+
 use crate::color::Rgb;
 
 /// The ambient and diffuse reflection of a surface.
@@ -110,15 +112,68 @@ impl Refractive {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission(pub Rgb);
 
-/// A checker pattern: every second square of the surface has another colour.
+/// A pattern: a second colour on a part of the surface.
 ///
-/// Squares are measured in the entity's own units, before its transform. On a plane they start at the entity's origin, on each face of a
-/// box at the lower corner of the face. The pattern is two-dimensional and does not appear on spheres.
+/// Patterns are measured in the entity's own units, before its transform, so that they move with it. Spheres are cut out of a solid pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Checker {
+pub struct Pattern {
     /// The second colour. It replaces [`Material::color`] in diffuse light and, unless there is a [`Material::ambient_color`], in ambient
     /// light.
     pub color: Rgb,
-    /// The side of a square in the entity's own units, > 0.
-    pub size: f64,
+    /// The part of the surface with the second colour.
+    pub kind: PatternKind,
+}
+
+/// The kind of a pattern. Lengths are in the entity's own units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PatternKind {
+    /// Every second square of the surface: on a plane starting at the entity's origin, on each face of a box at the lower corner of the
+    /// face. On a sphere, every second one of the cubes from which it is cut.
+    Checker {
+        /// The side of a square, > 0.
+        size: f64,
+    },
+    /// Parallel stripes. A stripe of the first colour starts at the origin, and one of the second colour follows.
+    Stripes {
+        /// The distance from a stripe to the next one of its colour, > 0.
+        size: f64,
+        /// The fraction of the second colour, 0..=1.
+        ratio: f64,
+        /// The direction across the stripes, of any length but zero.
+        direction: DVec3,
+        /// The distance by which the stripes are moved along the direction.
+        offset: f64,
+    },
+    /// A wall or a pavement of bricks in the material's colour, with mortar in the second colour. Rows follow each other along y, or along z
+    /// on a surface across y; every second row is shifted by half a brick. Bricks start like the squares of a checker.
+    Bricks {
+        /// The distances from a brick to the next one along the three axes, > 0.
+        size: DVec3,
+        /// The width of the joints, which is a part of the size, >= 0.
+        mortar: f64,
+    },
+    /// A blend from the material's colour to the second one.
+    Gradient {
+        /// The length of the blend, > 0.
+        size: f64,
+        /// The direction from the first colour to the second one, of any length but zero.
+        direction: DVec3,
+        /// The distance by which the middle of the blend is moved from the origin along the direction.
+        offset: f64,
+    },
+    /// A random blend of both colours in blotches, by fractal noise.
+    Noise {
+        /// The size of the largest blotches, > 0.
+        size: f64,
+        /// The number of noises, each with half the size and half the strength of the one before, from 1 to
+        /// [`LARGEST_OCTAVES`](Self::LARGEST_OCTAVES).
+        octaves: u32,
+        /// The factor of the contrast, >= 0.
+        contrast: f64,
+    },
+}
+
+impl PatternKind {
+    /// The largest number of octaves.
+    pub const LARGEST_OCTAVES: u32 = 16;
 }

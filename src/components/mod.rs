@@ -8,7 +8,7 @@
 //! | [`Specular`] | a surface with highlights |
 //! | [`Reflective`] | a surface that reflects |
 //! | [`Refractive`] | a surface that transmits light |
-//! | [`Checker`] | a surface with squares of two colours |
+//! | [`Pattern`] | a surface with a pattern of two colours |
 //! | [`Emission`] | a surface that gives off light |
 //! | [`Light`] | a light source |
 //! | [`Camera`], [`FilmSettings`] | the view, and the size and encoding of the image |
@@ -39,7 +39,7 @@ pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, 
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub(crate) use list::with_components;
-pub use material::{Checker, Emission, Material, Reflective, Refractive, Specular};
+pub use material::{Emission, Material, Pattern, PatternKind, Reflective, Refractive, Specular};
 pub use property::Property;
 pub(crate) use property::Requirement;
 pub(crate) use quantity::Quantity;

@@ -36,8 +36,18 @@ pub(crate) enum Requirement {
     Reflective,
     /// A surface that refracts.
     Refractive,
-    /// A surface with a checker pattern.
-    Checker,
+    /// A surface with a pattern.
+    Pattern,
+    /// A surface with a pattern that has a size.
+    SizedPattern,
+    /// A surface with a pattern that has a direction.
+    DirectedPattern,
+    /// A surface with stripes.
+    Stripes,
+    /// A surface with bricks.
+    Bricks,
+    /// A surface with noise.
+    Noise,
     /// A surface that gives off light.
     Emission,
     /// A light of any kind.
@@ -131,10 +141,22 @@ table! {
         Ior => (Requirement::Refractive, Quantity::RefractiveIndex),
         /// [`Refractive::absorption`](super::Refractive::absorption).
         Absorption => (Requirement::Refractive, Quantity::Absorption),
-        /// [`Checker::color`](super::Checker::color).
-        CheckerColor => (Requirement::Checker, Quantity::Color),
-        /// [`Checker::size`](super::Checker::size).
-        CheckerSize => (Requirement::Checker, Quantity::Length),
+        /// [`Pattern::color`](super::Pattern::color).
+        PatternColor => (Requirement::Pattern, Quantity::Color),
+        /// The size of a [`PatternKind`](super::PatternKind).
+        PatternSize => (Requirement::SizedPattern, Quantity::Length),
+        /// The direction of a [`PatternKind`](super::PatternKind).
+        PatternDirection => (Requirement::DirectedPattern, Quantity::Direction),
+        /// The offset of a [`PatternKind`](super::PatternKind) along its direction.
+        PatternOffset => (Requirement::DirectedPattern, Quantity::Coordinate),
+        /// The ratio of [`PatternKind::Stripes`](super::PatternKind).
+        StripeRatio => (Requirement::Stripes, Quantity::StripeRatio),
+        /// The size of [`PatternKind::Bricks`](super::PatternKind).
+        BrickSize => (Requirement::Bricks, Quantity::Edges),
+        /// The mortar of [`PatternKind::Bricks`](super::PatternKind).
+        Mortar => (Requirement::Bricks, Quantity::Mortar),
+        /// The contrast of [`PatternKind::Noise`](super::PatternKind).
+        NoiseContrast => (Requirement::Noise, Quantity::Contrast),
         /// [`Emission`](super::Emission).
         Emission => (Requirement::Emission, Quantity::Light),
         /// [`Light::intensity`](super::Light::intensity).

@@ -44,6 +44,12 @@ table! {
         AngularSize => (Notation::Degrees, ValidRange::SpotAngle),
         /// The fading fraction of a spot light's cone.
         Softness => (Notation::Number, Between(0.0, 1.0)),
+        /// The fraction of a surface that stripes cover.
+        StripeRatio => (Notation::Number, Between(0.0, 1.0)),
+        /// The width of the joints between bricks.
+        Mortar => (Notation::Number, NotNegative),
+        /// A factor of contrast.
+        Contrast => (Notation::Number, NotNegative),
         /// The falloff coefficients c0, c1, c2; c0 is greater than 0.
         Falloff => (Notation::Vector, NotNegative),
         /// The field of view in radians, less than pi.

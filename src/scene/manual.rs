@@ -15,8 +15,8 @@ mod tests {
     use crate::components::{Property, Quantity};
     use crate::scene::document::{
         AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
-        CheckerDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
-        LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument,
+        EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument, LensDocument,
+        LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument, QualityDocument,
         ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
         SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument,
         StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument,
@@ -138,7 +138,6 @@ mod tests {
         check_fields::<SpecularDocument>("Specular", all);
         check_fields::<ReflectiveDocument>("Reflective", all);
         check_fields::<RefractiveDocument>("Refractive", all);
-        check_fields::<CheckerDocument>("Checker", all);
         check_fields::<EntityDocument>("Entity", all);
         check_fields::<TransformDocument>("Transform", all);
         check_fields::<AnimationDocument>("Animation", all);
@@ -159,6 +158,9 @@ mod tests {
         check_variants::<ScriptDocument>("Script", all);
         for (variant, inside) in check_variants::<ShapeDocument>("Shape", all).variants {
             assert_eq!(inside, known::<ShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
+        }
+        for (variant, inside) in check_variants::<PatternDocument>("Pattern", all).variants {
+            assert_eq!(inside, known::<PatternDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }
         for (variant, inside) in check_variants::<LightDocument>("Light", all).variants {
             assert_eq!(inside, known::<LightDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
@@ -182,7 +184,7 @@ mod tests {
             Quantity::Factors => "a factor or three".to_owned(),
             Quantity::Length => "numbers greater than 0".to_owned(),
             Quantity::Edges => "three edge lengths greater than 0".to_owned(),
-            Quantity::Coefficient | Quantity::Softness => {
+            Quantity::Coefficient | Quantity::Softness | Quantity::StripeRatio => {
                 format!("numbers from {} to {}", range.start(), range.end())
             }
             Quantity::Shininess => format!("numbers from {} to {:e}", range.start(), range.end()),
@@ -201,7 +203,9 @@ mod tests {
                 format!("coefficients (c0, c1, c2), {rest}")
             }
             Quantity::Flag => "true or false, and each holds until the next one".to_owned(),
-            Quantity::Aperture | Quantity::Density => format!("numbers, {} or more", range.start()),
+            Quantity::Aperture | Quantity::Density | Quantity::Mortar | Quantity::Contrast => {
+                format!("numbers, {} or more", range.start())
+            }
         }
     }
 

@@ -44,7 +44,7 @@ impl Changes {
 
     /// Declares a write to an entity's [`Material`](crate::components::Material),
     /// [`Specular`](crate::components::Specular), [`Reflective`](crate::components::Reflective),
-    /// [`Refractive`](crate::components::Refractive), [`Checker`](crate::components::Checker) or
+    /// [`Refractive`](crate::components::Refractive), [`Pattern`](crate::components::Pattern) or
     /// [`Emission`](crate::components::Emission).
     pub fn mark_material(&mut self, entity: Entity) {
         self.declared = true;

@@ -27,8 +27,8 @@ impl Preparation {
             Effect::Emission => self.repaint(|material| material.emission = Rgb::ZERO),
             Effect::Diffuse => self.repaint(|material| {
                 material.diffuse = Rgb::ZERO;
-                if let Some(checker) = &mut material.checker {
-                    checker.diffuse = Rgb::ZERO;
+                if let Some(pattern) = &mut material.pattern {
+                    pattern.diffuse = Rgb::ZERO;
                 }
             }),
             Effect::Specular => self.repaint(|material| material.specular = 0.0),
@@ -55,7 +55,7 @@ impl Preparation {
                     refraction.absorption = Rgb::ZERO;
                 }
             }),
-            Effect::Checker => self.repaint(|material| material.checker = None),
+            Effect::Patterns => self.repaint(|material| material.pattern = None),
             Effect::Fog => self.scene.fog = PreparedFog::default(),
             Effect::Gradient => {
                 self.scene.background = PreparedBackground::Flat(self.scene.background.mean());

@@ -39,8 +39,8 @@ table! {
         Fresnel => ("Fresnel", APART),
         /// Absorption in transparent media.
         Absorption => ("absorption", APART),
-        /// Checker patterns.
-        Checker => ("checker", EXTRA),
+        /// Patterns of two colours.
+        Patterns => ("patterns", EXTRA),
         /// Fog.
         Fog => ("fog", EXTRA),
         /// A gradient background.
@@ -85,7 +85,7 @@ impl fmt::Display for Effect {
 /// use rayreel::{Effect, EffectSet};
 ///
 /// let set: EffectSet = [Effect::Fog, Effect::Shadows].into();
-/// assert!(set.contains(Effect::Fog) && !set.contains(Effect::Checker));
+/// assert!(set.contains(Effect::Fog) && !set.contains(Effect::Patterns));
 /// assert_eq!(set.iter().collect::<Vec<_>>(), [Effect::Shadows, Effect::Fog]);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

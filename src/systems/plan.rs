@@ -8,7 +8,7 @@ use hecs::{Component, World};
 use super::{Effect, EffectSet, Preparation};
 use crate::color::Rgb;
 use crate::components::{
-    Checker, Emission, Fog, Light, Reflective, Refractive, Specular, Stars, Sun, Visibility,
+    Emission, Fog, Light, Pattern, Reflective, Refractive, Specular, Stars, Sun, Visibility,
 };
 use crate::trace::{self, Effects, LightSource, Lighting, Paths, PreparedBackground, RayClass, ShapeId};
 
@@ -184,9 +184,9 @@ impl<'a> EffectScan<'a> {
             Effect::Reflection | Effect::Refraction | Effect::Fresnel | Effect::Absorption => {
                 self.continued(effect)
             }
-            Effect::Checker if !self.has::<Checker>() => Omitted("no material has `checker`"),
-            Effect::Checker if !surfaces.checkered => Omitted("no checkered surface is drawn"),
-            Effect::Checker => Needed("a surface is checkered"),
+            Effect::Patterns if !self.has::<Pattern>() => Omitted("no material has `pattern`"),
+            Effect::Patterns if !surfaces.patterned => Omitted("no surface with a pattern is drawn"),
+            Effect::Patterns => Needed("a surface has a pattern"),
             Effect::Fog if scene.fog.density > 0.0 => Needed("its density is above 0"),
             Effect::Fog if self.has::<Fog>() => Omitted("its density is 0"),
             Effect::Fog => Omitted("the scene has no `fog`"),

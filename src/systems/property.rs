@@ -91,7 +91,12 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
         | Requirement::Specular
         | Requirement::Reflective
         | Requirement::Refractive
-        | Requirement::Checker
+        | Requirement::Pattern
+        | Requirement::SizedPattern
+        | Requirement::DirectedPattern
+        | Requirement::Stripes
+        | Requirement::Bricks
+        | Requirement::Noise
         | Requirement::Emission => {
             changes.mark_material(entity);
         }

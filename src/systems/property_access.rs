@@ -7,9 +7,9 @@ use crate::animation::Value;
 use crate::animation::limits::SMALLEST;
 use crate::color::Rgb;
 use crate::components::{
-    Ambient, AreaShape, Background, Camera, Checker, Emission, Falloff, Fog, Light, LightKind, Material,
-    Projection, Property, Quantity, Reflective, Refractive, Requirement, Shape, Specular, Stars, Sun, Target,
-    Transform, View, Visibility,
+    Ambient, AreaShape, Background, Camera, Emission, Falloff, Fog, Light, LightKind, Material, Pattern,
+    PatternKind, Projection, Property, Quantity, Reflective, Refractive, Requirement, Shape, Specular, Stars,
+    Sun, Target, Transform, View, Visibility,
 };
 
 /// Defines from lists of the components that hold properties, each of at most 15 as tuples of hecs are: the query for these components of an entity, the result of the query, and
@@ -63,7 +63,7 @@ parts! {
         specular: Specular,
         reflective: Reflective,
         refractive: Refractive,
-        checker: Checker,
+        pattern: Pattern,
         emission: Emission,
         light: Light,
         camera: Camera,
@@ -136,8 +136,14 @@ impl Parts<'_> {
             | P::Kt
             | P::Ior
             | P::Absorption
-            | P::CheckerColor
-            | P::CheckerSize
+            | P::PatternColor
+            | P::PatternSize
+            | P::PatternDirection
+            | P::PatternOffset
+            | P::StripeRatio
+            | P::BrickSize
+            | P::Mortar
+            | P::NoiseContrast
             | P::Emission => self.surface_value(property),
             P::Intensity
             | P::Direction
@@ -210,9 +216,32 @@ impl Parts<'_> {
             Property::Kt => Single(&mut self.refractive.as_mut()?.k_t),
             Property::Ior => Number(&mut self.refractive.as_mut()?.ior),
             Property::Absorption => Color(&mut self.refractive.as_mut()?.absorption),
-            Property::CheckerColor => Color(&mut self.checker.as_mut()?.color),
-            Property::CheckerSize => Number(&mut self.checker.as_mut()?.size),
             Property::Emission => Color(&mut self.emission.as_mut()?.0),
+            _ => return self.pattern_value(property),
+        })
+    }
+
+    /// Returns a reference to a value of the surface's pattern.
+    fn pattern_value(&mut self, property: Property) -> Option<ValueMut<'_>> {
+        use PatternKind::{Bricks, Checker, Gradient, Noise, Stripes};
+        use ValueMut::{Color, Number, Vector};
+        let Pattern { color, kind } = &mut **self.pattern.as_mut()?;
+        Some(match property {
+            Property::PatternColor => Color(color),
+            Property::PatternSize => within!(
+                kind,
+                Checker { size } | Stripes { size, .. } | Gradient { size, .. } | Noise { size, .. } => Number(size)
+            ),
+            Property::PatternDirection => {
+                within!(kind, Stripes { direction, .. } | Gradient { direction, .. } => Vector(direction))
+            }
+            Property::PatternOffset => {
+                within!(kind, Stripes { offset, .. } | Gradient { offset, .. } => Number(offset))
+            }
+            Property::BrickSize => within!(kind, Bricks { size, .. } => Vector(size)),
+            Property::Mortar => within!(kind, Bricks { mortar, .. } => Number(mortar)),
+            Property::NoiseContrast => within!(kind, Noise { contrast, .. } => Number(contrast)),
+            Property::StripeRatio => within!(kind, Stripes { ratio, .. } => Number(ratio)),
             _ => return None,
         })
     }

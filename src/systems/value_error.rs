@@ -26,6 +26,8 @@ fn number_error(quantity: Quantity, number: f64) -> Option<(String, &'static str
         Quantity::Length => ("a length", POSITIVE_HELP),
         Quantity::Aperture => ("the lens's aperture", NOT_NEGATIVE_HELP),
         Quantity::Density => ("the fog's density", NOT_NEGATIVE_HELP),
+        Quantity::Mortar => ("mortar", NOT_NEGATIVE_HELP),
+        Quantity::Contrast => ("contrast", NOT_NEGATIVE_HELP),
         Quantity::RefractiveIndex => ("ior", "1.33 is water, 1.5 glass"),
         Quantity::AngularSize => ("a size in the sky", "clamp(x, 0.1, 180) keeps it there"),
         Quantity::SpotAngle => ("the angle of a spot light", "clamp(x, 0.1, 180) keeps it there"),

@@ -92,8 +92,8 @@ pub struct LitSurface {
 /// The values of a surface's textbook sum at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceTerms {
-    /// True on a second square of a checker pattern, which has the pattern's colour.
-    pub is_second_square: bool,
+    /// The fraction of the pattern's colour, 0 to 1; 0 without a pattern.
+    pub pattern: f32,
     /// k_a c, the ambient coefficient times the colour in ambient light.
     pub ambient_color: Rgb,
     /// I_a, the intensity of the ambient light.

@@ -326,7 +326,7 @@ fn lit(
     let lights = scene.lights.iter().enumerate();
     let lights = lights.map(|light| reach(context, scratch, light, &lit, seen, &mut samples)).collect();
     let terms = SurfaceTerms {
-        is_second_square: material.second_square(surface.point, surface.normal).is_some(),
+        pattern: material.pattern_share(surface.point, surface.normal),
         ambient_color,
         ambient_light: scene.ambient,
         diffuse_color: diffuse,

@@ -109,7 +109,7 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
                   \"hot\": (k_a: 1, color: (255, 240, 220)), \"glass\": (k_a: 0.00001, k_d: 0.05, color: (255, 255, 255), \
                   refractive: (k_t: 0.9, ior: 1.5, fresnel: true), reflective: (k_r: 1)), \"shiny\": (k_a: 0.00005, k_d: 0.3, \
                   color: (60, 60, 90), specular: (k_s: 1, shininess: 3000)), \"tiles\": (k_a: 0.0025, color: (230, 230, 230), \
-                  checker: (color: (20, 20, 20), size: 0.5)), \"grey\": (k_a: 0.00125, color: (255, 255, 255)), \"black\": (k_a: 0, color: (0, 0, 0)),";
+                  pattern: Checker(color: (20, 20, 20), size: 0.5)), \"grey\": (k_a: 0.00125, color: (255, 255, 255)), \"black\": (k_a: 0, color: (0, 0, 0)),";
     let chrome = "(shape: Sphere(radius: 4), transform: (translation: (0, 1, 4)), material: \"chrome\"),";
     let marbles = "(shape: Sphere(radius: 3), transform: (translation: (-4, 0, 3)), material: \"glass\"),\
                    (shape: Sphere(radius: 2), transform: (translation: (3, -1, 1)), material: \"glass\"),";

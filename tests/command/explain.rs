@@ -145,7 +145,7 @@ fn every_effect_has_its_frames_and_reasons() {
                 (json!([[6, 9]]), false, "no medium absorbs"),
             ],
         ),
-        ("checker", vec![(json!([[0, 9]]), false, "no material has `checker`")]),
+        ("patterns", vec![(json!([[0, 9]]), false, "no material has `pattern`")]),
         ("fog", vec![(json!([[0, 9]]), false, "its density is 0")]),
         ("gradient", vec![(json!([[0, 9]]), false, "the background is the same everywhere")]),
         ("sun", vec![(json!([[0, 9]]), false, "the scene has no `sun`")]),

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use rayreel::components::{
-    Ambient, Background, Camera, Checker, FilmSettings, Light, Material, Parent, Reflective, Shape,
-    Transform, View, Visibility,
+    Ambient, Background, Camera, FilmSettings, Light, Material, Parent, Pattern, PatternKind, Reflective,
+    Shape, Transform, View, Visibility,
 };
 use rayreel::systems::{Consequence, FaultCause, UndeclaredChange};
 use rayreel::time::Timeline;
@@ -108,10 +108,10 @@ fn values_that_components_do_not_hold_are_faults() {
     let ball = world.spawn((BALL, white));
     assert_fault(world, ball, message, "`color::srgb(255, 120, 60)`");
     let mut world = stage();
-    let checker = Checker { color: Rgb::splat(1.5), size: 1.0 };
-    let floor = world.spawn((Shape::Plane { normal: DVec3::Y }, CLAY, checker));
+    let pattern = Pattern { color: Rgb::splat(1.5), kind: PatternKind::Checker { size: 1.0 } };
+    let floor = world.spawn((Shape::Plane { normal: DVec3::Y }, CLAY, pattern));
     let message =
-        "reflects more light than it receives: its checker colour has a channel of 1.5, and 1 is white";
+        "reflects more light than it receives: its pattern colour has a channel of 1.5, and 1 is white";
     assert_fault(world, floor, message, "0 to 1");
     let mut world = stage();
     world.spawn((BALL, Material::matte(Rgb::ONE)));

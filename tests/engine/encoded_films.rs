@@ -18,7 +18,7 @@ fn engine(film: &str, sampling: &str) -> Engine {
             background: (bottom: (0, 0, 0), top: (250, 120, 60)),
             materials: {{
                 "clay": (k_a: 0.5, k_d: 0.9, color: (200, 120, 60), specular: (k_s: 0.8, shininess: 20)),
-                "tiles": (k_d: 1, color: (250, 250, 250), checker: (color: (0, 40, 0), size: 0.3)),
+                "tiles": (k_d: 1, color: (250, 250, 250), pattern: Checker(color: (0, 40, 0), size: 0.3)),
             }},
             entities: [
                 (name: "ball", shape: Sphere(radius: 1), material: "clay", transform: (translation: (0, 0, 1))),

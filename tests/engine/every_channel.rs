@@ -29,7 +29,7 @@ const SCENE: &str = r##"Scene(
             emission: @emission,
         ),
         "glass": (k_d: 0.1, refractive: (k_t: @kt, ior: @ior, absorption: @absorption)),
-        "tiles": (k_a: 0.3, k_d: 0.6, color: (90, 200, 120), checker: (color: @checker_color, size: @checker_size)),
+        "tiles": (k_a: 0.3, k_d: 0.6, color: (90, 200, 120), pattern: @pattern),
     },
     entities: [
         (name: "floor", shape: Plane(normal: @normal), transform: (translation: (0, -1, 0)), material: "tiles"),
@@ -62,7 +62,7 @@ const SCENE: &str = r##"Scene(
 )"##;
 
 /// Default values of the words.
-const PLAIN: [(&str, &str); 41] = [
+const PLAIN: [(&str, &str); 40] = [
     ("position", "(0, 1.5, -6)"),
     ("view", "target: (0, 0, 0)"),
     ("up", "(0, 1, 0)"),
@@ -86,8 +86,7 @@ const PLAIN: [(&str, &str); 41] = [
     ("kt", "0.8"),
     ("ior", "1.5"),
     ("absorption", "(0.1, 0.2, 0.3)"),
-    ("checker_color", "(30, 30, 30)"),
-    ("checker_size", "0.4"),
+    ("pattern", "Checker(color: (30, 30, 30), size: 0.4)"),
     ("normal", "(0, 1, 0)"),
     ("radius", "1"),
     ("translation", "(0, 0, 0)"),
@@ -163,8 +162,38 @@ fn case(property: Property) -> Case {
         Property::Kt => material(glass, "marble", "kt", ["0.3", "0.95"]),
         Property::Ior => material(glass, "marble", "ior", ["1.1", "2"]),
         Property::Absorption => material(glass, "marble", "absorption", ["(0, 0, 0)", "(2, 1, 0)"]),
-        Property::CheckerColor => material(tiles, "floor", "checker_color", ["(255, 0, 0)", "(0, 0, 255)"]),
-        Property::CheckerSize => material(tiles, "crate", "checker_size", ["0.3", "0.9"]),
+        Property::PatternColor => written(
+            "Checker(color: {}, size: 0.4)",
+            material(tiles, "floor", "pattern", ["(255, 0, 0)", "(0, 0, 255)"]),
+        ),
+        Property::PatternSize => written(
+            "Checker(color: (30, 30, 30), size: {})",
+            material(tiles, "crate", "pattern", ["0.3", "0.9"]),
+        ),
+        Property::PatternDirection => written(
+            "Stripes(color: (30, 30, 30), size: 0.4, direction: {})",
+            material(tiles, "floor", "pattern", ["(1, 0, 1)", "(0, 1, 1)"]),
+        ),
+        Property::PatternOffset => written(
+            "Stripes(color: (30, 30, 30), size: 0.4, offset: {})",
+            material(tiles, "floor", "pattern", ["0.1", "-0.25"]),
+        ),
+        Property::StripeRatio => written(
+            "Stripes(color: (30, 30, 30), size: 0.4, ratio: {})",
+            material(tiles, "crate", "pattern", ["0.25", "0.9"]),
+        ),
+        Property::BrickSize => written(
+            "Bricks(color: (30, 30, 30), size: {}, mortar: 0.1)",
+            material(tiles, "floor", "pattern", ["(0.5, 0.3, 0.4)", "(1, 1, 1)"]),
+        ),
+        Property::Mortar => written(
+            "Bricks(color: (30, 30, 30), size: (0.5, 0.3, 0.4), mortar: {})",
+            material(tiles, "floor", "pattern", ["0", "0.2"]),
+        ),
+        Property::NoiseContrast => written(
+            "Noise(color: (30, 30, 30), size: 0.4, contrast: {})",
+            material(tiles, "floor", "pattern", ["0", "5"]),
+        ),
         Property::Emission => material(clay, "ball", "emission", ["(0, 0.2, 0)", "(0.5, 0.4, 0.3)"]),
         Property::Intensity => entity("lamp", "intensity", ["(0.2, 0.3, 0.4)", "(1.5, 1, 1)"]),
         Property::Direction => entity("sun", "direction", ["(1, -1, 0)", "(-1, -2, 1)"]),
@@ -392,7 +421,7 @@ fn colours_blend_as_light() {
 fn swinging_curves_stay_in_range() {
     for (property, target, word, written, keys, lowest) in [
         (Property::Radius, "ball", "", "", ["1", "0.01"], 1e-60),
-        (Property::CheckerSize, "floor", "", "", ["1", "0.01"], 1e-60),
+        (Property::PatternSize, "floor", "", "", ["1", "0.01"], 1e-60),
         (Property::Angle, "spot", "", "", ["90", "1"], 1e-60),
         (Property::LightRadius, "globe", "", "", ["1", "0.01"], 1e-60),
         (Property::Fov, "camera", "", "", ["90", "1"], 1e-60),
@@ -474,9 +503,9 @@ fn is_taken(property: Property, case: &Case, track: &str) -> bool {
 
 /// Returns true for light, colours and coefficients, which are clamped to their ranges instead.
 fn is_held(property: Property) -> bool {
-    use Property::{Ka, Kd, Kr, Ks, Kt, Shininess, Softness, SunGlow};
+    use Property::{Ka, Kd, Kr, Ks, Kt, Shininess, Softness, StripeRatio, SunGlow};
     matches!(property.notation(), Notation::Light | Notation::Color)
-        || matches!(property, Ka | Kd | Ks | Kr | Kt | Shininess | Softness | SunGlow)
+        || matches!(property, Ka | Kd | Ks | Kr | Kt | Shininess | Softness | StripeRatio | SunGlow)
 }
 
 #[test]

@@ -11,9 +11,10 @@ use serde_json::Value;
 
 use rayreel::color::ErrorNorm;
 use rayreel::components::{
-    Ambient, AreaShape, Background, Camera, Checker, Emission, Falloff, FilmSettings, Fog, Follow, Lens,
-    Light, LightKind, LookAt, Material, Noise, Parent, Projection, Quality, Reflective, Refractive, Sampling,
-    Shape, Shot, Shots, Specular, Stars, Sun, Transform, View, Visibility, WorldTransform,
+    Ambient, AreaShape, Background, Camera, Emission, Falloff, FilmSettings, Fog, Follow, Lens, Light,
+    LightKind, LookAt, Material, Noise, Parent, Pattern, PatternKind, Projection, Quality, Reflective,
+    Refractive, Sampling, Shape, Shot, Shots, Specular, Stars, Sun, Transform, View, Visibility,
+    WorldTransform,
 };
 use rayreel::systems::{Consequence, FaultCause};
 use rayreel::{Context, Engine, Entity, Fault, Film, Ray, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -91,13 +92,35 @@ struct Looks {
     specular: Option<Specular>,
     reflective: Option<Reflective>,
     refractive: Option<Refractive>,
-    checker: Option<Checker>,
+    pattern: Option<Pattern>,
     emission: Option<Emission>,
     visibility: Option<Visibility>,
 }
 
 fn visibility() -> impl Strategy<Value = Visibility> {
     any::<[bool; 3]>().prop_map(|[camera, secondary, shadow]| Visibility { camera, secondary, shadow })
+}
+
+fn pattern_kind() -> BoxedStrategy<PatternKind> {
+    let direction = || (number(), number(), number()).prop_map(DVec3::from);
+    prop_oneof![
+        number().prop_map(|size| PatternKind::Checker { size }),
+        (number(), number(), direction(), number()).prop_map(|(size, ratio, direction, offset)| {
+            PatternKind::Stripes { size, ratio, direction, offset }
+        }),
+        (direction(), number()).prop_map(|(size, mortar)| PatternKind::Bricks { size, mortar }),
+        (number(), direction(), number()).prop_map(|(size, direction, offset)| PatternKind::Gradient {
+            size,
+            direction,
+            offset
+        }),
+        (number(), 0..20u32, number()).prop_map(|(size, octaves, contrast)| PatternKind::Noise {
+            size,
+            octaves,
+            contrast
+        }),
+    ]
+    .boxed()
 }
 
 fn looks() -> impl Strategy<Value = Looks> {
@@ -115,16 +138,19 @@ fn looks() -> impl Strategy<Value = Looks> {
         ),
         prop::option::weighted(0.3, single().prop_map(|k_r| Reflective { k_r })),
         prop::option::weighted(0.3, refractive),
-        prop::option::weighted(0.3, (color(), number()).prop_map(|(color, size)| Checker { color, size })),
+        prop::option::weighted(
+            0.3,
+            (color(), pattern_kind()).prop_map(|(color, kind)| Pattern { color, kind }),
+        ),
         prop::option::weighted(0.3, color().prop_map(Emission)),
         prop::option::weighted(0.2, visibility()),
     )
-        .prop_map(|(material, specular, reflective, refractive, checker, emission, visibility)| Looks {
+        .prop_map(|(material, specular, reflective, refractive, pattern, emission, visibility)| Looks {
             material,
             specular,
             reflective,
             refractive,
-            checker,
+            pattern,
             emission,
             visibility,
         })
@@ -166,10 +192,10 @@ struct Thing {
 
 fn thing() -> impl Strategy<Value = Thing> {
     (
-        prop::option::weighted(0.8, shape()),
-        prop::option::weighted(0.8, looks()),
-        prop::option::weighted(0.2, light()),
-        prop::option::weighted(0.8, transform()),
+        prop::option::weighted(0.8, shape().boxed()),
+        prop::option::weighted(0.8, looks().boxed()),
+        prop::option::weighted(0.2, light().boxed()),
+        prop::option::weighted(0.8, transform().boxed()),
         prop::option::weighted(0.4, any::<prop::sample::Index>()),
     )
         .prop_map(|(shape, looks, light, transform, parent)| Thing {
@@ -301,8 +327,8 @@ fn put(world: &mut World, entity: Entity, looks: &Looks) {
     if let Some(emission) = looks.emission {
         world.insert_one(entity, emission).unwrap();
     }
-    if let Some(checker) = looks.checker {
-        world.insert_one(entity, checker).unwrap();
+    if let Some(pattern) = looks.pattern {
+        world.insert_one(entity, pattern).unwrap();
     }
     if let Some(visibility) = looks.visibility {
         world.insert_one(entity, visibility).unwrap();

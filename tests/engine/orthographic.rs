@@ -72,7 +72,7 @@ fn scene(camera: &str, samples: u32) -> String {
             "clay": (k_a: 0.4, k_d: 0.5, color: (250, 120, 60), specular: (k_s: 0.4, shininess: 20)),
             "mirror": (k_d: 0.2, reflective: (k_r: 0.7)),
             "glass": (k_d: 0.1, refractive: (k_t: 0.8, ior: 1.5, absorption: (0.1, 0.2, 0.3), fresnel: true)),
-            "tiles": (k_a: 0.3, k_d: 0.6, checker: (color: (30, 30, 30), size: 0.5)),
+            "tiles": (k_a: 0.3, k_d: 0.6, pattern: Checker(color: (30, 30, 30), size: 0.5)),
         }},
         entities: [
             (shape: Plane(normal: (0, 1, 0)), material: "tiles", transform: (translation: (0, -1, 0))),

@@ -10,9 +10,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use rayreel::animation::{Easing, Key, Track};
 use rayreel::components::{
-    Ambient, Animated, AreaShape, Background, Camera, Channel, Checker, Emission, Falloff, FilmSettings, Fog,
-    Lens, Light, LightKind, Material, Projection, Property, Quality, Reflective, Refractive, Sampling, Shape,
-    Specular, Stars, Sun, Transform, View, Visibility,
+    Ambient, Animated, AreaShape, Background, Camera, Channel, Emission, Falloff, FilmSettings, Fog, Lens,
+    Light, LightKind, Material, Pattern, PatternKind, Projection, Property, Quality, Reflective, Refractive,
+    Sampling, Shape, Specular, Stars, Sun, Transform, View, Visibility,
 };
 use rayreel::trace::SimdLevel;
 use rayreel::{Effect, Engine, Film, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -23,7 +23,7 @@ struct Effects {
     lights: bool,
     mirrors: bool,
     glass: bool,
-    checker: bool,
+    patterns: bool,
     area_lights: bool,
     fog: bool,
     gradient: bool,
@@ -47,7 +47,7 @@ struct Thing {
     specular: Option<Specular>,
     mirror: bool,
     glass: Option<Refractive>,
-    checker: Option<Checker>,
+    pattern: Option<Pattern>,
     emission: Option<Emission>,
     visibility: Option<Visibility>,
     /// Position after a second, if shapes move.
@@ -103,9 +103,28 @@ fn glass() -> impl Strategy<Value = Option<Refractive>> {
     prop::option::weighted(0.4, some)
 }
 
-fn checker() -> impl Strategy<Value = Option<Checker>> {
-    let size = prop_oneof![2 => Just(1.0), 1 => 0.05..2.0f64];
-    prop::option::of(size.prop_map(|size| Checker { color: Rgb::new(0.9, 0.1, 0.4), size }))
+fn pattern() -> impl Strategy<Value = Option<Pattern>> {
+    let size = || prop_oneof![2 => Just(1.0), 1 => 0.05..2.0f64, 1 => Just(1e-9)];
+    let direction = || prop_oneof![Just(DVec3::X), Just(DVec3::Y), point().prop_map(|point| point + 0.1)];
+    let kind = prop_oneof![
+        size().prop_map(|size| PatternKind::Checker { size }),
+        (size(), 0.0..=1.0f64, direction(), coordinate()).prop_map(|(size, ratio, direction, offset)| {
+            PatternKind::Stripes { size, ratio, direction, offset }
+        }),
+        ((size(), size(), size()), prop_oneof![Just(0.0), 0.0..0.2f64])
+            .prop_map(|(size, mortar)| PatternKind::Bricks { size: size.into(), mortar }),
+        (size(), direction(), coordinate()).prop_map(|(size, direction, offset)| PatternKind::Gradient {
+            size,
+            direction,
+            offset
+        }),
+        (size(), 1..=6u32, 0.0..5.0f64).prop_map(|(size, octaves, contrast)| PatternKind::Noise {
+            size,
+            octaves,
+            contrast
+        }),
+    ];
+    prop::option::of(kind.prop_map(|kind| Pattern { color: Rgb::new(0.9, 0.1, 0.4), kind }))
 }
 
 fn emission() -> impl Strategy<Value = Option<Emission>> {
@@ -128,10 +147,10 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
         specular(),
         any::<bool>(),
         glass(),
-        (checker(), emission(), visibility()),
+        (pattern(), emission(), visibility()),
     );
     let thing = (shape(), transform(), surface, point()).prop_map(|(shape, transform, surface, later)| {
-        let (color, diffuse, specular, mirror, glass, (checker, emission, visibility)) = surface;
+        let (color, diffuse, specular, mirror, glass, (pattern, emission, visibility)) = surface;
         Thing {
             shape,
             transform,
@@ -140,7 +159,7 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
             specular,
             mirror,
             glass,
-            checker,
+            pattern,
             emission,
             visibility,
             later,
@@ -158,7 +177,7 @@ fn effects() -> impl Strategy<Value = Effects> {
                 lights,
                 mirrors,
                 glass,
-                checker,
+                patterns,
                 area_lights,
                 (fog, gradient, horizon, layer, clear_sky, sun, stars),
                 motion,
@@ -168,7 +187,7 @@ fn effects() -> impl Strategy<Value = Effects> {
                 lights,
                 mirrors,
                 glass,
-                checker,
+                patterns,
                 area_lights,
                 fog,
                 gradient,
@@ -228,8 +247,8 @@ fn world(
         if let Some(glass) = thing.glass.filter(|_| effects.glass) {
             world.insert_one(entity, glass).unwrap();
         }
-        if let Some(checker) = thing.checker.filter(|_| effects.checker) {
-            world.insert_one(entity, checker).unwrap();
+        if let Some(pattern) = thing.pattern.filter(|_| effects.patterns) {
+            world.insert_one(entity, pattern).unwrap();
         }
         if let Some(emission) = thing.emission {
             world.insert_one(entity, emission).unwrap();

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use hecs::{Or, With, Without};
 
 use rayreel::components::{
-    Background, Camera, Checker, FilmSettings, Fog, Light, LightKind, Parent, Refractive, Sampling, Shape,
+    Background, Camera, FilmSettings, Fog, Light, LightKind, Parent, Pattern, Refractive, Sampling, Shape,
     Stars, Sun, Transform, View,
 };
 use rayreel::{Engine, Film};
@@ -98,9 +98,9 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
         let _ = (world.remove_one::<Sun>(entity), world.remove_one::<Stars>(entity));
     }
     let checkered: Vec<hecs::Entity> =
-        world.query_mut::<With<hecs::Entity, &Checker>>().into_iter().collect();
+        world.query_mut::<With<hecs::Entity, &Pattern>>().into_iter().collect();
     for entity in checkered.into_iter().filter(|_| !checkers) {
-        world.remove_one::<Checker>(entity).unwrap();
+        world.remove_one::<Pattern>(entity).unwrap();
     }
     if let Motion::Turn(axis) = motion {
         let roots: Vec<hecs::Entity> = world

@@ -1,6 +1,6 @@
 //! Tests that disabled effects cost no rays: counts computed by hand, with every effect and without it, and the plan's reasons.
 
-use rayreel::components::{Checker, Material, Shape, Transform};
+use rayreel::components::{Material, Pattern, PatternKind, Shape, Transform};
 use rayreel::systems::{Effect, Need};
 use rayreel::trace::{RayCounts, TreeEnds};
 use rayreel::{Engine, Rgb, Scene, World};
@@ -351,7 +351,7 @@ fn every_effect_is_needed_with_and_omitted_without_its_cause() {
     let clear = "(k_d: 1, refractive: (k_t: 0.5, ior: 1.5))";
     let tinted = "(k_d: 1, refractive: (k_t: 0.5, ior: 1.5, absorption: (1, 1, 1)))";
     let fresnel = "(k_d: 1, refractive: (k_t: 0.5, ior: 1.5, fresnel: true))";
-    let checker = "(k_a: 1, checker: (color: (9, 9, 9), size: 0.5))";
+    let checker = "(k_a: 1, pattern: Checker(color: (9, 9, 9), size: 0.5))";
     for (effect, (material, more, with), (other_material, other_more, without)) in [
         (
             Effect::Ambient,
@@ -383,7 +383,7 @@ fn every_effect_is_needed_with_and_omitted_without_its_cause() {
         (Effect::Refraction, (clear, light, each(1, 0, 0, 1)), (MATTE, light, each(1, 0, 0, 0))),
         (Effect::Fresnel, (fresnel, light, each(1, 0, 1, 1)), (clear, light, each(1, 0, 0, 1))),
         (Effect::Absorption, (tinted, light, each(1, 0, 0, 1)), (clear, light, each(1, 0, 0, 1))),
-        (Effect::Checker, (checker, "]", each(1, 0, 0, 0)), ("(k_a: 1)", "]", each(1, 0, 0, 0))),
+        (Effect::Patterns, (checker, "]", each(1, 0, 0, 0)), ("(k_a: 1)", "]", each(1, 0, 0, 0))),
         (
             Effect::Fog,
             (MATTE, "], fog: (color: (9, 9, 9), density: 1)", each(1, 0, 0, 0)),
@@ -511,7 +511,7 @@ const OMITTED: &[(&str, Effect, &str)] = &[
     (PLAIN, Effect::Refraction, "no material has `refractive`"),
     (PLAIN, Effect::Fresnel, "no material has `refractive`"),
     (PLAIN, Effect::Absorption, "no material has `refractive`"),
-    (PLAIN, Effect::Checker, "no material has `checker`"),
+    (PLAIN, Effect::Patterns, "no material has `pattern`"),
     (PLAIN, Effect::Fog, "the scene has no `fog`"),
     (PLAIN, Effect::Gradient, "the background is the same everywhere"),
     (PLAIN, Effect::Sun, "the scene has no `sun`"),
@@ -575,14 +575,14 @@ fn omitted_effects_have_their_reasons() {
     for (body, effect, reason) in OMITTED {
         assert_eq!(need(&rendered(body), *effect), Need::Omitted(reason), "{body}");
     }
-    // Spheres have no squares. A scene file with squares on a sphere is refused, but a world may contain them.
+    // A scene file with squares of no size is refused, but a world may contain them.
     let mut world = World::new();
     let white = Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None };
-    let squares = Checker { color: Rgb::ZERO, size: 1.0 };
+    let squares = Pattern { color: Rgb::ZERO, kind: PatternKind::Checker { size: 0.0 } };
     world.spawn((Shape::Sphere { radius: 1.0 }, Transform::default(), white, squares));
     let mut engine = Engine::new(world);
     engine.render_frame(0).unwrap();
-    assert_eq!(need(&engine, Effect::Checker), Need::Omitted("no checkered surface is drawn"));
+    assert_eq!(need(&engine, Effect::Patterns), Need::Omitted("no surface with a pattern is drawn"));
 }
 
 #[test]

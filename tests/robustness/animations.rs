@@ -154,8 +154,14 @@ fn channels() -> [Vec<(&'static str, BoxedStrategy<String>)>; 4] {
             ("Absorption", triples(absorption())),
             ("Color", triples(color())),
             ("AmbientColor", triples(color())),
-            ("CheckerColor", triples(color())),
-            ("CheckerSize", numbers(size())),
+            ("PatternColor", triples(color())),
+            ("PatternSize", numbers(size())),
+            ("PatternDirection", triples(point())),
+            ("PatternOffset", numbers(any())),
+            ("StripeRatio", numbers(coefficient())),
+            ("BrickSize", triples((size(), size(), size()).prop_map(|(x, y, z)| format!("({x}, {y}, {z})")))),
+            ("Mortar", numbers(size())),
+            ("NoiseContrast", numbers(size())),
             ("Emission", triples(intensity())),
         ]
     };

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::values::{
-    absorption, coefficient, color, intensity, ior, point, rotation, scale, shininess, size,
+    absorption, coefficient, color, intensity, ior, number, point, rotation, scale, shininess, size,
 };
 
 fn refractive() -> impl Strategy<Value = String> {
@@ -12,11 +12,23 @@ fn refractive() -> impl Strategy<Value = String> {
     })
 }
 
-/// Generates checkers, rarely, because a sphere cannot have one.
-fn checker() -> impl Strategy<Value = String> {
-    let some =
-        (color(), size()).prop_map(|(color, size)| format!(", checker: (color: {color}, size: {size})"));
-    prop_oneof![4 => Just(String::new()), 1 => some]
+fn pattern() -> impl Strategy<Value = String> {
+    let checker = size().prop_map(|size| format!("Checker(size: {size}"));
+    let stripes = (size(), coefficient(), point(), number()).prop_map(|(size, ratio, direction, offset)| {
+        format!("Stripes(size: {size}, ratio: {ratio}, direction: {direction}, offset: {offset:?}")
+    });
+    let bricks = (size(), size(), size(), size()).prop_map(|(length, height, depth, mortar)| {
+        format!("Bricks(size: ({length}, {height}, {depth}), mortar: {mortar}")
+    });
+    let gradient = (size(), point(), number()).prop_map(|(size, direction, offset)| {
+        format!("Gradient(size: {size}, direction: {direction}, offset: {offset:?}")
+    });
+    let noise = (size(), 1..=16u32, size()).prop_map(|(size, octaves, contrast)| {
+        format!("Noise(size: {size}, octaves: {octaves}, contrast: {contrast}")
+    });
+    let some = (prop_oneof![checker, stripes, bricks, gradient, noise], color())
+        .prop_map(|(pattern, color)| format!(", pattern: {pattern}, color: {color})"));
+    prop_oneof![2 => Just(String::new()), 1 => some]
 }
 
 fn emission() -> impl Strategy<Value = String> {
@@ -28,7 +40,7 @@ pub(crate) fn material() -> impl Strategy<Value = String> {
     let reflective = prop::option::of(coefficient());
     let specular = prop::option::of((coefficient(), shininess()));
     let more =
-        (prop_oneof![Just(String::new()), refractive()].boxed(), checker().boxed(), emission().boxed());
+        (prop_oneof![Just(String::new()), refractive()].boxed(), pattern().boxed(), emission().boxed());
     (coefficient(), coefficient(), color(), prop::option::of(color()), specular, reflective, more).prop_map(
         |(k_a, k_d, color, ambient, specular, reflective, (glass, squares, lamp))| {
             let ambient = ambient.map_or_else(String::new, |color| format!(", ambient_color: {color}"));

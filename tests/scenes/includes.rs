@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use rayreel::components::{
-    Animated, Checker, Emission, Light, Material, Name, Order, Parent, Reflective, Refractive, Shape,
+    Animated, Emission, Light, Material, Name, Order, Parent, Pattern, Reflective, Refractive, Shape,
     Specular, Transform, Visibility,
 };
 use rayreel::scene::LoadError;
@@ -61,7 +61,7 @@ pub(crate) fn described(world: &World) -> Vec<String> {
         text += &part::<Specular>(world, entity);
         text += &part::<Reflective>(world, entity);
         text += &part::<Refractive>(world, entity);
-        text += &part::<Checker>(world, entity);
+        text += &part::<Pattern>(world, entity);
         text += &part::<Emission>(world, entity);
         text += &part::<Light>(world, entity);
         text += &part::<Animated>(world, entity);

@@ -28,7 +28,7 @@ const SCENE: &str = r##"Scene(
     materials: {
         "clay": (k_a: 0.3, k_d: 0.7, color: (255, 120, 60), ambient_color: "#ffffff", specular: (k_s: 0.4, shininess: 32), reflective: (k_r: 0.1)),
         "glass": (refractive: (k_t: 0.9, ior: 1.5, absorption: (0.1, 0.1, 0.1), fresnel: true)),
-        "tiles": (k_d: 0.5, checker: (color: (0, 0, 0), size: 0.5)),
+        "tiles": (k_d: 0.5, pattern: Checker(color: (0, 0, 0), size: 0.5)),
     },
     entities: [
         (name: "ball", shape: Sphere(radius: 1), material: "clay", transform: (translation: (0, 1, 0), rotation: Euler(0, 90, 0), scale: 2)),

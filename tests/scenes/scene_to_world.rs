@@ -2,8 +2,8 @@
 
 use rayreel::color::{ErrorNorm, Transfer};
 use rayreel::components::{
-    AreaShape, Background, Camera, Checker, Falloff, FilmSettings, Fog, Light, LightKind, Material, Name,
-    Noise, Quality, Refractive, Sampling, Specular, Transform,
+    AreaShape, Background, Camera, Falloff, FilmSettings, Fog, Light, LightKind, Material, Name, Noise,
+    Pattern, PatternKind, Quality, Refractive, Sampling, Specular, Transform,
 };
 use rayreel::{Engine, Rgb, Scene, Time, World};
 
@@ -38,7 +38,7 @@ fn material_effects_apply_to_every_entity_of_the_material() {
         r##"film: (transfer: Classic), materials: {
             "glass": (refractive: (k_t: 0.75, ior: 1.5, absorption: (0.5, 0.25, 0), fresnel: true)),
             "haze": (refractive: (k_t: 0.5, ior: 1)),
-            "board": (checker: (color: "#ff0033", size: 0.125)),
+            "board": (pattern: Checker(color: "#ff0033", size: 0.125)),
         },
         entities: [
             (name: "lens", shape: Sphere(radius: 1), material: "glass"),
@@ -53,8 +53,11 @@ fn material_effects_apply_to_every_entity_of_the_material() {
     assert_eq!(of(&world, "pane"), Some(glass));
     let haze = Refractive { k_t: 0.5, ior: 1.0, absorption: Rgb::ZERO, fresnel: false };
     assert_eq!(of(&world, "cloud"), Some(haze));
-    assert_eq!(of(&world, "floor"), Some(Checker { color: Rgb::new(1.0, 0.0, 0.2), size: 0.125 }));
-    assert_eq!(of::<Checker>(&world, "lens"), None);
+    assert_eq!(
+        of(&world, "floor"),
+        Some(Pattern { color: Rgb::new(1.0, 0.0, 0.2), kind: PatternKind::Checker { size: 0.125 } })
+    );
+    assert_eq!(of::<Pattern>(&world, "lens"), None);
     assert_eq!(of::<Refractive>(&world, "floor"), None);
 }
 
@@ -74,7 +77,7 @@ fn colours_without_coefficients_are_matte() {
     for more in ["specular: (k_s: 0.5, shininess: 9)", "reflective: (k_r: 0.5)", "k_a: None, k_d: None"] {
         assert_eq!(material(&format!("{color}, {more}")), Material::matte(red), "{more}");
     }
-    assert_eq!(material("checker: (color: (0, 0, 0), size: 1)"), Material::matte(white));
+    assert_eq!(material("pattern: Checker(color: (0, 0, 0), size: 1)"), Material::matte(white));
     let ambient_color = Some(red);
     assert_eq!(material("ambient_color: (255, 0, 0)"), Material { ambient_color, ..Material::matte(white) });
 
@@ -104,7 +107,7 @@ const SURFACES: &str = r##"film: (transfer: Classic), timeline: (duration: 2), m
         (name: "green clay", shape: Sphere(radius: 1), material: "clay", color: "#00ff00"),
         (name: "green glass", shape: Sphere(radius: 1), material: "glass", color: "#00ff00"),
         (name: "in place", shape: Sphere(radius: 1), material: (k_d: 0.5, color: (0, 255, 0), specular: (k_s: 0.25, shininess: 9))),
-        (name: "with its word", shape: Box(size: (1, 1, 1)), material: Material(checker: (color: (0, 0, 0), size: 1)), color: (0, 255, 0)),
+        (name: "with its word", shape: Box(size: (1, 1, 1)), material: Material(pattern: Checker(color: (0, 0, 0), size: 1)), color: (0, 255, 0)),
     ],
     spawn: [Script(r#"
         spawn(#{ name: "spawned ball", shape: sphere(1), color: [0, 255, 0] });
@@ -140,7 +143,7 @@ fn surfaces_are_named_or_written_in_place_or_have_a_colour() {
         assert_eq!(of(engine.world(), name), specular, "{name}");
     }
     assert!(of::<Refractive>(engine.world(), "green glass").is_some());
-    assert!(of::<Checker>(engine.world(), "with its word").is_some());
+    assert!(of::<Pattern>(engine.world(), "with its word").is_some());
 
     // A colour of an entity stays as the material's changes; everything else of the material reaches it.
     engine.seek(Time::from_ratio(1, 1).unwrap()).unwrap();

@@ -29,7 +29,7 @@ pub(in crate::cli) struct OverrideArguments {
     #[arg(long, value_name = "COUNT", value_parser = parse_depth, allow_hyphen_values = true)]
     depth: Option<Override>,
     /// Disable effects that the scene uses, as in --without shadows,reflection: ambient-light, emission, diffuse-light, highlights,
-    /// shadows, transparent-shadows, area-lights, spot-lights, falloff, reflection, refraction, fresnel, absorption, checker, fog,
+    /// shadows, transparent-shadows, area-lights, spot-lights, falloff, reflection, refraction, fresnel, absorption, patterns, fog,
     /// gradient, sun, stars, ray-visibility, antialiasing, depth-of-field, motion-blur. Words as specular, reflected and refracted are
     /// accepted, too [can be repeated]
     #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]

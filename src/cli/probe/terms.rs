@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use rayreel::components::{Checker, Material};
+use rayreel::components::{Material, Pattern};
 use rayreel::systems::Preparation;
 use rayreel::trace::{
     BackgroundTerms, Equation, GradientTerms, Interval, LitSurface, PassageTerms, RayKind, RayTree,
@@ -107,8 +107,10 @@ impl<'a> Terms<'a> {
         let is_enabled = |effect| !self.engine.settings.without.contains(effect);
         let world = self.engine.world();
         let material = world.get::<&Material>(entity).map_or_else(|_| Material::default(), |found| *found);
-        let checker = world.get::<&Checker>(entity).ok().filter(|_| lit.terms.is_second_square);
-        let color = checker.map_or(material.color, |checker| checker.color);
+        let second = lit.terms.pattern;
+        let pattern = world.get::<&Pattern>(entity).ok().filter(|_| second > 0.0);
+        let color = pattern
+            .map_or(material.color, |pattern| material.color * (1.0 - second) + pattern.color * second);
         let ambient_color = material.ambient_color.unwrap_or(color);
         let k_d = if is_enabled(Effect::Diffuse) { material.k_d } else { 0.0 };
         Coefficients { k_a: material.k_a, k_d, color, ambient_color }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::matching::{Counterparts, Matching, shape_bits, transform_bits};
 use crate::components::{
-    self, Checker, Emission, Follow, LookAt, Material, Parent, Reflective, Refractive, Shape, Shots,
+    self, Emission, Follow, LookAt, Material, Parent, Pattern, Reflective, Refractive, Shape, Shots,
     Specular, Target, Transform, Visibility, with_components,
 };
 use crate::systems::Changes;
@@ -158,7 +158,7 @@ impl Put for Material {}
 impl Put for Specular {}
 impl Put for Reflective {}
 impl Put for Refractive {}
-impl Put for Checker {}
+impl Put for Pattern {}
 impl Put for Emission {}
 
 /// Compares bits, since zeros of different signs give different world transforms.

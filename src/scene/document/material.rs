@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{ColorDocument, Triple};
+use super::{ColorDocument, Triple, whole};
 
 /// The response of a surface to light.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -15,7 +15,7 @@ pub(crate) struct MaterialDocument {
     pub(crate) specular: Option<SpecularDocument>,
     pub(crate) reflective: Option<ReflectiveDocument>,
     pub(crate) refractive: Option<RefractiveDocument>,
-    pub(crate) checker: Option<CheckerDocument>,
+    pub(crate) pattern: Option<PatternDocument>,
     pub(crate) emission: Option<Triple>,
 }
 
@@ -23,7 +23,7 @@ impl MaterialDocument {
     /// Returns whether it is matte without coefficients: it has a colour, which the surface would not show otherwise, and is not
     /// transparent.
     pub(crate) fn is_matte_by_default(&self) -> bool {
-        let is_colored = self.color.is_some() || self.ambient_color.is_some() || self.checker.is_some();
+        let is_colored = self.color.is_some() || self.ambient_color.is_some() || self.pattern.is_some();
         is_colored && self.k_a.is_none() && self.k_d.is_none() && self.refractive.is_none()
     }
 }
@@ -55,10 +55,63 @@ pub(crate) struct RefractiveDocument {
     pub(crate) fresnel: bool,
 }
 
-/// A checkerboard pattern.
+/// A pattern of two colours.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, rename = "Checker")]
-pub(crate) struct CheckerDocument {
-    pub(crate) color: ColorDocument,
-    pub(crate) size: f64,
+#[serde(deny_unknown_fields, rename = "Pattern")]
+pub(crate) enum PatternDocument {
+    Checker {
+        color: ColorDocument,
+        size: f64,
+    },
+    Stripes {
+        color: ColorDocument,
+        size: f64,
+        #[serde(default = "half")]
+        ratio: f64,
+        #[serde(default = "x_axis")]
+        direction: Triple,
+        #[serde(default)]
+        offset: f64,
+    },
+    Bricks {
+        color: ColorDocument,
+        size: Triple,
+        mortar: f64,
+    },
+    Gradient {
+        color: ColorDocument,
+        size: f64,
+        #[serde(default = "y_axis")]
+        direction: Triple,
+        #[serde(default)]
+        offset: f64,
+    },
+    Noise {
+        color: ColorDocument,
+        size: f64,
+        #[serde(default = "four", deserialize_with = "whole")]
+        octaves: u64,
+        #[serde(default = "one")]
+        contrast: f64,
+    },
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+fn x_axis() -> Triple {
+    [1.0, 0.0, 0.0]
+}
+
+fn y_axis() -> Triple {
+    [0.0, 1.0, 0.0]
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn four() -> u64 {
+    4
 }

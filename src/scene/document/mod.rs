@@ -19,7 +19,7 @@ pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, RotationDocument, ShapeDocument, TransformDocument,
 };
 pub(super) use include::IncludeDocument;
-pub(super) use material::MaterialDocument;
+pub(super) use material::{MaterialDocument, PatternDocument};
 pub(super) use settings::{
     CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument, QualityDocument,
     SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument,
@@ -32,6 +32,6 @@ pub(super) use values::{
 
 #[cfg(test)]
 pub(super) use {
-    material::{CheckerDocument, ReflectiveDocument, RefractiveDocument, SpecularDocument},
+    material::{ReflectiveDocument, RefractiveDocument, SpecularDocument},
     settings::{LensDocument, ScreenDocument},
 };

@@ -10,7 +10,7 @@ pub(super) struct Example {
     pub(super) forms: &'static [&'static str],
 }
 
-const EXAMPLES: [Example; 12] = [
+const EXAMPLES: [Example; 13] = [
     Example {
         name: "Rotation",
         noun: "a rotation",
@@ -20,6 +20,17 @@ const EXAMPLES: [Example; 12] = [
         name: "Shape",
         noun: "a shape",
         forms: &["Sphere(radius: 1)", "Plane(normal: (0, 1, 0))", "Box(size: (1, 1, 1))"],
+    },
+    Example {
+        name: "Pattern",
+        noun: "a pattern",
+        forms: &[
+            "Checker(color: (20, 20, 20), size: 1)",
+            "Stripes(color: (20, 20, 20), size: 1)",
+            "Bricks(color: (180, 180, 170), size: (0.5, 0.15, 0.25), mortar: 0.02)",
+            "Gradient(color: (20, 20, 20), size: 2)",
+            "Noise(color: (20, 20, 20), size: 1)",
+        ],
     },
     Example {
         name: "AreaShape",
@@ -112,8 +123,8 @@ mod tests {
     use super::*;
     use crate::scene::document::{
         AreaShapeDocument, ChannelDocument, EasingDocument, LightDocument, NoiseDocument, NormDocument,
-        RepeatDocument, RotationDocument, ScriptDocument, ShapeDocument, SpaceDocument, TrackDocument,
-        TransferDocument,
+        PatternDocument, RepeatDocument, RotationDocument, ScriptDocument, ShapeDocument, SpaceDocument,
+        TrackDocument, TransferDocument,
     };
     use crate::scene::parse::options;
 
@@ -139,6 +150,7 @@ mod tests {
     fn every_type_has_valid_examples() {
         check::<RotationDocument>("Rotation");
         check::<ShapeDocument>("Shape");
+        check::<PatternDocument>("Pattern");
         check::<AreaShapeDocument>("AreaShape");
         check::<LightDocument>("Light");
         check::<TrackDocument<f64>>("Track");

@@ -371,7 +371,7 @@ mod tests {
         (shape: Sphere(radius: 1), material: "red", color: "#00ff7f"),
         (material: (k_a: 0.25, color: (1, 2, 3), ambient_color: "#ff0000", specular: (k_s: 0.5, shininess: 9))),
         (material: ( k_d: 1, reflective: (k_r: 1), refractive: (k_t: 1, ior: 1.5, absorption: (1, 2, 3), fresnel: true))),
-        (material: (checker: (color: (1, 2, 3), size: 2)), color: (0, 0, 0)),
+        (material: (pattern: Checker(color: (1, 2, 3), size: 2)), color: (0, 0, 0)),
     ]"##;
 
     /// Adversarial pieces of text to insert anywhere.

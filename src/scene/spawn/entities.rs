@@ -9,13 +9,13 @@ use hecs::{ColumnBatchBuilder, ColumnBatchType, Component, Entity, World};
 use super::{radians, rgb, rotation, scale, single};
 use crate::color::Transfer;
 use crate::components::{
-    Animated, AreaShape, Channel, Checker, Emission, Falloff, Light, LightKind, LookAt, Material, Name,
-    Order, Parent, Property, Reflective, Refractive, Shape, Specular, Target, Transform, Visibility,
+    Animated, AreaShape, Channel, Emission, Falloff, Light, LightKind, LookAt, Material, Name, Order, Parent,
+    Pattern, PatternKind, Property, Reflective, Refractive, Shape, Specular, Target, Transform, Visibility,
     WorldTransform,
 };
 use crate::scene::document::{
-    AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, ShapeDocument, TransformDocument,
-    Triple,
+    AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, PatternDocument, ShapeDocument,
+    TransformDocument, Triple,
 };
 
 /// The components that a material of the file adds to entities.
@@ -25,7 +25,7 @@ pub(super) struct MaterialComponents {
     specular: Option<Specular>,
     reflective: Option<Reflective>,
     refractive: Option<Refractive>,
-    checker: Option<Checker>,
+    pattern: Option<Pattern>,
     emission: Option<Emission>,
 }
 
@@ -63,7 +63,7 @@ struct Types {
     specular: bool,
     reflective: bool,
     refractive: bool,
-    checker: bool,
+    pattern: bool,
     emission: bool,
 }
 
@@ -120,7 +120,7 @@ pub(super) fn spawn(
                 fill(&batch, surfaces().filter_map(|surface| surface.specular));
                 fill(&batch, surfaces().filter_map(|surface| surface.reflective));
                 fill(&batch, surfaces().filter_map(|surface| surface.refractive));
-                fill(&batch, surfaces().filter_map(|surface| surface.checker));
+                fill(&batch, surfaces().filter_map(|surface| surface.pattern));
                 fill(&batch, surfaces().filter_map(|surface| surface.emission));
             },
         );
@@ -148,7 +148,7 @@ impl Types {
             specular: surface.is_some_and(|surface| surface.specular.is_some()),
             reflective: surface.is_some_and(|surface| surface.reflective.is_some()),
             refractive: surface.is_some_and(|surface| surface.refractive.is_some()),
-            checker: surface.is_some_and(|surface| surface.checker.is_some()),
+            pattern: surface.is_some_and(|surface| surface.pattern.is_some()),
             emission: surface.is_some_and(|surface| surface.emission.is_some()),
             ..Self::default()
         }
@@ -175,7 +175,7 @@ impl Types {
         add(self.specular, ColumnBatchType::add::<Specular>);
         add(self.reflective, ColumnBatchType::add::<Reflective>);
         add(self.refractive, ColumnBatchType::add::<Refractive>);
-        add(self.checker, ColumnBatchType::add::<Checker>);
+        add(self.pattern, ColumnBatchType::add::<Pattern>);
         add(self.emission, ColumnBatchType::add::<Emission>);
         types.into_batch(u32::try_from(count).unwrap_or(u32::MAX))
     }
@@ -204,11 +204,29 @@ pub(super) fn surface(document: &MaterialDocument, transfer: Transfer) -> Materi
         absorption: rgb(refractive.absorption),
         fresnel: refractive.fresnel,
     });
-    let checker = document
-        .checker
-        .map(|checker| Checker { color: transfer.decode(checker.color.0), size: checker.size });
+    let pattern = document.pattern.map(|document| pattern(document, transfer));
     let emission = document.emission.map(|emission| Emission(rgb(emission)));
-    MaterialComponents { material, specular, reflective, refractive, checker, emission }
+    MaterialComponents { material, specular, reflective, refractive, pattern, emission }
+}
+
+fn pattern(document: PatternDocument, transfer: Transfer) -> Pattern {
+    let (color, kind) = match document {
+        PatternDocument::Checker { color, size } => (color, PatternKind::Checker { size }),
+        PatternDocument::Stripes { color, size, ratio, direction, offset } => {
+            (color, PatternKind::Stripes { size, ratio, direction: direction.into(), offset })
+        }
+        PatternDocument::Bricks { color, size, mortar } => {
+            (color, PatternKind::Bricks { size: size.into(), mortar })
+        }
+        PatternDocument::Gradient { color, size, direction, offset } => {
+            (color, PatternKind::Gradient { size, direction: direction.into(), offset })
+        }
+        PatternDocument::Noise { color, size, octaves, contrast } => {
+            let octaves = u32::try_from(octaves).unwrap_or(u32::MAX);
+            (color, PatternKind::Noise { size, octaves, contrast })
+        }
+    };
+    Pattern { color: transfer.decode(color.0), kind }
 }
 
 fn transform(document: &TransformDocument) -> Transform {

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::easing::easing;
 use super::entities::{box_size, rotation, scale};
-use super::{At, Problems, cameras, channels, check, lights, paths, settings};
+use super::{At, Problems, cameras, channels, check, lights, materials, paths, settings};
 use crate::components::{Property, Quantity};
 use crate::scene::document::{
     AnimationDocument, ChannelDocument, RepeatDocument, SceneDocument, TrackDocument, TracksDocument, Triple,
@@ -133,6 +133,9 @@ fn number(property: Property, value: f64, at: &At<'_>, problems: &mut Problems) 
         Quantity::AngularSize => settings::angular_size(value, property.name(), at, problems),
         Quantity::SpotAngle => lights::angle(value, at, problems),
         Quantity::Softness => lights::softness(value, at, problems),
+        Quantity::StripeRatio => materials::stripe_ratio(value, at, problems),
+        Quantity::Mortar => materials::mortar(value, at, problems),
+        Quantity::Contrast => materials::contrast(value, at, problems),
         Quantity::FieldOfView => {
             let axis = if property == Property::HorizontalFov { "horizontal" } else { "vertical" };
             cameras::field_of_view(value, axis, at, problems);
@@ -150,6 +153,7 @@ fn vector(property: Property, value: Triple, at: &At<'_>, problems: &mut Problem
         Quantity::Direction => {
             check::direction(value, noun(property), at, problems);
         }
+        Quantity::Edges if property == Property::BrickSize => materials::brick_size(value, at, problems),
         Quantity::Edges => box_size(value, at, problems),
         Quantity::Absorption => check::absorption(value, at, problems),
         Quantity::Light => check::intensity(value, noun(property), at, problems),

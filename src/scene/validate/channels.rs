@@ -4,7 +4,7 @@ use super::{At, Named, Problems};
 use crate::components::{Property, Requirement};
 use crate::scene::document::{
     AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, LightDocument,
-    MaterialDocument, SceneDocument, ShapeDocument,
+    MaterialDocument, PatternDocument, SceneDocument, ShapeDocument,
 };
 use crate::scene::files::{KnownEntity, Lookup, Scope};
 
@@ -149,7 +149,13 @@ fn lack_of_entity(entity: KnownEntity<'_>, part: Requirement) -> Option<&'static
         Requirement::Specular => (!lacks(entity.material), "an entity that is not specular"),
         Requirement::Reflective => (!lacks(entity.material), "an entity that does not mirror"),
         Requirement::Refractive => (!lacks(entity.material), "an entity that is not refractive"),
-        Requirement::Checker => (!lacks(entity.material), "an entity that is not chequered"),
+        Requirement::Pattern | Requirement::SizedPattern => {
+            (!lacks(entity.material), "an entity without a pattern")
+        }
+        Requirement::DirectedPattern => (!lacks(entity.material), "an entity without stripes or a gradient"),
+        Requirement::Stripes => (!lacks(entity.material), "an entity without stripes"),
+        Requirement::Bricks => (!lacks(entity.material), "an entity without bricks"),
+        Requirement::Noise => (!lacks(entity.material), "an entity without noise"),
         Requirement::Emission => (!lacks(entity.material), "an entity that gives off no light"),
         _ => return lack_of_light(entity.light, part),
     };
@@ -191,8 +197,12 @@ fn lack_of_light(light: Option<&LightDocument>, part: Requirement) -> Option<&'s
 }
 
 fn of_material(part: Requirement) -> bool {
-    use Requirement::{Checker, Emission, Material, Reflective, Refractive, Specular};
-    matches!(part, Material | Specular | Reflective | Refractive | Checker | Emission)
+    use Requirement::{
+        Bricks, DirectedPattern, Emission, Material, Noise, Pattern, Reflective, Refractive, SizedPattern,
+        Specular, Stripes,
+    };
+    let is_pattern = matches!(part, Pattern | SizedPattern | DirectedPattern | Stripes | Bricks | Noise);
+    is_pattern || matches!(part, Material | Specular | Reflective | Refractive | Emission)
 }
 
 fn lacks(material: &MaterialDocument, part: Requirement) -> bool {
@@ -220,11 +230,12 @@ fn missing(
             "not refractive",
             "add `refractive: (k_t: .., ior: ..)` to the material",
         )),
-        Requirement::Checker if material.checker.is_none() => Some((
-            "a material without squares has neither their colour nor their size",
-            "not chequered",
-            "add `checker: (color: .., size: ..)` to the material",
-        )),
+        Requirement::Pattern
+        | Requirement::SizedPattern
+        | Requirement::DirectedPattern
+        | Requirement::Stripes
+        | Requirement::Bricks
+        | Requirement::Noise => missing_in_pattern(material.pattern.as_ref(), part),
         Requirement::Emission if material.emission.is_none() => Some((
             "a material that gives off no light has no emission",
             "not emissive",
@@ -232,6 +243,53 @@ fn missing(
         )),
         _ => None,
     }
+}
+
+/// Returns message, label and help if the pattern lacks a part.
+fn missing_in_pattern(
+    pattern: Option<&PatternDocument>,
+    part: Requirement,
+) -> Option<(&'static str, &'static str, &'static str)> {
+    use PatternDocument::{Bricks, Gradient, Noise, Stripes};
+    let (fits, message, label, help) = match part {
+        Requirement::Stripes => (
+            matches!(pattern, Some(Stripes { .. })),
+            "a material without stripes has no StripeRatio",
+            "no stripes",
+            "write `pattern: Stripes(color: .., size: ..)` in the material",
+        ),
+        Requirement::DirectedPattern => (
+            matches!(pattern, Some(Stripes { .. } | Gradient { .. })),
+            "a material without stripes or a gradient has neither PatternDirection nor PatternOffset",
+            "neither stripes nor a gradient",
+            "write `pattern: Stripes(color: .., size: ..)` or `pattern: Gradient(color: .., size: ..)` in the material",
+        ),
+        Requirement::Bricks => (
+            matches!(pattern, Some(Bricks { .. })),
+            "a material without bricks has neither BrickSize nor Mortar",
+            "no bricks",
+            "write `pattern: Bricks(color: .., size: .., mortar: ..)` in the material",
+        ),
+        Requirement::Noise => (
+            matches!(pattern, Some(Noise { .. })),
+            "a material without noise has no NoiseContrast",
+            "no noise",
+            "write `pattern: Noise(color: .., size: ..)` in the material",
+        ),
+        Requirement::SizedPattern if matches!(pattern, Some(Bricks { .. })) => (
+            false,
+            "bricks have three sizes",
+            "bricks",
+            "write `channel: BrickSize`, and three numbers in each key",
+        ),
+        _ => (
+            pattern.is_some(),
+            "a material without a pattern has neither its colour nor its size",
+            "no pattern",
+            "add `pattern: Checker(color: .., size: ..)` to the material",
+        ),
+    };
+    (!fits).then_some((message, label, help))
 }
 
 fn unfit(property: Property, what: &str, at: &At<'_>, problems: &mut Problems) {
@@ -254,7 +312,16 @@ fn home(part: Requirement) -> &'static str {
         Requirement::Material | Requirement::Reflective => "materials have it, and entities with a shape",
         Requirement::Specular => "materials that are specular have it, and entities made of them",
         Requirement::Refractive => "materials that are refractive have it, and entities made of them",
-        Requirement::Checker => "materials with `checker` have it, and entities made of them",
+        Requirement::Pattern => "materials with a `pattern` have it, and entities made of them",
+        Requirement::SizedPattern => {
+            "materials with a `pattern` have it, and entities made of them; Bricks have BrickSize"
+        }
+        Requirement::DirectedPattern => {
+            "materials with the pattern Stripes or Gradient have it, and entities made of them"
+        }
+        Requirement::Stripes => "materials with the pattern Stripes have it, and entities made of them",
+        Requirement::Bricks => "materials with the pattern Bricks have it, and entities made of them",
+        Requirement::Noise => "materials with the pattern Noise have it, and entities made of them",
         Requirement::Emission => "materials with `emission` have it, and entities made of them",
         Requirement::Light | Requirement::DirectionalLight => "entities with a light have it",
         Requirement::SpotLight => "entities with a Spot light have it",

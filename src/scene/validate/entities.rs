@@ -8,8 +8,8 @@ use super::materials::SLASH;
 use super::{At, Named, Problems, check};
 use crate::animation::limits::SMALLEST;
 use crate::scene::document::{
-    EntityDocument, MaterialDocument, RotationDocument, ScaleDocument, SceneDocument, ShapeDocument,
-    SurfaceDocument, TransformDocument, Triple,
+    EntityDocument, RotationDocument, ScaleDocument, SceneDocument, ShapeDocument, SurfaceDocument,
+    TransformDocument, Triple,
 };
 use crate::scene::files::Scope;
 use crate::scene::quote::{Figure, linked, short};
@@ -123,19 +123,15 @@ fn unseen(entity: &EntityDocument, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-/// Reports errors in the entity's colour, and a material that does not exist, has errors, or is incompatible with the shape.
+/// Reports errors in the entity's colour, and a material that does not exist or has errors.
 fn material(entity: &EntityDocument, scope: Scope<'_>, entity_at: &At<'_>, problems: &mut Problems) {
     if let Some(color) = &entity.color {
         check::color(color.0, &entity_at.field("color"), problems);
     }
     let at = entity_at.field("material");
-    let material = match &entity.material {
-        Some(SurfaceDocument::Named(name)) => {
-            let found = scope.material(name);
-            if found.is_missing() {
-                problems.add_unknown(&at, Named::Material, name, || scope.material_names());
-            }
-            found.found()
+    match &entity.material {
+        Some(SurfaceDocument::Named(name)) if scope.material(name).is_missing() => {
+            problems.add_unknown(&at, Named::Material, name, || scope.material_names());
         }
         Some(SurfaceDocument::Inline(material)) => {
             super::materials::material(material, &at, problems);
@@ -148,19 +144,8 @@ fn material(entity: &EntityDocument, scope: Scope<'_>, entity_at: &At<'_>, probl
                     "remove one of the two",
                 );
             }
-            Some(&**material)
         }
-        None => None,
-    };
-    if let (Some(MaterialDocument { checker: Some(_), .. }), Some(ShapeDocument::Sphere { .. })) =
-        (material, &entity.shape)
-    {
-        problems.add(
-            &at,
-            "a sphere cannot have a chequered material",
-            "`checker` is two-dimensional",
-            "give it a material without `checker`; planes and boxes can have squares",
-        );
+        Some(SurfaceDocument::Named(_)) | None => {}
     }
 }
 

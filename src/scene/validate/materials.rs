@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::{At, Problems, check};
-use crate::scene::document::{MaterialDocument, SceneDocument};
+use crate::components::{PatternKind, Quantity};
+use crate::scene::document::{MaterialDocument, PatternDocument, SceneDocument, Triple};
 use crate::scene::quote::short;
 
 /// The purpose of a `/` in names, as a label for messages.
@@ -58,9 +59,65 @@ pub(super) fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut 
         check::ior(refractive.ior, &at.field("ior"), problems);
         check::absorption(refractive.absorption, &at.field("absorption"), problems);
     }
-    if let Some(checker) = material.checker {
-        let at = at.field("checker");
-        check::color(checker.color.0, &at.field("color"), problems);
-        check::size(checker.size, "the side of a square", &at.field("size"), problems);
+    if let Some(pattern) = &material.pattern {
+        self::pattern(pattern, &at.field("pattern"), problems);
     }
+}
+
+fn pattern(pattern: &PatternDocument, at: &At<'_>, problems: &mut Problems) {
+    let (PatternDocument::Checker { color, .. }
+    | PatternDocument::Stripes { color, .. }
+    | PatternDocument::Bricks { color, .. }
+    | PatternDocument::Gradient { color, .. }
+    | PatternDocument::Noise { color, .. }) = pattern;
+    check::color(color.0, &at.field("color"), problems);
+    let size_at = at.field("size");
+    match *pattern {
+        PatternDocument::Checker { size, .. } => {
+            check::size(size, "the side of a square", &size_at, problems);
+        }
+        PatternDocument::Stripes { size, ratio, direction, offset, .. } => {
+            check::size(size, "the distance between stripes", &size_at, problems);
+            stripe_ratio(ratio, &at.field("ratio"), problems);
+            check::direction(direction, "the direction of stripes", &at.field("direction"), problems);
+            check::number(offset, &at.field("offset"), problems);
+        }
+        PatternDocument::Bricks { size, mortar, .. } => {
+            brick_size(size, &size_at, problems);
+            self::mortar(mortar, &at.field("mortar"), problems);
+        }
+        PatternDocument::Gradient { size, direction, offset, .. } => {
+            check::size(size, "the length of a gradient", &size_at, problems);
+            check::direction(direction, "the direction of a gradient", &at.field("direction"), problems);
+            check::number(offset, &at.field("offset"), problems);
+        }
+        PatternDocument::Noise { size, octaves, contrast, .. } => {
+            check::size(size, "the size of noise", &size_at, problems);
+            let (most, help) =
+                (PatternKind::LARGEST_OCTAVES, "1 is smooth, 4 has finer blotches in large ones");
+            check::count(octaves, most, "octaves", help, &at.field("octaves"), problems);
+            self::contrast(contrast, &at.field("contrast"), problems);
+        }
+    }
+}
+
+pub(super) fn brick_size(size: Triple, at: &At<'_>, problems: &mut Problems) {
+    for (index, length) in size.into_iter().enumerate() {
+        check::size(length, "the size of bricks", &at.index(index), problems);
+    }
+}
+
+pub(super) fn stripe_ratio(ratio: f64, at: &At<'_>, problems: &mut Problems) {
+    let help = "write the fraction of the surface that has the pattern's colour, as 0.5";
+    check::range(ratio, Quantity::StripeRatio.range(), "the ratio of stripes", help, at, problems);
+}
+
+pub(super) fn mortar(mortar: f64, at: &At<'_>, problems: &mut Problems) {
+    let help = "write the width of the joints between bricks, as 0.02; 0 is none";
+    check::range(mortar, Quantity::Mortar.range(), "mortar", help, at, problems);
+}
+
+pub(super) fn contrast(contrast: f64, at: &At<'_>, problems: &mut Problems) {
+    let help = "1 blends both colours softly, 5 divides them into spots, 0 is an even blend";
+    check::range(contrast, Quantity::Contrast.range(), "contrast", help, at, problems);
 }

@@ -15,8 +15,9 @@ use super::shape::prepared_shape;
 use crate::color::Rgb;
 use crate::components::{
     Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
-    Material, Motion, Order, Parent, Projection, Property, Quality, Quantity, Refractive, Sampling, Shape,
-    Shots, Specular, Stars, Sun, Target, Transform, ValidRange, View, Visibility, WorldTransform,
+    Material, Motion, Order, Parent, Pattern, PatternKind, Projection, Property, Quality, Quantity,
+    Refractive, Sampling, Shape, Shots, Specular, Stars, Sun, Target, Transform, ValidRange, View,
+    Visibility, WorldTransform,
 };
 use crate::systems::aim::circular_aims;
 use crate::systems::{Consequence, Fallback, Fault, FaultCause, Unplaced};
@@ -175,6 +176,47 @@ impl Checked {
         }
     }
 
+    /// Checks a pattern, which is ignored if it has no size, no direction or no place.
+    fn pattern(&mut self, pattern: &Pattern) {
+        let length = |checked: &mut Self, what, value: f64| {
+            checked.part(what, value, value > 0.0, Quantity::Length.range());
+        };
+        match pattern.kind {
+            PatternKind::Checker { size } => length(self, "pattern size", size),
+            PatternKind::Stripes { size, ratio, direction, offset } => {
+                length(self, "pattern size", size);
+                self.number("ratio", ratio, Quantity::StripeRatio.range());
+                self.direction("pattern", direction);
+                self.part("offset", offset, offset.is_finite(), ValidRange::Any);
+            }
+            PatternKind::Bricks { size, mortar } => {
+                size.to_array().into_iter().for_each(|size| length(self, "brick size", size));
+                self.part("mortar", mortar, mortar.is_finite(), Quantity::Mortar.range());
+                self.number("mortar", mortar, Quantity::Mortar.range());
+            }
+            PatternKind::Gradient { size, direction, offset } => {
+                length(self, "pattern size", size);
+                self.direction("pattern", direction);
+                self.part("offset", offset, offset.is_finite(), ValidRange::Any);
+            }
+            PatternKind::Noise { size, octaves, contrast } => {
+                length(self, "pattern size", size);
+                self.count("number of octaves", octaves, PatternKind::LARGEST_OCTAVES);
+                self.part("contrast", contrast, contrast.is_finite(), Quantity::Contrast.range());
+                self.number("contrast", contrast, Quantity::Contrast.range());
+            }
+        }
+        self.reflected_color("pattern colour", pattern.color);
+    }
+
+    /// Checks the direction of an optional part of an entity, which is ignored without one.
+    fn direction(&mut self, what: &'static str, direction: DVec3) {
+        if !direction.is_finite() || direction == DVec3::ZERO {
+            let fault = instead(self.entity, FaultCause::NoDirection(what), Fallback::Nothing);
+            self.fault.get_or_insert(fault);
+        }
+    }
+
     fn fault(&mut self, what: &'static str, value: f64, range: ValidRange, fallback: Fallback) {
         let cause = FaultCause::OutOfRange { what, error: range.violated_by(value) };
         self.fault.get_or_insert(instead(self.entity, cause, fallback));
@@ -183,7 +225,7 @@ impl Checked {
 
 /// Returns the first fault of a surface.
 pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fault> {
-    let (_, _, material, specular, reflective, refractive, checker, emission) = surfaced;
+    let (_, _, material, specular, reflective, refractive, pattern, emission) = surfaced;
     let mut checked = Checked::new(entity);
     let share = |checked: &mut Checked, what, value: f32| {
         checked.number(what, value.into(), Quantity::Coefficient.range());
@@ -205,9 +247,8 @@ pub(super) fn surface_fault(entity: Entity, surfaced: Surfaced<'_>) -> Option<Fa
         checked.number("ior", *ior, Quantity::RefractiveIndex.range());
         checked.color("absorption", *absorption);
     }
-    if let Some(checker) = checker {
-        checked.part("square size", checker.size, checker.size > 0.0, ValidRange::Positive);
-        checked.reflected_color("checker colour", checker.color);
+    if let Some(pattern) = pattern {
+        checked.pattern(pattern);
     }
     if let Some(emission) = emission {
         checked.color("emission", emission.0);

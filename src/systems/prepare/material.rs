@@ -1,13 +1,15 @@
-//! Surface materials and their checker patterns.
+//! Surface materials and their patterns.
 
 use super::settings::sane;
 use crate::color::Rgb;
 use crate::components::{
-    Checker, Emission, Material, Reflective, Refractive, Shape, Specular, WorldTransform,
+    Emission, Material, Pattern, PatternKind, Reflective, Refractive, Shape, Specular, WorldTransform,
 };
-use crate::trace::{self, CheckerPattern, Refraction, SurfaceMaterial};
+use crate::trace::{
+    PatternFunction, PatternLayout, PatternedSurface, PreparedPattern, Refraction, SurfaceMaterial,
+};
 
-/// The components that define a surface's appearance and its checker pattern.
+/// The components that define a surface's appearance and its pattern.
 pub(super) type Surfaced<'a> = (
     &'a Shape,
     &'a WorldTransform,
@@ -15,20 +17,20 @@ pub(super) type Surfaced<'a> = (
     Option<&'a Specular>,
     Option<&'a Reflective>,
     Option<&'a Refractive>,
-    Option<&'a Checker>,
+    Option<&'a Pattern>,
     Option<&'a Emission>,
 );
 
 pub(super) fn surface_material(
-    (shape, transform, material, specular, reflective, refractive, checker, emission): Surfaced<'_>,
+    (shape, transform, material, specular, reflective, refractive, pattern, emission): Surfaced<'_>,
 ) -> SurfaceMaterial {
     let shininess = |value: f32| if value > 0.0 { value.min(Specular::LARGEST_SHININESS) } else { 0.0 };
     let (k_a, k_d) = (coefficient(material.k_a), coefficient(material.k_d));
-    let checker = checker.and_then(|checker| {
-        let squares = prepared_squares(checker, shape, transform)?;
-        let color = sane(checker.color);
+    let pattern = pattern.and_then(|pattern| {
+        let layout = pattern_layout(pattern, shape, transform)?;
+        let color = sane(pattern.color);
         let ambient = material.ambient_color.map_or(color, sane);
-        Some(Box::new(trace::PreparedChecker { ambient: ambient * k_a, diffuse: color * k_d, squares }))
+        Some(Box::new(PreparedPattern { ambient: ambient * k_a, diffuse: color * k_d, layout }))
     });
     SurfaceMaterial {
         ambient: sane(material.ambient_color.unwrap_or(material.color)) * k_a,
@@ -37,7 +39,7 @@ pub(super) fn surface_material(
         shininess: specular.map_or(0.0, |specular| shininess(specular.shininess)),
         reflected: reflective.map_or(0.0, |reflective| coefficient(reflective.k_r)),
         refraction: refractive.and_then(prepared_refraction),
-        checker,
+        pattern,
         emission: emission.map_or(Rgb::ZERO, |emission| sane(emission.0)),
     }
 }
@@ -58,15 +60,25 @@ fn prepared_refraction(refractive: &Refractive) -> Option<Refraction> {
     })
 }
 
-/// Returns the prepared checker pattern. `None` on spheres, and for squares without a size.
-fn prepared_squares(checker: &Checker, shape: &Shape, transform: &WorldTransform) -> Option<CheckerPattern> {
-    let (map, size) = (transform.affine, checker.size);
-    if size.is_nan() || size <= 0.0 {
-        return None;
-    }
-    match *shape {
-        Shape::Sphere { .. } => None,
-        Shape::Plane { normal } => Some(CheckerPattern::on_plane(map, normal, size)),
-        Shape::Box { size: edges } => Some(CheckerPattern::on_box(map, edges * 0.5, size)),
-    }
+/// Returns the layout of a pattern. `None` for values without a use, as a size of 0.
+fn pattern_layout(pattern: &Pattern, shape: &Shape, transform: &WorldTransform) -> Option<PatternLayout> {
+    let surface = match *shape {
+        Shape::Sphere { .. } => PatternedSurface::Sphere,
+        Shape::Plane { normal } => PatternedSurface::plane(normal),
+        Shape::Box { size } => PatternedSurface::Box(size * 0.5),
+    };
+    let function = match pattern.kind {
+        PatternKind::Checker { size } => PatternFunction::Checker { size },
+        PatternKind::Stripes { size, ratio, direction, offset } => {
+            PatternFunction::Stripes { size, ratio, direction, offset }
+        }
+        PatternKind::Bricks { size, mortar } => PatternFunction::Bricks { size, mortar },
+        PatternKind::Gradient { size, direction, offset } => {
+            PatternFunction::Gradient { size, direction, offset }
+        }
+        PatternKind::Noise { size, octaves, contrast } => {
+            PatternFunction::Noise { size, octaves: octaves.clamp(1, PatternKind::LARGEST_OCTAVES), contrast }
+        }
+    };
+    PatternLayout::new(transform.affine, surface, function)
 }

@@ -18,7 +18,7 @@ use hecs::{Entity, World};
 use super::order::order_newcomers;
 use super::{Changes, Plan};
 use crate::components::{
-    Ambient, Checker, FilmSettings, Light, Noise, Order, Quality, Sampling, WorldTransform,
+    Ambient, FilmSettings, Light, Noise, Order, Pattern, Quality, Sampling, WorldTransform,
 };
 use crate::time::Time;
 use crate::trace::{
@@ -139,13 +139,13 @@ impl Preparation {
         let bvh = self.scene.update_tree(&shapes);
         let order = self.scene.order();
         shapes.sort_unstable_by_key(|change| order.rank(change.id));
-        // Checker patterns move with their surfaces.
-        let is_checkered = |entity: &&Entity| world.satisfies::<&Checker>(**entity);
-        let checkered: Vec<Entity> = match self.scene.surfaces().checkered {
-            true => reshaped().flatten().filter(is_checkered).copied().collect(),
+        // Patterns move with their surfaces.
+        let is_patterned = |entity: &&Entity| world.satisfies::<&Pattern>(**entity);
+        let patterned: Vec<Entity> = match self.scene.surfaces().patterned {
+            true => reshaped().flatten().filter(is_patterned).copied().collect(),
             false => Vec::new(),
         };
-        let repainted = changes.materials().iter().chain(&checkered);
+        let repainted = changes.materials().iter().chain(&patterned);
         let materials = repainted.filter_map(|entity| {
             let slot = self.slots.get(*entity)?;
             let surface = world.query_one_mut::<Surfaced<'_>>(*entity).ok()?;

@@ -46,7 +46,7 @@ impl Preparation {
             return Some(UndeclaredChange::Visibility);
         }
         let (stored, material) = (self.scene.material(slot), surface_material(surface));
-        // A checker pattern that is not a number equals nothing, but is written the same.
+        // A pattern that is not a number equals nothing, but is written the same.
         let differs = *stored != material && format!("{stored:?}") != format!("{material:?}");
         differs.then_some(UndeclaredChange::Material)
     }

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::checker::CheckerPattern;
 use super::fingerprint::Fingerprint;
+use super::pattern::PatternLayout;
 use crate::color::Rgb;
 use crate::trace::math::Bytes;
 
@@ -22,8 +22,8 @@ pub struct SurfaceMaterial {
     pub reflected: f32,
     /// The transparent medium behind the surface; `None` if the surface is opaque.
     pub refraction: Option<Refraction>,
-    /// Checker pattern with other colours, if any.
-    pub checker: Option<Box<PreparedChecker>>,
+    /// Pattern with other colours, if any.
+    pub pattern: Option<Box<PreparedPattern>>,
     /// Light that the surface gives off, on both sides.
     pub emission: Rgb,
 }
@@ -41,15 +41,15 @@ pub struct Refraction {
     pub fresnel: bool,
 }
 
-/// A checker pattern of two colours. The material's own colours apply to the square at the origin.
+/// A pattern of two colours: the material's own and the second ones.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PreparedChecker {
-    /// Replaces [`SurfaceMaterial::ambient`] on every second square.
+pub struct PreparedPattern {
+    /// The second colour in place of [`SurfaceMaterial::ambient`].
     pub ambient: Rgb,
-    /// Replaces [`SurfaceMaterial::diffuse`] on every second square.
+    /// The second colour in place of [`SurfaceMaterial::diffuse`].
     pub diffuse: Rgb,
-    /// The layout of the squares.
-    pub squares: CheckerPattern,
+    /// The fraction of the second colours at each point.
+    pub layout: PatternLayout,
 }
 
 impl SurfaceMaterial {
@@ -65,7 +65,7 @@ impl SurfaceMaterial {
 
     /// Writes the bytes of everything that pictures depend on.
     pub(super) fn write(&self, bytes: &mut Bytes) {
-        let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker, emission } = self;
+        let Self { ambient, diffuse, specular, shininess, reflected, refraction, pattern, emission } = self;
         bytes.colors([*ambient, *diffuse]);
         [specular, shininess, reflected].into_iter().for_each(|number| bytes.number((*number).into()));
         bytes.count(refraction.is_some());
@@ -75,11 +75,11 @@ impl SurfaceMaterial {
             bytes.count(*fresnel);
         }
         let emits = *emission != Rgb::ZERO;
-        bytes.count(u32::from(checker.is_some()) + 2 * u32::from(emits));
-        if let Some(checker) = checker {
-            let PreparedChecker { ambient, diffuse, squares } = &**checker;
+        bytes.count(pattern.as_ref().map_or(0, |pattern| pattern.layout.code()) + 2 * u32::from(emits));
+        if let Some(pattern) = pattern {
+            let PreparedPattern { ambient, diffuse, layout } = &**pattern;
             bytes.colors([*ambient, *diffuse]);
-            squares.numbers(|number| bytes.number(number));
+            layout.numbers(|number| bytes.number(number));
         }
         if emits {
             bytes.colors([*emission]);
@@ -88,7 +88,7 @@ impl SurfaceMaterial {
 
     /// Returns a fingerprint that equal materials share, and different ones hardly ever do.
     pub(super) fn fingerprint(&self) -> u64 {
-        let Self { ambient, diffuse, specular, shininess, reflected, refraction, checker, emission } = self;
+        let Self { ambient, diffuse, specular, shininess, reflected, refraction, pattern, emission } = self;
         let mut fingerprint = Fingerprint::default();
         let colors = |fingerprint: &mut Fingerprint, colors: &[Rgb]| {
             colors.iter().flat_map(Rgb::to_array).for_each(|channel| fingerprint.add(channel.into()));
@@ -101,23 +101,25 @@ impl SurfaceMaterial {
                 .for_each(|number| fingerprint.add(number));
             colors(&mut fingerprint, &[*absorption]);
         }
-        if let Some(checker) = checker {
-            colors(&mut fingerprint, &[checker.ambient, checker.diffuse]);
-            checker.squares.numbers(|number| fingerprint.add(number));
+        if let Some(pattern) = pattern {
+            colors(&mut fingerprint, &[pattern.ambient, pattern.diffuse]);
+            fingerprint.add(pattern.layout.code().into());
+            pattern.layout.numbers(|number| fingerprint.add(number));
         }
         fingerprint.finish()
     }
 
     /// Returns the ambient and diffuse colours at a point of the surface with this outward normal.
     pub(crate) fn colors_at(&self, point: DVec3, normal: DVec3) -> (Rgb, Rgb) {
-        match self.second_square(point, normal) {
-            Some(checker) => (checker.ambient, checker.diffuse),
-            None => (self.ambient, self.diffuse),
-        }
+        let Some(pattern) = &self.pattern else { return (self.ambient, self.diffuse) };
+        let second = pattern.layout.second(point, normal);
+        // Each colour is exact where it is alone.
+        let blended = |one: Rgb, other: Rgb| one * (1.0 - second) + other * second;
+        (blended(self.ambient, pattern.ambient), blended(self.diffuse, pattern.diffuse))
     }
 
-    /// Returns the checker pattern, if the point is on one of its second squares.
-    pub(crate) fn second_square(&self, point: DVec3, normal: DVec3) -> Option<&PreparedChecker> {
-        self.checker.as_deref().filter(|checker| checker.squares.is_second(point, normal))
+    /// Returns the fraction of the pattern's colour at a point of the surface with this outward normal; 0 without a pattern.
+    pub(crate) fn pattern_share(&self, point: DVec3, normal: DVec3) -> f32 {
+        self.pattern.as_ref().map_or(0.0, |pattern| pattern.layout.second(point, normal))
     }
 }

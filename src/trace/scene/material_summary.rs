@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::material::{PreparedChecker, SurfaceMaterial};
+use super::material::{PreparedPattern, SurfaceMaterial};
 use super::material_table::MaterialTable;
 use crate::color::Rgb;
 use crate::trace::rays::ShapeId;
@@ -28,8 +28,8 @@ pub(crate) struct MaterialSummary {
     pub fresnel: bool,
     /// True if a transparent material may spawn both a mirrored and a refracted ray.
     pub branches: bool,
-    /// True if a material has a checker pattern.
-    pub checkered: bool,
+    /// True if a material has a pattern.
+    pub patterned: bool,
     /// Upper bounds of the coefficients; materials with about the same share of continuing light are merged.
     answers: BTreeMap<u32, CoefficientBounds>,
 }
@@ -53,10 +53,10 @@ impl CoefficientBounds {
     fn of(material: &SurfaceMaterial) -> Self {
         let transmitted = material.refraction.map_or(0.0, |refraction| refraction.transmitted);
         let second =
-            |color: fn(&PreparedChecker) -> Rgb| material.checker.as_deref().map_or(Rgb::ZERO, color);
+            |color: fn(&PreparedPattern) -> Rgb| material.pattern.as_deref().map_or(Rgb::ZERO, color);
         Self {
-            ambient: material.ambient.max(second(|checker| checker.ambient)),
-            diffuse: material.diffuse.max(second(|checker| checker.diffuse)),
+            ambient: material.ambient.max(second(|pattern| pattern.ambient)),
+            diffuse: material.diffuse.max(second(|pattern| pattern.diffuse)),
             specular: material.specular,
             emission: material.emission,
             followed: material.reflected + transmitted,
@@ -91,7 +91,7 @@ impl MaterialSummary {
                 all.fresnel |= refraction.fresnel;
                 all.branches |= refraction.fresnel || material.reflected > 0.0;
             }
-            all.checkered |= material.checker.is_some();
+            all.patterned |= material.pattern.is_some();
         }
         for (id, material) in materials.of_shapes() {
             if material.reflected > 0.0 {

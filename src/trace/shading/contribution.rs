@@ -162,7 +162,7 @@ impl ErrorBudget {
 pub(crate) fn most_radiance(scene: &PreparedScene, material: &SurfaceMaterial) -> f32 {
     let lights = all_lights(scene);
     let transmitted = material.refraction.map_or(0.0, |refraction| refraction.transmitted);
-    let second = material.checker.as_deref();
+    let second = material.pattern.as_deref();
     let ambient = second.map_or(material.ambient, |second| material.ambient.max(second.ambient));
     let diffuse = second.map_or(material.diffuse, |second| material.diffuse.max(second.diffuse));
     let own = ambient.as_dvec3() * scene.ambient.as_dvec3()

@@ -15,8 +15,8 @@ pub(super) struct MaterialFlags {
     pub(super) transparent: u32,
     /// Lanes whose materials spawn secondary rays.
     pub(super) continues: u32,
-    /// Lanes with a checker pattern.
-    pub(super) checkered: u32,
+    /// Lanes with a pattern.
+    pub(super) patterned: u32,
     /// Lanes whose surface point is needed.
     pub(super) wanted: u32,
 }
@@ -28,7 +28,7 @@ impl MaterialFlags {
         shiny: 0,
         transparent: 0,
         continues: 0,
-        checkered: 0,
+        patterned: 0,
         wanted: 0,
     };
 
@@ -39,6 +39,6 @@ impl MaterialFlags {
         self.shiny = self.shiny & !lanes | in_lanes(material.specular > 0.0);
         self.transparent = self.transparent & !lanes | in_lanes(material.refraction.is_some());
         self.continues = self.continues & !lanes | in_lanes(material.continues());
-        self.checkered = self.checkered & !lanes | in_lanes(material.checker.is_some());
+        self.patterned = self.patterned & !lanes | in_lanes(material.pattern.is_some());
     }
 }

@@ -44,7 +44,7 @@ pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
             material_flags[packet].diffuse.set(lane, material.diffuse);
         }
         if context.effects.extras {
-            for lane in lanes(material_flags[packet].checkered & surfaces.lanes) {
+            for lane in lanes(material_flags[packet].patterned & surfaces.lanes) {
                 let Some(SurfacePoint { hit, point, normal, .. }) = surfaces.get(lane, hits) else {
                     continue;
                 };
@@ -133,6 +133,6 @@ fn needs_point(context: &RenderContext<'_>, material: &SurfaceMaterial) -> bool 
     let lit = context.effects.lights() && !context.lights.is_empty() && material.scatters();
     let continues = (context.effects.mirrors() && material.reflected > 0.0)
         || (context.effects.media() && material.refraction.is_some());
-    let rare = context.effects.extras && (context.scene.fog.density > 0.0 || material.checker.is_some());
+    let rare = context.effects.extras && (context.scene.fog.density > 0.0 || material.pattern.is_some());
     lit || continues || rare
 }

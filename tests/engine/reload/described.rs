@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::fmt::Debug;
 
 use rayreel::components::{
-    Ambient, Animated, Background, Camera, Checker, Emission, FilmSettings, Fog, Follow, Light, LookAt,
-    Material, Name, Order, Parent, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular,
+    Ambient, Animated, Background, Camera, Emission, FilmSettings, Fog, Follow, Light, LookAt, Material,
+    Name, Order, Parent, Pattern, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular,
     Stars, Sun, Target, Transform, Visibility, WorldTransform,
 };
 use rayreel::{Entity, Film, World};
@@ -48,7 +48,7 @@ impl Words<'_> {
             self.one::<Specular>(),
             self.one::<Reflective>(),
             self.one::<Refractive>(),
-            self.one::<Checker>(),
+            self.one::<Pattern>(),
             self.one::<Emission>(),
             self.one::<Light>(),
             self.one::<Camera>(),

@@ -432,7 +432,15 @@ fn material(random: &mut Random) -> String {
         text += &format!(", emission: {}", random.light());
     }
     if random.once_in(6) {
-        text += &format!(", checker: (color: {}, size: {:?})", random.color(), 0.5 + random.share());
+        let size = 0.5 + random.share();
+        let kind = match random.index(5) {
+            0 => format!("Checker(size: {size:?}"),
+            1 => format!("Stripes(size: {size:?}, ratio: 0.25, direction: (1, 2, 0), offset: 0.5"),
+            2 => format!("Bricks(size: ({size:?}, 0.25, 0.5), mortar: 0.1"),
+            3 => format!("Gradient(size: {size:?}"),
+            _ => format!("Noise(size: {size:?}, octaves: 2"),
+        };
+        text += &format!(", pattern: {kind}, color: {})", random.color());
     }
     text + ")"
 }

@@ -46,7 +46,7 @@ fn emission_is_on_both_sides_and_adds_to_other_light() {
         assert_eq!(ahead("", &format!(r#"(shape: {shape}, material: "lamp")"#)), LIGHT, "{shape}");
     }
     let lights = ", ambient: (0.5, 0.5, 0.5)";
-    let board = "k_a: 0.5, k_d: 0.5, checker: (color: (0, 0, 0), size: 9)";
+    let board = "k_a: 0.5, k_d: 0.5, pattern: Checker(color: (0, 0, 0), size: 9)";
     for (material, ambient) in [("k_a: 0.5, k_d: 0.5", 0.25), (board, 0.25)] {
         let body = with_lamp(
             &format!(r#""m": ({material}, emission: (1, 2, 3))"#),

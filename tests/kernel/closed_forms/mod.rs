@@ -5,6 +5,7 @@ mod area_lights;
 mod emission;
 mod media;
 mod motion;
+mod patterns;
 mod refraction;
 mod shadows;
 mod surroundings;

@@ -307,7 +307,7 @@ fn squares_from_above(height: f64, shape: &str, size: f64, transform: &str) -> V
     let film = film(&format!(
         r#"film: (width: {SIDE}, height: {SIDE}, transfer: Classic), ambient: (1, 1, 1),
         camera: (position: (0.1, {:?}, 0.2), view: (0, -1, 0), up: (0, 0, 1), screen: (distance: 100, width: 10, height: 10)),
-        materials: {{ "m": (k_a: 1, checker: (color: (0, 0, 0), size: {size:?})) }},
+        materials: {{ "m": (k_a: 1, pattern: Checker(color: (0, 0, 0), size: {size:?})) }},
         entities: [(shape: {shape}, material: "m", transform: ({transform}))]"#,
         height + 100.0
     ));
@@ -393,7 +393,7 @@ fn squares_follow_a_plane_whose_normal_moves() {
         let body = format!(
             r#"film: (width: {SIDE}, height: {SIDE}), ambient: (1, 1, 1),
             camera: (position: (0, 9, 9), target: (0, 0, 0), up: (0, 1, 0), fov: 30),
-            materials: {{ "m": (k_a: 1, checker: (color: (0, 0, 0), size: 0.6)) }},
+            materials: {{ "m": (k_a: 1, pattern: Checker(color: (0, 0, 0), size: 0.6)) }},
             entities: [(shape: Plane(normal: {}), material: "m")]"#,
             triple(normal)
         );

@@ -147,7 +147,7 @@ fn ball_of_glass(inside: &str) -> Engine {
     engine(&format!(
         r#"Scene(film: (width: 64, height: 36), camera: (position: (0, 1.6, -5), target: (0, 1, 0), fov: 40), ambient: (0.3, 0.3, 0.3),
         background: (bottom: (255, 255, 255), top: (128, 179, 255)), materials: {{
-            "floor": (k_a: 0.5, k_d: 0.7, color: (220, 220, 220), checker: (color: (60, 60, 60), size: 0.5)),
+            "floor": (k_a: 0.5, k_d: 0.7, color: (220, 220, 220), pattern: Checker(color: (60, 60, 60), size: 0.5)),
             "glass": (reflective: (k_r: 0.1), refractive: (k_t: 0.9, ior: 1.5, fresnel: true)),
             "water": (reflective: (k_r: 0.1), refractive: (k_t: 0.9, ior: 1.33, fresnel: true)),
             "bubble": (reflective: (k_r: 0.1), refractive: (k_t: 0.9, ior: 1, fresnel: true)) }},

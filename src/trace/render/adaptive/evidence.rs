@@ -61,7 +61,7 @@ pub(super) enum Class {
     Plain,
     /// Large surfaces meet.
     Edge,
-    /// A feature that all samples may have missed: small, moving, or checkered.
+    /// A feature that all samples may have missed: small, moving, or patterned.
     Small,
 }
 

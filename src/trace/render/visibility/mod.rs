@@ -1,7 +1,7 @@
 //! Geometric visibility of surfaces in pixels, without sampling.
 //!
-//! For every pixel of a tile, decides whether more than one surface can show in it: an edge, two surfaces that touch, a border between
-//! squares of a checker, or a shape smaller than the pixel. Samples can miss all of these; the geometric search cannot. The decision is
+//! For every pixel of a tile, decides whether more than one surface can show in it: an edge, two surfaces that touch, a border of
+//! a pattern, or a shape smaller than the pixel. Samples can miss all of these; the geometric search cannot. The decision is
 //! conservative: a pixel without a [feature](Feature) shows a single smooth surface, or the background. The sun and the stars are
 //! features of the pixels that show the background (`sky`).
 //!
@@ -12,7 +12,7 @@
 //!     find the shapes seen there: whether they cover it fully, and bounds of their inverse depth
 //!     the cover is the nearest shape that covers it fully; discard the shapes that are certainly behind it
 //! for each shape that remains in a pixel:
-//!     it is the cover     -> no feature, unless it shows two faces or squares of a checker
+//!     it is the cover     -> no feature, unless it shows two faces or a border of a pattern
 //!     it covers it fully  -> edge: surfaces may intersect
 //!     it covers a part    -> feature of the shape's size
 //! ```
@@ -342,7 +342,7 @@ fn resolve(
                 let visible = nearest.visible(cover) & square.lanes();
                 let first = visible & nearest.of(shape.id);
                 lanes(first).for_each(|lane| (whole.ids[lane], whole.radiance[lane]) = (shape.id, shape.radiance));
-                lanes(shape.checkered(scene, rays, first, place))
+                lanes(shape.patterned(scene, rays, first, place))
                     .for_each(|lane| features[lane].join(Feature { area: 1.0, radiance: shape.radiance }));
                 let edges = first & !cover.one_face | visible & !first & cover.whole;
                 lanes(edges).for_each(|lane| features[lane].join(Feature::EDGE));
@@ -424,21 +424,21 @@ impl SeenShape {
         }
     }
 
-    /// Returns the pixels in `pixels` in which the shape shows more than one square of a checker.
-    fn checkered(
+    /// Returns the pixels in `pixels` in which the shape shows a border of its pattern.
+    fn patterned(
         &self,
         scene: &PreparedScene,
         rays: &TileRays,
         pixels: u32,
         place: impl Fn(usize) -> DVec2,
     ) -> u32 {
-        let Some(checker) = scene.material(self.id).checker.as_deref() else { return 0 };
-        let corners = [DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0), DVec2::ONE];
-        let is_one_square = |lane: usize| {
-            let corner = |corner: DVec2| self.outline.point(rays, place(lane) + corner * self.half);
-            checker.squares.holds(corners.map(corner))
+        let Some(pattern) = scene.material(self.id).pattern.as_deref() else { return 0 };
+        let places = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)].map(DVec2::from);
+        let is_smooth = |lane: usize| {
+            let point = |from: DVec2| self.outline.point(rays, place(lane) + from * self.half);
+            pattern.layout.holds(places.map(point))
         };
-        lanes(pixels).filter(|lane| !is_one_square(*lane)).fold(0, |mask, lane| mask | 1 << lane)
+        lanes(pixels).filter(|lane| !is_smooth(*lane)).fold(0, |mask, lane| mask | 1 << lane)
     }
 }
 

@@ -1,104 +1,10 @@
-//! Checker patterns: the layout of squares of two colours.
+//! The axes of patterns on planes.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DVec3;
 
 use crate::trace::math::scaled;
-use crate::trace::shapes::inverse;
 
-/// A grid of squares on a surface, in the shape's local space.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CheckerPattern {
-    forward: DMat3,
-    inverse: DMat3,
-    translation: DVec3,
-    size: f64,
-    surface: Checkered,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-enum Checkered {
-    /// The axes of the squares, through the origin.
-    Plane([DVec3; 2]),
-    /// Half-extents of the box. The squares start at the lower corner of each face.
-    Box(DVec3),
-}
-
-impl CheckerPattern {
-    /// Creates the pattern on a plane through the map's translation. `normal` is the plane's normal before mapping.
-    #[must_use]
-    pub fn on_plane(map: DAffine3, normal: DVec3, size: f64) -> Self {
-        Self::new(map, size, Checkered::Plane(axes_across(normal)))
-    }
-
-    /// Creates the pattern on the faces of a box around the map's translation. `half` holds its half-extents before mapping.
-    #[must_use]
-    pub fn on_box(map: DAffine3, half: DVec3, size: f64) -> Self {
-        Self::new(map, size, Checkered::Box(half))
-    }
-
-    fn new(map: DAffine3, size: f64, surface: Checkered) -> Self {
-        Self {
-            forward: map.matrix3,
-            inverse: inverse(map.matrix3),
-            translation: map.translation,
-            size,
-            surface,
-        }
-    }
-
-    /// Passes the numbers that define the pattern to `each`.
-    pub(super) fn numbers(&self, mut each: impl FnMut(f64)) {
-        let Self { forward, inverse: _, translation, size, surface } = self;
-        let mut all = |vector: DVec3| vector.to_array().into_iter().for_each(&mut each);
-        [forward.x_axis, forward.y_axis, forward.z_axis, *translation].into_iter().for_each(&mut all);
-        match surface {
-            Checkered::Plane(axes) => axes.iter().copied().for_each(&mut all),
-            Checkered::Box(half) => all(*half),
-        }
-        each(*size);
-    }
-
-    /// Returns whether points of one plane, or of one face of a box, lie in the same square.
-    pub(crate) fn holds(&self, points: [DVec3; 4]) -> bool {
-        let own = points.map(|point| self.inverse * (point - self.translation));
-        let one = |place: &dyn Fn(DVec3) -> f64| {
-            let squares = own.map(|point| (place(point) / self.size).floor());
-            squares.iter().all(|square| *square == squares[0])
-        };
-        match &self.surface {
-            Checkered::Plane(axes) => axes.iter().all(|axis| one(&|point| point.dot(*axis))),
-            Checkered::Box(half) => {
-                let least = own.into_iter().fold(DVec3::INFINITY, DVec3::min);
-                let across = (own.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max) - least).min_position();
-                (0..3).filter(|axis| *axis != across).all(|axis| one(&|point| point[axis] + half[axis]))
-            }
-        }
-    }
-
-    /// Returns whether the point lies on a square of the second colours.
-    pub(crate) fn is_second(&self, point: DVec3, normal: DVec3) -> bool {
-        let own = self.inverse * (point - self.translation);
-        let [x, y] = match &self.surface {
-            Checkered::Plane(axes) => axes.map(|axis| own.dot(axis)),
-            Checkered::Box(half) => {
-                // A face's normal is mapped back by the transpose, up to its length.
-                let across = (self.forward.transpose() * normal).abs();
-                let from_corner = own + *half;
-                if across.x >= across.y && across.x >= across.z {
-                    [from_corner.y, from_corner.z]
-                } else if across.y >= across.z {
-                    [from_corner.x, from_corner.z]
-                } else {
-                    [from_corner.x, from_corner.y]
-                }
-            }
-        };
-        let square = |place: f64| (place / self.size).floor();
-        (square(x) + square(y)).rem_euclid(2.0) == 1.0
-    }
-}
-
-/// Returns the axes of the squares on a plane: unit vectors perpendicular to its normal and to each other.
+/// Returns the axes of a pattern on a plane: unit vectors perpendicular to its normal and to each other.
 ///
 /// If the normal is along one of the coordinate axes, they are the other two. In between they follow the normal continuously, and the sign
 /// of the normal does not matter. No axes can follow a normal everywhere (the hairy ball theorem): these spin around (1, 1, 1) and its
@@ -107,7 +13,7 @@ impl CheckerPattern {
 /// The sum of the coordinate axes' projections onto the plane is the diagonal between the two. Each projection is weighted less the nearer
 /// the normal is to its axis, in fourth powers, so that the squares of a plane tilted about one of the axes by up to 20 degrees are aligned
 /// with it to a degree.
-fn axes_across(normal: DVec3) -> [DVec3; 2] {
+pub(super) fn axes_across(normal: DVec3) -> [DVec3; 2] {
     /// Maximum length of a zero sum of three vectors after rounding.
     const NONE: f64 = 16.0 * f64::EPSILON;
     let normal = scaled(normal).map_or(DVec3::Y, |(normal, _)| normal / normal.dot(normal).sqrt());
