@@ -5,11 +5,13 @@
 
 mod encoding;
 mod error_norm;
+mod ramp;
 mod srgb;
 mod transfer;
 
 pub use encoding::{Encoding, Linear};
 pub use error_norm::ErrorNorm;
+pub use ramp::ColorRamp;
 pub(crate) use srgb::hex_channels;
 pub use srgb::{HexError, hex, srgb};
 pub use transfer::Transfer;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::color::{ErrorNorm, Rgb, Transfer};
+use crate::color::{ColorRamp, ErrorNorm, Rgb, Transfer};
 
 /// The intensity I_a of the ambient light, constant everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -10,6 +10,10 @@ pub struct Ambient(pub Rgb);
 
 /// The radiance of a ray that hits nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a scene has one background, which is copied like other settings"
+)]
 pub enum Background {
     /// A constant radiance in all directions.
     Flat(Rgb),
@@ -23,6 +27,8 @@ pub enum Background {
         /// The radiance straight up, +y.
         top: Rgb,
     },
+    /// A gradient along the world's y axis with stops at values of y of the unit direction, -1..=1.
+    Stops(ColorRamp),
 }
 
 impl Default for Background {

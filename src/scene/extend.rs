@@ -30,8 +30,13 @@ pub(super) const EXTENDS: &str = "extends";
 pub(super) const WITHOUT: &str = "without";
 
 /// Fields of which only one can be written: each replaces the others.
-const EXCLUSIVE: [&[&str]; 2] =
-    [&["target", "view", "look_at"], &["screen", "fov", "horizontal_fov", "orthographic"]];
+const EXCLUSIVE: [&[&str]; 5] = [
+    &["target", "view", "look_at"],
+    &["screen", "fov", "horizontal_fov", "orthographic"],
+    &["stops", "bottom"],
+    &["stops", "horizon"],
+    &["stops", "top"],
+];
 
 /// The treatment of a value that both files write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

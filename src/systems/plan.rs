@@ -192,7 +192,9 @@ impl<'a> EffectScan<'a> {
             Effect::Fog => Omitted("the scene has no `fog`"),
             Effect::Gradient => match scene.background {
                 PreparedBackground::Flat(_) => Omitted("the background is the same everywhere"),
-                PreparedBackground::Gradient { .. } => Needed("the background is a gradient"),
+                PreparedBackground::Gradient { .. } | PreparedBackground::Stops(_) => {
+                    Needed("the background is a gradient")
+                }
             },
             Effect::Sun | Effect::Stars => self.sky(effect),
             Effect::Antialiasing | Effect::DepthOfField => self.sampled(effect),

@@ -9,6 +9,7 @@ use proptest::test_runner::RngSeed;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use rayreel::animation::{Easing, Key, Track};
+use rayreel::color::ColorRamp;
 use rayreel::components::{
     Ambient, Animated, AreaShape, Background, Camera, Channel, Emission, Falloff, FilmSettings, Fog, Lens,
     Light, LightKind, Material, Pattern, PatternKind, Projection, Property, Quality, Reflective, Refractive,
@@ -289,6 +290,9 @@ fn world(
         horizon: effects.horizon.then_some(Rgb::new(0.9, 0.8, 0.7)),
         top: Rgb::new(0.1, 0.4, 0.9),
     };
+    let stops = [(-0.7, Rgb::X), (-0.1, Rgb::new(0.3, 0.2, 0.1)), (0.05, Rgb::splat(0.9)), (0.8, Rgb::Z)];
+    let stops = ColorRamp::new(&stops).map(Background::Stops).unwrap();
+    let gradient = if effects.clear_sky { stops } else { gradient };
     let settings = world.spawn((
         FilmSettings { width: 32, height: 18, ..FilmSettings::default() },
         Ambient(Rgb::splat(0.4)),

@@ -10,7 +10,13 @@ pub(crate) fn background() -> impl Strategy<Value = String> {
         (color(), color()).prop_map(|(bottom, top)| format!("(bottom: {bottom}, top: {top})")),
         (color(), color(), color()).prop_map(|(bottom, horizon, top)| {
             format!("(bottom: {bottom}, horizon: {horizon}, top: {top})")
-        })
+        }),
+        (color(), color(), color(), -1.0..0.5f64, 1e-9..0.5f64).prop_map(
+            |(low, middle, high, height, step)| {
+                let next = height + step;
+                format!("(stops: [({height:?}, {low}), ({next:?}, {middle}), (1, {high})])")
+            }
+        ),
     ]
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use assert_cmd::Command;
 use serde_json::{Value, json};
 
-use rayreel::components::{Camera, FilmSettings, Fog, Light, LightKind, Name, Shape, View};
+use rayreel::components::{Background, Camera, FilmSettings, Fog, Light, LightKind, Name, Shape, View};
 use rayreel::scene::Override;
 use rayreel::{Engine, EngineError, Scene, Time};
 
@@ -114,6 +114,15 @@ fn exclusive_fields_replace_each_other() {
     assert_eq!(view("camera: (view: None)").view, view("").view);
     let screen = view("camera: (screen: (distance: 1, height: 2))");
     assert!(screen.projection != view("").projection && screen.view == view("").view);
+    let [ends, stops] =
+        ["bottom: (9, 9, 9), top: (0, 0, 0)", "stops: [(0, (9, 9, 9)), (0.5, (0, 0, 0)), (1, (9, 9, 9))]"];
+    for (base, change) in [(ends, stops), (stops, ends)] {
+        let base = BASE.replace("fog:", &format!("background: ({base}), fog:"));
+        let change = format!("(extends: \"base.ron\", background: ({change}))");
+        let scene = load(&folder(&[("base.ron", &base), ("scene.ron", &change)]));
+        let has_stops = matches!(only::<Background>(&scene), Some(Background::Stops(_)));
+        assert_eq!(has_stops, change.contains("stops"));
+    }
     let error = refused(&folder(&[
         ("base.ron", BASE),
         ("scene.ron", "(\nextends: \"base.ron\",\ncamera: (target: (0, 0, 1),\nview: (0, 0, 1)))"),

@@ -47,11 +47,18 @@ impl<'de> Deserialize<'de> for ColorDocument {
     }
 }
 
-/// A background: a colour, or a gradient written as `(bottom: (255, 255, 255), top: "#80b3ff")`, perhaps with a `horizon`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A background: a colour, or a gradient written as `(bottom: (255, 255, 255), top: "#80b3ff")`, perhaps with a `horizon`, or as
+/// `(stops: [(0, (255, 255, 255)), (1, "#80b3ff")])`.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BackgroundDocument {
     Flat(ColorDocument),
-    Gradient { bottom: ColorDocument, horizon: Option<ColorDocument>, top: ColorDocument },
+    Gradient {
+        bottom: ColorDocument,
+        horizon: Option<ColorDocument>,
+        top: ColorDocument,
+    },
+    /// Heights and colours.
+    Stops(Vec<(f64, ColorDocument)>),
 }
 
 impl Default for BackgroundDocument {
@@ -62,7 +69,7 @@ impl Default for BackgroundDocument {
 
 impl BackgroundDocument {
     /// The names of the fields of a gradient.
-    pub(crate) const FIELDS: &'static [&'static str] = &["bottom", "horizon", "top"];
+    pub(crate) const FIELDS: &'static [&'static str] = &["bottom", "horizon", "top", "stops"];
 }
 
 impl<'de> Deserialize<'de> for BackgroundDocument {
@@ -79,6 +86,7 @@ enum BackgroundField {
     Bottom,
     Horizon,
     Top,
+    Stops,
     Other(String),
 }
 
@@ -101,12 +109,21 @@ impl<'de> Visitor<'de> for BackgroundVisitor {
 
     /// Reports errors with its own messages, because serde would attribute them to the scene.
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<BackgroundDocument, A::Error> {
-        let (mut bottom, mut horizon, mut top) = (None, None, None);
+        let (mut bottom, mut horizon, mut top, mut stops) = (None, None, None, None);
+        let twice = |name: &str| {
+            let message = format!("field `{name}` of `background` is written twice");
+            A::Error::custom(message + "\nremove one of the two")
+        };
         while let Some(field) = map.next_key()? {
             let (name, place) = match field {
                 BackgroundField::Bottom => ("bottom", &mut bottom),
                 BackgroundField::Horizon => ("horizon", &mut horizon),
                 BackgroundField::Top => ("top", &mut top),
+                BackgroundField::Stops if stops.is_some() => return Err(twice("stops")),
+                BackgroundField::Stops => {
+                    stops = Some(map.next_value::<Option<Vec<(f64, ColorDocument)>>>()?);
+                    continue;
+                }
                 BackgroundField::Other(name) => {
                     let remedy = suggest::remedy(&name, BackgroundDocument::FIELDS, "fields");
                     let message = format!("unknown field `{}` of `background`\n{remedy}", short(&name));
@@ -114,16 +131,26 @@ impl<'de> Visitor<'de> for BackgroundVisitor {
                 }
             };
             if place.is_some() {
-                let message = format!("field `{name}` of `background` is written twice");
-                return Err(A::Error::custom(message + "\nremove one of the two"));
+                return Err(twice(name));
             }
             *place = Some(map.next_value::<Option<ColorDocument>>()?);
         }
         let missing = |name: &str| {
             let message = format!("missing field `{name}` of `background`");
-            A::Error::custom(message + "\nwrite both `bottom` and `top`, or a single colour")
+            A::Error::custom(message + "\nwrite both `bottom` and `top`, or `stops`, or a single colour")
         };
         let [bottom, horizon, top] = [bottom, horizon, top].map(Option::flatten);
+        if let Some(stops) = stops.flatten() {
+            let ends = [("bottom", bottom), ("horizon", horizon), ("top", top)];
+            if let Some((name, _)) = ends.iter().find(|(_, color)| color.is_some()) {
+                let message = format!("a background of both `stops` and `{name}`");
+                return Err(A::Error::custom(
+                    message
+                        + "\nremove one of the two: `bottom` is a stop at -1, `horizon` at 0 and `top` at 1",
+                ));
+            }
+            return Ok(BackgroundDocument::Stops(stops));
+        }
         let bottom = bottom.ok_or_else(|| missing("bottom"))?;
         let top = top.ok_or_else(|| missing("top"))?;
         Ok(BackgroundDocument::Gradient { bottom, horizon, top })

@@ -20,7 +20,7 @@ use super::files::Merged;
 use super::paths::motion_along;
 use super::playback::{ValueDocument, keys, playback};
 use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
-use crate::color::{ErrorNorm, Rgb, Transfer};
+use crate::color::{ColorRamp, ErrorNorm, Rgb, Transfer};
 use crate::components::{
     Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
     Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars,
@@ -136,7 +136,7 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
         Name::new(SceneDocument::SCENE),
         film(&document.film),
         Ambient(rgb(document.ambient)),
-        background(document.background, transfer),
+        background(&document.background, transfer),
         quality(&document.quality),
         sampling(&document.sampling),
         space(document.space),
@@ -157,7 +157,7 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
     world.spawn(builder.build())
 }
 
-fn background(document: BackgroundDocument, transfer: Transfer) -> Background {
+fn background(document: &BackgroundDocument, transfer: Transfer) -> Background {
     match document {
         BackgroundDocument::Flat(color) => Background::Flat(transfer.decode(color.0)),
         BackgroundDocument::Gradient { bottom, horizon, top } => Background::Gradient {
@@ -165,6 +165,12 @@ fn background(document: BackgroundDocument, transfer: Transfer) -> Background {
             horizon: horizon.map(|horizon| transfer.decode(horizon.0)),
             top: transfer.decode(top.0),
         },
+        BackgroundDocument::Stops(stops) => {
+            let stops: Vec<_> =
+                stops.iter().map(|(height, color)| (*height, transfer.decode(color.0))).collect();
+            // Validation has refused all stops that are no ramp.
+            ColorRamp::new(&stops).map_or_else(Background::default, Background::Stops)
+        }
     }
 }
 

@@ -86,15 +86,20 @@ fn material_target(
 
 /// Returns a description of the scene if it lacks the part.
 fn lack_of_scene(document: &SceneDocument, part: Requirement) -> Option<&'static str> {
-    let (flat, horizon) = match document.background {
-        BackgroundDocument::Flat(_) => (true, false),
-        BackgroundDocument::Gradient { horizon, .. } => (false, horizon.is_some()),
+    use BackgroundDocument::{Flat, Gradient, Stops};
+    let background = &document.background;
+    let kind = match background {
+        Flat(_) => "a background of one colour",
+        Gradient { .. } => "a background of two colours",
+        Stops(_) => "a background of `stops`",
     };
     let (fits, otherwise) = match part {
         Requirement::AmbientLight => return None,
-        Requirement::FlatBackground => (flat, "a background of two colours"),
-        Requirement::Gradient => (!flat, "a background of one colour"),
-        Requirement::Horizon => (horizon, "a background without a `horizon`"),
+        Requirement::FlatBackground => (matches!(background, Flat(_)), kind),
+        Requirement::Gradient => (matches!(background, Gradient { .. }), kind),
+        Requirement::Horizon => {
+            (matches!(background, Gradient { horizon: Some(_), .. }), "a background without a `horizon`")
+        }
         Requirement::Sun => (document.sun.is_some(), "a scene without a `sun`"),
         Requirement::Stars => (document.stars.is_some(), "a scene without `stars`"),
         Requirement::Fog => (document.fog.is_some(), "a scene without `fog`"),

@@ -1,11 +1,13 @@
 //! Validation of the settings of a whole scene: timeline, film, light, quality and sampling.
 
 use super::{At, Problems, check};
+use crate::color::ColorRamp;
 use crate::components::{FilmSettings, Quality, Quantity, Sampling, Stars, ValidRange};
 use crate::scene::document::{
-    BackgroundDocument, FilmDocument, FogDocument, QualityDocument, SamplingDocument, SceneDocument,
-    StarsDocument, SunDocument, TimelineDocument,
+    BackgroundDocument, ColorDocument, FilmDocument, FogDocument, QualityDocument, SamplingDocument,
+    SceneDocument, StarsDocument, SunDocument, TimelineDocument,
 };
+use crate::scene::quote::Figure;
 use crate::time::{FrameRate, Timeline};
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
@@ -36,6 +38,36 @@ fn background(document: &BackgroundDocument, at: &At<'_>, problems: &mut Problem
             }
             check::color(top.0, &at.field("top"), problems);
         }
+        BackgroundDocument::Stops(list) => stops(list, &at.field("stops"), problems),
+    }
+}
+
+fn stops(stops: &[(f64, ColorDocument)], at: &At<'_>, problems: &mut Problems) {
+    let help = "write the upward part of a direction of length 1: 0 is level, 0.5 is 30 degrees above, 1 straight up";
+    if !(2..=ColorRamp::LARGEST_COUNT).contains(&stops.len()) {
+        let message =
+            format!("a background has 2 to {} stops, not {}", ColorRamp::LARGEST_COUNT, stops.len());
+        problems.add(
+            at,
+            message,
+            "out of range",
+            "write a list, as [(0, (235, 225, 210)), (1, (70, 120, 200))]",
+        );
+    }
+    let mut before = None;
+    for (index, (height, color)) in stops.iter().enumerate() {
+        let at = at.index(index);
+        let range = ValidRange::Between(-1.0, 1.0);
+        check::range(*height, range, "the height of a stop", help, &at.index(0), problems);
+        check::color(color.0, &at.index(1), problems);
+        if let Some(before) = before
+            && *height <= before
+        {
+            let message = format!("a stop at {} follows one at {}", Figure(*height), Figure(before));
+            let help = "write stops from the lowest to the highest, each height once";
+            problems.add(&at.index(0), message, "not higher", help);
+        }
+        before = Some(*height);
     }
 }
 

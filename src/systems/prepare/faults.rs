@@ -437,6 +437,9 @@ fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
             }
             checked.color("top of the background", *top);
         }
+        Background::Stops(ramp) => {
+            ramp.stops().iter().for_each(|(_, color)| checked.color("stop of the background", *color));
+        }
     }));
     check(setting(world, |checked, Sun { direction, intensity, size, glow, glow_size }| {
         if !direction.is_finite() || *direction == DVec3::ZERO {

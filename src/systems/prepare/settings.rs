@@ -91,6 +91,7 @@ pub(super) fn prepared_background(background: Background) -> trace::PreparedBack
             horizon: horizon.map(sane),
             top: sane(top),
         },
+        Background::Stops(ramp) => trace::PreparedBackground::Stops(ramp.with_colors(sane)),
     }
 }
 

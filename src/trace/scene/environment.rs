@@ -2,11 +2,15 @@
 
 use glam::DVec3;
 
-use crate::color::{Rgb, to_f32};
+use crate::color::{ColorRamp, Rgb, to_f32};
 use crate::trace::math::{Bytes, exp};
 
 /// The colour of rays that hit nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a scene has one background, which is copied like other settings"
+)]
 pub enum PreparedBackground {
     /// The same colour everywhere.
     Flat(Rgb),
@@ -20,6 +24,8 @@ pub enum PreparedBackground {
         /// Colour straight up.
         top: Rgb,
     },
+    /// Colours at values of the unit direction's y component.
+    Stops(ColorRamp),
 }
 
 impl Default for PreparedBackground {
@@ -42,26 +48,41 @@ impl PreparedBackground {
                 bytes.colors([bottom, top]);
                 horizon.into_iter().for_each(|horizon| bytes.colors([horizon]));
             }
+            Self::Stops(ramp) => {
+                bytes.count(3_u32);
+                bytes.count(ramp.stops().len() as u64);
+                for (height, color) in ramp.stops() {
+                    bytes.number(*height);
+                    bytes.colors([*color]);
+                }
+            }
         }
     }
 
     /// Returns the colour in a direction of any length except zero.
     #[must_use]
     pub fn towards(&self, direction: DVec3) -> Rgb {
-        match *self {
-            Self::Flat(color) => color,
-            Self::Gradient { bottom, horizon, top } => {
-                gradient_terms(bottom, horizon, top, direction).color()
+        match self {
+            Self::Flat(color) => *color,
+            Self::Gradient { .. } | Self::Stops(_) => {
+                self.gradient_terms(direction).map_or(Rgb::ZERO, |terms| terms.color())
             }
         }
     }
 
     /// Returns the terms of the gradient in a direction of any length except zero; `None` without a gradient.
+    #[inline]
     pub(super) fn gradient_terms(&self, direction: DVec3) -> Option<GradientTerms> {
-        match *self {
-            Self::Flat(_) => None,
-            Self::Gradient { bottom, horizon, top } => Some(gradient_terms(bottom, horizon, top, direction)),
-        }
+        let y = direction.y / direction.length();
+        let (from, to, share) = match self {
+            Self::Flat(_) => return None,
+            Self::Gradient { bottom, horizon: None, top } => (*bottom, *top, to_f32(0.5 + 0.5 * y)),
+            Self::Gradient { bottom, horizon: Some(horizon), top } => {
+                (*horizon, if y < 0.0 { *bottom } else { *top }, to_f32(y.abs()))
+            }
+            Self::Stops(ramp) => ramp.around(y),
+        };
+        Some(GradientTerms { from, to, share })
     }
 
     /// Returns the mean over all directions.
@@ -72,6 +93,15 @@ impl PreparedBackground {
                 let mean = (bottom + top) * 0.5;
                 // The mean of |y| over the unit sphere is 1/2.
                 horizon.map_or(mean, |horizon| (mean + horizon) * 0.5)
+            }
+            Self::Stops(ramp) => {
+                // y is uniformly distributed, and the ramp is linear between its stops.
+                let heights = ramp.stops().iter().map(|(height, _)| height.clamp(-1.0, 1.0));
+                let heights: Vec<f64> = [-1.0].into_iter().chain(heights).chain([1.0]).collect();
+                let pieces = heights.windows(2).map(|piece| {
+                    (ramp.at(piece[0]) + ramp.at(piece[1])) * to_f32(0.25 * (piece[1] - piece[0]))
+                });
+                pieces.sum()
             }
         }
     }
@@ -84,6 +114,7 @@ impl PreparedBackground {
                 let ends = bottom.max(top);
                 horizon.map_or(ends, |horizon| horizon.max(ends))
             }
+            Self::Stops(ramp) => ramp.stops().iter().fold(Rgb::ZERO, |most, (_, color)| most.max(*color)),
         }
     }
 }
@@ -91,11 +122,11 @@ impl PreparedBackground {
 /// The terms of a gradient in a direction: (1 - s) c1 + s c2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GradientTerms {
-    /// c1: the colour straight down, or the horizon's.
+    /// c1: the colour straight down, the horizon's, or that of the stop below.
     pub from: Rgb,
-    /// c2: the colour straight up, or, below a horizon, straight down.
+    /// c2: the colour straight up, straight down below a horizon, or that of the stop above.
     pub to: Rgb,
-    /// s: with the unit direction's y component y, (1 + y)/2, or |y| with a horizon.
+    /// s: with the unit direction's y component y, (1 + y)/2, or |y| with a horizon, or the position between two stops.
     pub share: f32,
 }
 
@@ -104,16 +135,6 @@ impl GradientTerms {
     fn color(&self) -> Rgb {
         self.from * (1.0 - self.share) + self.to * self.share
     }
-}
-
-#[inline]
-fn gradient_terms(bottom: Rgb, horizon: Option<Rgb>, top: Rgb, direction: DVec3) -> GradientTerms {
-    let y = direction.y / direction.length();
-    let (from, to, share) = match horizon {
-        None => (bottom, top, 0.5 + 0.5 * y),
-        Some(horizon) => (horizon, if y < 0.0 { bottom } else { top }, y.abs()),
-    };
-    GradientTerms { from, to, share: to_f32(share) }
 }
 
 /// Fog: over an optical depth t, a share exp(-t) of the light behind is visible, and the rest is `color`.
@@ -364,6 +385,35 @@ mod tests {
         assert_eq!(sky.towards(DVec3::Y * 7.0), top);
         assert_eq!(sky.towards(DVec3::X), (bottom + top) * 0.5);
         assert_eq!(sky.radiance_bound(), Rgb::new(1.0, 1.0, 0.5));
+    }
+
+    #[test]
+    fn stops_are_the_general_form_of_gradients() {
+        let (bottom, horizon, top) = (Rgb::new(1.0, 0.0, 0.5), Rgb::new(0.25, 1.5, 0.5), Rgb::Z);
+        let stops = |stops: &[(f64, Rgb)]| PreparedBackground::Stops(ColorRamp::new(stops).unwrap());
+        for (stops, short) in [
+            (
+                stops(&[(-1.0, bottom), (1.0, top)]),
+                PreparedBackground::Gradient { bottom, horizon: None, top },
+            ),
+            (
+                stops(&[(-1.0, bottom), (0.0, horizon), (1.0, top)]),
+                PreparedBackground::Gradient { bottom, horizon: Some(horizon), top },
+            ),
+        ] {
+            for y in [-1.0, -0.9, -0.3, 0.0, 1e-9, 0.4, 0.99, 1.0_f64] {
+                let direction = DVec3::new((1.0 - y * y).sqrt(), y, 0.0) * 3.0;
+                let difference = stops.towards(direction) - short.towards(direction);
+                assert!(difference.abs().max_element() < 1e-6, "{y}: {difference}");
+            }
+            assert!((stops.mean() - short.mean()).abs().max_element() < 1e-6);
+            assert_eq!(stops.radiance_bound(), short.radiance_bound());
+        }
+        // Constant beyond the first and the last stop: half of the directions are below the horizon.
+        let dawn = stops(&[(0.0, Rgb::X), (0.5, Rgb::Z)]);
+        assert_eq!(dawn.towards(DVec3::new(1.0, -0.01, 0.0)), Rgb::X);
+        assert_eq!(dawn.towards(DVec3::Y), Rgb::Z);
+        assert!((dawn.mean() - Rgb::new(0.625, 0.0, 0.375)).abs().max_element() < 1e-6);
     }
 
     #[test]

@@ -351,6 +351,15 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
         "camera" => camera(names, random),
         "ambient" => random.light(),
         "space" => random.pick(&["LeftHanded", "RightHanded", ""]).to_owned(),
+        "background" if random.once_in(4) => {
+            let height = 0.5 * random.share();
+            format!(
+                "(stops: [(-0.5, {}), ({height:?}, {}), (1, {})])",
+                random.color(),
+                random.color(),
+                random.color()
+            )
+        }
         "background" if random.once_in(2) => {
             let horizon =
                 if random.once_in(2) { format!("horizon: {}, ", random.color()) } else { String::new() };

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::*;
-use crate::color::Rgb;
+use crate::color::{ColorRamp, Rgb};
 use crate::trace::scene::{
     FogLayer, Geometry, LightSource, Precision, PreparedBackground, PreparedLight, PreparedShape,
     PreparedStars, PreparedSun, SurfaceMaterial,
@@ -56,6 +56,8 @@ fn all_that_reaches_a_picture_changes_it() {
         own_shape,
     };
     let gradient = |horizon| PreparedBackground::Gradient { bottom: Rgb::ZERO, horizon, top: Rgb::ONE };
+    let stops =
+        |height| PreparedBackground::Stops(ColorRamp::new(&[(-1.0, Rgb::ZERO), (height, Rgb::ONE)]).unwrap());
     let (direction, intensity) = (DVec3::Y, Rgb::ONE);
     let sun = PreparedSun { direction, intensity, radius: 0.1, glow: 0.0, glow_size: 1.0 };
     let plain = scene(&[sphere(0.0, 1.0), sphere(3.0, 1.0)]);
@@ -106,6 +108,8 @@ fn all_that_reaches_a_picture_changes_it() {
         changed(&|scene| scene.background = gradient(None)),
         changed(&|scene| scene.background = gradient(Some(Rgb::ZERO))),
         changed(&|scene| scene.background = gradient(Some(Rgb::X))),
+        changed(&|scene| scene.background = stops(0.5)),
+        changed(&|scene| scene.background = stops(0.25)),
         changed(&|scene| scene.depth = 3),
         changed(&|scene| scene.cutoff = 0.1),
         changed(&|scene| scene.precision = Precision::NaiveF32),
