@@ -7,8 +7,8 @@ use glam::{DQuat, DVec3};
 use hecs::{Or, With, Without};
 
 use rayreel::components::{
-    Background, Camera, FilmSettings, Fog, Light, LightKind, Parent, Pattern, Refractive, Sampling, Shape,
-    Stars, Sun, Transform, View,
+    Background, Camera, FilmSettings, Fog, Light, LightKind, Parent, Pattern, Projection, Refractive,
+    Sampling, Shape, Stars, Sun, Target, Transform, View,
 };
 use rayreel::{Engine, Film};
 
@@ -44,7 +44,13 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
                 *target = *target * scale + offset;
             }
         }
+        for Target(target) in context.world.query_mut::<hecs::Without<&mut Target, &Parent>>() {
+            *target = *target * scale + offset;
+        }
         for camera in context.world.query_mut::<&mut Camera>() {
+            if let Projection::Orthographic { height } = &mut camera.projection {
+                *height *= scale;
+            }
             if let Some(lens) = &mut camera.lens {
                 lens.aperture *= scale;
                 lens.focus *= scale;
@@ -149,6 +155,9 @@ fn mirror(world: &mut hecs::World) {
         if let LightKind::Directional { direction } = &mut light.kind {
             *direction *= across;
         }
+    }
+    for Target(target) in world.query_mut::<&mut Target>() {
+        *target *= across;
     }
     for camera in world.query_mut::<&mut Camera>() {
         camera.position *= across;
