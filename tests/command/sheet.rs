@@ -103,16 +103,16 @@ fn sheets_do_not_depend_on_the_thread_count() {
 #[test]
 fn variants_are_the_frame_without_each_effect() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["--frames", "7", "--variants", "shadows,reflections,fog,shadows", "--size", "160x90"];
+    let arguments = ["--frames", "7", "--variants", "shadows,reflections,stars,shadows", "--size", "160x90"];
     let report = render(&folder, FIRST_LIGHT, &arguments);
     let out = folder.path().join("out/first_light");
     assert_eq!(files(&out), ["first_light.variants.png"]);
     assert_eq!(frames(&report), [7, 7, 7, 7]);
     let sheet = &report["sheet"];
     assert_eq!((&sheet["columns"], &sheet["rows"]), (&3.into(), &2.into()));
-    assert_eq!(sheet["variants"], serde_json::json!(["shadows", "reflection", "fog"]));
-    // The scene has no fog.
-    assert_eq!(sheet["unchanged"], serde_json::json!(["fog"]));
+    assert_eq!(sheet["variants"], serde_json::json!(["shadows", "reflection", "stars"]));
+    // The scene has no stars.
+    assert_eq!(sheet["unchanged"], serde_json::json!(["stars"]));
     let sheet = picture(&out.join("first_light.variants.png"));
     let without = [&[][..], &["--without", "shadows"], &["--without", "reflection"], &[]];
     for (index, without) in (0..).zip(without) {
@@ -128,15 +128,15 @@ fn variants_are_the_frame_without_each_effect() {
     }
 
     // Text output gives the reason.
-    let arguments = ["--frames", "7", "--variants", "fog,area-lights", "--size", "16x9"];
+    let arguments = ["--frames", "7", "--variants", "stars,spot-lights", "--size", "16x9"];
     let output = rayreel(folder.path(), [&["render", FIRST_LIGHT], &arguments[..]].concat());
-    let note = "the picture is the same without fog (the scene has no `fog`)";
+    let note = "the picture is the same without stars (the scene has no `stars`)";
     assert!(crate::text(&output.stderr).contains(note), "{}", crate::text(&output.stderr));
 
     // Two pictures side by side, at a moment, in a grid of one's own.
     let report = render(&folder, FIRST_LIGHT, &["--at", "0.3s", "--variants", "shadows", "--size", "40x30"]);
     assert_eq!((&report["sheet"]["columns"], &report["sheet"]["rows"]), (&2.into(), &1.into()));
-    let grid = ["--frames", "0", "--variants", "shadows,fog", "--sheet", "2x9", "--size", "40x30"];
+    let grid = ["--frames", "0", "--variants", "shadows,stars", "--sheet", "2x9", "--size", "40x30"];
     let report = render(&folder, FIRST_LIGHT, &grid);
     assert_eq!((&report["sheet"]["columns"], &report["sheet"]["rows"]), (&2.into(), &2.into()));
 }

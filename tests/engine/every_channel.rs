@@ -376,9 +376,12 @@ fn every_channel_is_read_at_other_moments() {
         let (parts, script) = match property.notation() {
             Notation::Number | Notation::Degrees => ("[v, 0, 0]", "base * (1 - t / 16)"),
             Notation::Rotation => ("[v[0], v[1], v[2]]", "[0, 30 * t, 0]"),
+            Notation::Flag => ("if v { [1, 0, 0] } else { [0, 0, 0] }", "t < 0.5"),
             _ => ("[v[0], v[1], v[2]]", "base * (1 - t / 16)"),
         };
-        for track in [format!("Keys([(0, {first}), (2, {last})])"), format!("Script(\"{script}\")")] {
+        // Flags hold until the next key.
+        let end = if property.notation() == Notation::Flag { 1 } else { 2 };
+        for track in [format!("Keys([(0, {first}), ({end}, {last})])"), format!("Script(\"{script}\")")] {
             let read = |moment: &str, at| {
                 let script = format!("let v = value(`{}`, `{name}`{moment}); {parts}", case.owner);
                 let animate = format!(

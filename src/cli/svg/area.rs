@@ -44,7 +44,7 @@ impl Area {
             && other.bottom() <= self.bottom()
     }
 
-    /// Returns the part of a line that is inside the rectangle, by the algorithm of Liang and Barsky.
+    /// Returns the part of a line that is inside the rectangle, by the algorithm of Liang and Barsky. `None` if that is a point or nothing.
     pub(crate) fn clip(&self, [from, to]: [PagePoint; 2]) -> Option<[PagePoint; 2]> {
         let across = [to[0] - from[0], to[1] - from[1]];
         let (low, high) = ([self.left, self.top], [self.right(), self.bottom()]);
@@ -61,7 +61,7 @@ impl Area {
             (enters, leaves) = (enters.max(one.min(other)), leaves.min(one.max(other)));
         }
         let at = |share: f64| [from[0] + share * across[0], from[1] + share * across[1]];
-        (enters <= leaves).then(|| [at(enters), at(leaves)])
+        (enters < leaves).then(|| [at(enters), at(leaves)])
     }
 
     /// Returns the point of the rectangle that is nearest to the given point.
