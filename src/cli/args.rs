@@ -67,7 +67,7 @@ pub(super) enum Command {
     Accuracy(AccuracyArguments),
     /// Compare two pictures: largest difference, RMS error, PSNR, SSIM and FLIP
     Compare(CompareArguments),
-    /// Print the ray tree of a pixel, or the hits of given rays
+    /// Print the ray tree of a pixel or a ray, or the hits of many rays
     Probe(ProbeArguments),
     /// Check a folder of frames: list missing, corrupt (torn), outdated (stale) and stray (surplus) files
     Verify(VerifyArguments),
@@ -411,8 +411,8 @@ vector, so that t is the distance from the origin. The colour at a point is the 
   reflected light   k_r R, and k_t F R if a part of the refracted light is reflected
   refracted light   k_t (1 - F) T
 where V is the share of the light that arrives, R and T the light that the reflected and the
-refracted ray bring back, and F the reflectance. n1 and n2 are the refractive indices. A light behind
-a transparent surface adds k_d c I |N.L| V. Every sum is rounded to 32 bits per channel.
+refracted ray bring back, and F the reflectance. n1 and n2 are the refractive indices. A light
+behind a transparent surface adds k_d c I |N.L| V. Every sum is rounded to 32 bits per channel.
 
 --rays reads one ray per line, ox,oy,oz,dx,dy,dz: its origin and its direction, which may have any
 length except zero; a header line with these names is skipped. For each ray, a line
@@ -453,7 +453,7 @@ pub(super) struct ProbeArguments {
     /// Frame size in pixels, as in 1280x720 [default: the scene's size]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with_all = ["ray", "rays"], allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
-    /// Print JSON: one object for a pixel, or one line with an object for each ray
+    /// Print JSON: one object for --pixel or --ray, or one line with an object for each ray of --rays
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]

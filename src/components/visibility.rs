@@ -3,7 +3,8 @@
 /// The rays that see an entity's shape. All rays see the shapes of entities without this component.
 ///
 /// For rays that do not see it, a shape does not exist: it neither hides, reflects nor refracts anything, and does not enclose them as a
-/// medium. Children of the entity have a visibility of their own.
+/// medium. Children of the entity have a visibility of their own. Channels as [`Property::Visible`](super::Property) have no
+/// effect on an entity without this component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Visibility {
     /// True if rays from the camera see the shape.

@@ -49,7 +49,7 @@ table! {
         Sun => ("sun", APART),
         /// Stars in the sky.
         Stars => ("stars", APART),
-        /// Shapes that some kinds of rays do not see.
+        /// Shapes that some, but not all, classes of rays see.
         RayVisibility => ("ray visibility", APART),
         /// Several samples per pixel.
         Antialiasing => ("antialiasing", APART),

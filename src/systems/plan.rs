@@ -275,7 +275,12 @@ impl<'a> EffectScan<'a> {
                 Omitted("no material has `refractive`")
             }
             _ if surfaces.transparent.is_empty() => Omitted("k_t is 0 at this time"),
-            _ if transparent == 0 => Omitted("no transparent shape casts a shadow"),
+            // Lights behind a transparent surface light it, whether it casts a shadow or not.
+            _ if transparent == 0
+                && !unseen().any(|id| is_transparent(&id) && scene.material(id).scatters()) =>
+            {
+                Omitted("no transparent shape casts a shadow")
+            }
             _ => Needed("a light casts shadows, and a surface is transparent"),
         }
     }
@@ -286,7 +291,7 @@ impl<'a> EffectScan<'a> {
         let hides = |class| geometry.hidden_from(class).next().is_some();
         match [RayClass::Camera, RayClass::Secondary, RayClass::Shadow].map(hides) {
             [false, false, false] if self.has::<Visibility>() => {
-                Omitted("no shape is hidden from some rays only at this time")
+                Omitted("every shape is seen by all rays or by none at this time")
             }
             [false, false, false] => Omitted("all rays see all shapes"),
             [true, false, false] => Needed("a shape is hidden from the camera"),

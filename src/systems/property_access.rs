@@ -12,8 +12,8 @@ use crate::components::{
     Sun, Target, Transform, View, Visibility,
 };
 
-/// Defines from lists of the components that hold properties, each of at most 15 as tuples of hecs are: the query for these components of an entity, the result of the query, and
-/// functions that read one value of an entity.
+/// Defines, from lists of the components that hold properties: the query for these components, its result, and functions that read one value
+/// of an entity. A list has at most 15 components, as queries of hecs are tuples.
 macro_rules! parts {
     ($([$($part:ident: $component:ident,)*])*) => {
         /// A query for the components that hold properties, each of which an entity may lack.

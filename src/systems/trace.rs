@@ -207,7 +207,7 @@ pub(crate) fn trace_sample(
     Ok(exists.then(|| reference(frame, &data).sample(i, j, index)).flatten())
 }
 
-/// Returns the ray tree of any ray at a moment, by the reference path. Pictures do not have to have a pixel for it.
+/// Returns the ray tree of any ray at a moment, by the reference path. The ray need not pass through a pixel.
 ///
 /// # Errors
 ///

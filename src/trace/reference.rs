@@ -18,7 +18,9 @@ use crate::trace::render::film::{self, Film};
 use crate::trace::render::image::RenderedImage;
 use crate::trace::render::job::SamplePlan;
 use crate::trace::render::visibility::{hidden_images, reference_features};
-use crate::trace::scene::{Attenuation, PassageTerms, PreparedCamera, PreparedLight, PreparedScene, SIDE};
+use crate::trace::scene::{
+    Attenuation, PassageTerms, PreparedCamera, PreparedLight, PreparedScene, RayClass, SIDE,
+};
 use crate::trace::shading::{
     ErrorBudget, LARGEST_TREE, LightSample, LightScratch, MediumStack, PathState, RenderContext, SampleId,
     SecondaryRays, SecondaryTerms, ShadingPoint, ShadowRay, TreeRay, Unlit, ambient, emission,
@@ -123,7 +125,7 @@ impl<'a> Reference<'a> {
                 let mut traced = trace(context, scratch, kind, parent, &ray, sample_id);
                 ray.state.throughput *= traced.passage.transmitted;
                 if let RayEnd::Surface(lit) = &mut traced.end {
-                    let arrived = (&ray.ray, &ray.state);
+                    let arrived = (context.seen_by(class_of(kind)), &ray.ray, &ray.state);
                     let (SecondaryRays { reflected, refracted }, terms) =
                         secondary_rays_and_terms(context, scratch, arrived, &lit.surface);
                     lit.terms.secondary = terms;
@@ -278,7 +280,7 @@ fn trace(
     ray: &TreeRay,
     sample_id: SampleId,
 ) -> TracedRay {
-    let (scene, seen) = (context.scene, context.seen_by(ray.state.path));
+    let (scene, seen) = (context.scene, context.seen_by(class_of(kind)));
     let Some(closest) = seen.closest_of_all(&ray.ray, &mut scratch.search) else {
         let passage = ray.state.passage(context.effects, scene, &scratch.media, (&ray.ray, f64::INFINITY));
         let background = scene.background_terms(ray.ray.direction());
@@ -287,8 +289,12 @@ fn trace(
     let surface = seen.surface(&ray.ray, &closest, &mut scratch.search);
     let length = surface.distance(&ray.ray);
     let passage = ray.state.passage(context.effects, scene, &scratch.media, (&ray.ray, length));
-    let lit = lit(context, scratch, ray, surface, sample_id);
+    let lit = lit(context, scratch, (seen, ray), surface, sample_id);
     traced(kind, parent, ray, scratch, passage, RayEnd::Surface(Box::new(lit)))
+}
+
+fn class_of(kind: RayKind) -> RayClass {
+    if kind == RayKind::Camera { RayClass::Camera } else { RayClass::Secondary }
 }
 
 fn traced(
@@ -307,7 +313,7 @@ fn traced(
 fn lit(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
-    arrived: &TreeRay,
+    (arrived_in, arrived): (&PreparedScene, &TreeRay),
     surface: SurfacePoint,
     sample_id: SampleId,
 ) -> LitSurface {
@@ -318,7 +324,6 @@ fn lit(
     let normal = surface.facing_normal();
     let (arriving, path, point) = (ray.direction(), state.path, surface.point);
     let lit = ShadingPoint { arriving, path, point, material, diffuse, sample_id, normal };
-    let arrived_in = context.seen_by(state.path);
     let coincident = arrived_in.tied(&surface, &scratch.search.ties);
     let (left, medium) =
         handed_over(context, (arrived_in, context.shadow), (ray, &surface), state.medium, scratch);

@@ -154,6 +154,14 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
                 "{FLOOR}{balls}(light: Area(shape: Sphere(radius: 3), intensity: (1, 1, 1)), transform: (translation: (-8, 12, -10))),"
             ),
         ),
+        with(
+            "steep sky",
+            &format!(
+                "{CAMERA}{AMBIENT}background: (stops: [(0.1, (0, 0, 0)), (0.10001, (255, 255, 255)), (0.104, (255, 255, 255)), (0.10401, (0, 0, 0))]),"
+            ),
+            "",
+            &spheres(14, 1, PIXEL, "white"),
+        ),
         with("far checker", &strong, glossy, &FLOOR.replace("floor", "tiles")),
         with(
             "glass",

@@ -519,7 +519,7 @@ const OMITTED: &[(&str, Effect, &str)] = &[
     ("sun: (direction: (0, 1, 0), intensity: (0, 0, 0))", Effect::Sun, "it is not seen at this time"),
     ("stars: (intensity: (0, 0, 0))", Effect::Stars, "they are not seen at this time"),
     (PLAIN, Effect::RayVisibility, "all rays see all shapes"),
-    (HIDDEN, Effect::RayVisibility, "no shape is hidden from some rays only at this time"),
+    (HIDDEN, Effect::RayVisibility, "every shape is seen by all rays or by none at this time"),
     (SHADOWLESS, Effect::Shadows, "no shape casts a shadow"),
     (SHADOWLESS, Effect::TransparentShadows, "no transparent shape casts a shadow"),
     (PLAIN, Effect::Antialiasing, "a pixel has one sample"),
@@ -566,7 +566,7 @@ const UNSEEN: &str = r#"materials: { "m": (reflective: (k_r: 1), refractive: (k_
 
 const HIDDEN: &str = r#"materials: { "m": (k_d: 1) }, entities: [(shape: Sphere(radius: 1), material: "m"),
     (shape: Sphere(radius: 2), material: "m", visible: false, casts_shadow: false, in_reflections: false)]"#;
-const SHADOWLESS: &str = r#"materials: { "m": (k_d: 1, refractive: (k_t: 0.5, ior: 1.5)), "n": (k_d: 1) }, entities: [
+const SHADOWLESS: &str = r#"materials: { "m": (refractive: (k_t: 0.5, ior: 1.5)), "n": (k_d: 1) }, entities: [
     (shape: Sphere(radius: 1), material: "m", casts_shadow: false), (light: Point(intensity: (1, 1, 1))),
     (shape: Sphere(radius: 9), material: "n", casts_shadow: false)]"#;
 

@@ -266,9 +266,10 @@ impl RayDrawing {
 
     /// Draws the legend of the lines that occur.
     fn legend(&self, svg: &mut Svg, [mut x, y]: PagePoint) {
-        for (_, class, text) in
+        for (kind, class, text) in
             LEGEND.iter().filter(|(kind, ..)| self.lines.iter().any(|line| line.kind == *kind))
         {
+            let text = if *kind == LineKind::Camera && self.screen.is_none() { &"ray" } else { text };
             svg.line(class, [x, y - 4.0], [x + 30.0, y - 4.0]);
             svg.text("", [x + 36.0, y], Anchor::Start, text);
             x += 60.0 + 5.3 * text.len() as f64;

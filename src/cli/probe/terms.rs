@@ -101,7 +101,8 @@ impl<'a> Terms<'a> {
         TreeNode { facts, ..TreeNode::leaf("material".to_owned()) }
     }
 
-    /// Returns the coefficients of the material at a point. They are 0 for disabled effects, as in the render.
+    /// Returns the coefficients of the material at a point. k_d is 0 if diffuse light is disabled. Without ambient light, I_a is 0 instead of
+    /// k_a.
     fn coefficients(&self, lit: &LitSurface) -> Coefficients {
         let entity = self.prepared.entity(lit.surface.hit.id);
         let is_enabled = |effect| !self.engine.settings.without.contains(effect);
@@ -349,15 +350,15 @@ fn equation_node(equation: &Equation) -> TreeNode {
     let numbers = |numbers: &[f64]| numbers.iter().copied().map(number).collect::<String>();
     let roots = ("t", numbers(&equation.roots()));
     let (title, mut facts) = match equation {
-        Equation::Quadratic { from_center, a, b, c, discriminant, .. } => {
-            let is_ellipsoid = *a != 1.0;
-            let title = if is_ellipsoid {
-                "ellipsoid: A t^2 + B t + C = 0, in the space of its sphere, D = B^2 - 4 A C"
+        Equation::Quadratic { direction, from_center, a, b, c, discriminant, .. } => {
+            let title = if direction.is_some() {
+                "ellipsoid: A t^2 + B t + C = 0, A = dir'.dir', D = B^2 - 4 A C, in the space of its sphere"
             } else {
                 "sphere: t^2 + B t + C = 0, D = B^2 - 4 C"
             };
-            let mut facts = vec![("P0 - Pc", vector(*from_center))];
-            if is_ellipsoid {
+            let mut facts: Vec<_> = direction.iter().map(|direction| ("dir'", vector(*direction))).collect();
+            facts.push(("P0 - Pc", vector(*from_center)));
+            if direction.is_some() {
                 facts.push(("A", number(*a)));
             }
             facts.extend([("B", number(*b)), ("C", number(*c)), ("D", number(*discriminant))]);
@@ -383,8 +384,9 @@ fn equation_node(equation: &Equation) -> TreeNode {
 
 fn equation_json(equation: &Equation) -> Value {
     match equation {
-        Equation::Quadratic { from_center, a, b, c, discriminant, roots } => json!({
-            "shape": "sphere",
+        Equation::Quadratic { direction, from_center, a, b, c, discriminant, roots } => json!({
+            "shape": if direction.is_some() { "ellipsoid" } else { "sphere" },
+            "direction": direction.map(|direction| direction.to_array()),
             "P0_Pc": from_center.to_array(),
             "A": a,
             "B": b,

@@ -146,7 +146,7 @@ impl<'de> Visitor<'de> for BackgroundVisitor {
                 let message = format!("a background of both `stops` and `{name}`");
                 return Err(A::Error::custom(
                     message
-                        + "\nremove one of the two: `bottom` is a stop at -1, `horizon` at 0 and `top` at 1",
+                        + "\nremove the stops, or the others: `bottom` is a stop at -1, `horizon` at 0 and `top` at 1",
                 ));
             }
             return Ok(BackgroundDocument::Stops(stops));

@@ -85,6 +85,24 @@ impl PreparedBackground {
         Some(GradientTerms { from, to, share })
     }
 
+    /// Returns the detail of the gradient within an angle of a unit direction. `None` if its colour changes there by at most 1/64, about four
+    /// 8-bit levels of light. Only stops have any.
+    pub(crate) fn detail(&self, unit: DVec3, angle: f64) -> Option<GradientDetail> {
+        let Self::Stops(ramp) = self else { return None };
+        // y changes by at most the angle.
+        let (low, high) = (unit.y - angle, unit.y + angle);
+        let changes = ramp.stops().windows(2).any(|pair| {
+            let (from, to) = (low.max(pair[0].0), high.min(pair[1].0));
+            from < to && (ramp.at(to) - ramp.at(from)).abs().max_element() > 1.0 / 64.0
+        });
+        let mut detail = GradientDetail { height: f64::INFINITY, radiance: 0.0 };
+        for band in ramp.stops().windows(3).filter(|band| low <= band[0].0 && band[2].0 <= high) {
+            detail.height = detail.height.min(band[2].0 - band[0].0);
+            detail.radiance = band.iter().fold(detail.radiance, |most, stop| most.max(stop.1.max_element()));
+        }
+        changes.then_some(detail)
+    }
+
     /// Returns the mean over all directions.
     pub(crate) fn mean(&self) -> Rgb {
         match *self {
@@ -117,6 +135,15 @@ impl PreparedBackground {
             Self::Stops(ramp) => ramp.stops().iter().fold(Rgb::ZERO, |most, (_, color)| most.max(*color)),
         }
     }
+}
+
+/// A part of a gradient in which its colour changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GradientDetail {
+    /// The height of the narrowest band between three stops, in units of the direction's y component; infinite for an edge.
+    pub height: f64,
+    /// The largest radiance of such a band.
+    pub radiance: f32,
 }
 
 /// The terms of a gradient in a direction: (1 - s) c1 + s c2.

@@ -20,8 +20,8 @@ use crate::trace::math::mixed;
 /// are equal for v² = 3/14.
 const VALUE: f64 = 0.462_910_049_886_275_7;
 
-/// A rotation by 60 degrees about (1, 1, 1), exact but for the division: the sides of the next lattice are along (2, 2, -1), (-1, 2, 2) and
-/// (2, -1, 2).
+/// Three times the rotation by 60 degrees about (1, 1, 1), which has integer entries: the sides of the next lattice are along (2, 2, -1),
+/// (-1, 2, 2) and (2, -1, 2).
 const TURN: DMat3 =
     DMat3::from_cols(DVec3::new(2.0, 2.0, -1.0), DVec3::new(-1.0, 2.0, 2.0), DVec3::new(2.0, -1.0, 2.0));
 
@@ -59,8 +59,8 @@ fn noise(point: DVec3, seed: u32) -> f64 {
 /// Returns the contribution of a lattice point at the offset `from` it: its value, and the product with its gradient, a vector to the middle of
 /// an edge of a cube.
 fn at_corner(hash: u64, from: DVec3) -> f64 {
-    /// The highest 53 bits as a number from -1 to 1.
     const STEP: f64 = 1.0 / (1_u64 << 52) as f64;
+    // The highest 53 bits as a number from -1 to 1.
     let value = ((hash >> 11) as f64 * STEP - 1.0) * VALUE;
     let signed = |length: f64, bit: u64| if hash >> bit & 1 == 0 { length } else { -length };
     // The lowest bits select one of the three pairs of axes, with a bias of 2^-9.

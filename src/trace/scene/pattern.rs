@@ -72,8 +72,8 @@ impl PatternedSurface {
 }
 
 impl PatternLayout {
-    /// Creates the pattern of a surface that `map` takes to its place in the world. Returns `None` if a number of the function has no use: a
-    /// size that is not greater than 0, a direction that is zero, or a number that is not finite.
+    /// Creates the pattern of a surface that `map` takes to its place in the world. Returns `None` if a size is not greater
+    /// than 0, a direction is zero or not finite, or an offset, a mortar or a contrast is not finite.
     #[must_use]
     pub fn new(map: DAffine3, surface: PatternedSurface, function: PatternFunction) -> Option<Self> {
         let function = function.prepared()?;
@@ -185,9 +185,12 @@ impl PatternLayout {
             }
             PatternFunction::Noise { size, octaves, contrast } => {
                 let smallest = size / (f64::from(1_u32 << (octaves - 1)) * contrast.max(1.0));
+                if patch.ball().1 > SMALL_PART * smallest {
+                    return false;
+                }
                 let values = patch.points.map(|own| fraction(blotches(own / size, octaves, contrast)));
                 let [least, most] = bounds_of(values.map(f64::from));
-                patch.ball().1 <= SMALL_PART * smallest && most - least <= SMOOTH.into()
+                most - least <= SMOOTH.into()
             }
         }
     }
@@ -205,7 +208,10 @@ impl PatternLayout {
         };
         let patch = Patch { points, across };
         // Large parts of a sphere can reach beyond the ball.
-        let is_small = || points.iter().all(|point| patch.ball().1 <= 0.5 * point.length());
+        let is_small = || {
+            let radius = patch.ball().1;
+            points.iter().all(|point| radius <= 0.5 * point.length())
+        };
         let is_known = points.iter().all(|point| point.is_finite()) && (across != SOLID || is_small());
         is_known.then_some(patch)
     }

@@ -1,4 +1,4 @@
-//! The functions of patterns, and the texts of their formulas.
+//! The functions of patterns.
 
 use glam::DVec3;
 

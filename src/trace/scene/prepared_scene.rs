@@ -143,7 +143,7 @@ impl PreparedScene {
         self.sees_more[other.class as usize]
     }
 
-    /// Lets all rays see all shapes.
+    /// Lets all rays see all shapes of the scene. Shapes that no ray sees are not in it.
     pub(crate) fn show_all(&mut self) {
         self.geometry.show_all();
         self.digest.take();

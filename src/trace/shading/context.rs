@@ -63,9 +63,13 @@ impl<'a> RenderContext<'a> {
         }
     }
 
-    /// Returns the scene as it is seen by a ray with an index in its ray tree.
-    pub(crate) fn seen_by(&self, path: u64) -> &'a PreparedScene {
-        if path == 1 { self.scene } else { self.secondary }
+    /// Returns the scene as rays of a class see it.
+    pub(crate) fn seen_by(&self, class: RayClass) -> &'a PreparedScene {
+        match class {
+            RayClass::Camera => self.scene,
+            RayClass::Secondary => self.secondary,
+            RayClass::Shadow => self.shadow,
+        }
     }
 
     /// Returns the number of bounces to trace. Camera rays are the first one, which is always traced.

@@ -267,6 +267,7 @@ fn unlit(light: &PreparedLight, terms: &LightTerms, lit: &ShadingPoint<'_>) -> U
     match half_cosine {
         _ if lit.diffuse != Rgb::ZERO => Unlit::OtherColor,
         Some(_) => Unlit::NoHighlight,
+        None if terms.cosine < 0.0 => Unlit::Behind,
         None => Unlit::NotDiffuse,
     }
 }

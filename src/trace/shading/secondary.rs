@@ -94,12 +94,12 @@ pub struct RefractionTerms {
     pub share: f32,
 }
 
-/// Spawns the secondary rays of a ray that arrives at a surface, in the scene as the ray sees it. Total internal reflection adds the
+/// Spawns the secondary rays of a ray that arrives at a surface of the scene `seen`, as the ray sees it. Total internal reflection adds the
 /// refracted light to the mirrored light.
 pub(crate) fn secondary_rays(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
-    arrived: (&PreparedRay, &PathState),
+    arrived: (&PreparedScene, &PreparedRay, &PathState),
     surface: &SurfacePoint,
 ) -> SecondaryRays {
     secondary_rays_and_terms(context, scratch, arrived, surface).0
@@ -110,11 +110,11 @@ pub(crate) fn secondary_rays(
 pub(crate) fn secondary_rays_and_terms(
     context: &RenderContext<'_>,
     scratch: &mut LightScratch<'_>,
-    (ray, arrived): (&PreparedRay, &PathState),
+    (seen, ray, arrived): (&PreparedScene, &PreparedRay, &PathState),
     surface: &SurfacePoint,
 ) -> (SecondaryRays, SecondaryTerms) {
     let RenderContext { scene, effects, .. } = *context;
-    let (seen, direction) = (context.seen_by(arrived.path), ray.direction());
+    let direction = ray.direction();
     let material = scene.material(surface.hit.id);
     let mut reflected = material.reflected;
     let mut refraction = None;

@@ -13,11 +13,13 @@ use crate::trace::math::{Double, Exact, Exact3};
 /// The numbers are computed in exact arithmetic, or in twice the working precision where a square root occurs, and are then rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Equation {
-    /// A t^2 + B t + C = 0, of a sphere.
+    /// A t^2 + B t + C = 0, of a sphere or, in the space in which it is a sphere, of an ellipsoid.
     Quadratic {
+        /// dir', the direction in that space, not a unit vector; `None` for a sphere.
+        direction: Option<DVec3>,
         /// P0 - Pc.
         from_center: DVec3,
-        /// A: 1, except for an ellipsoid, whose equation is in the space in which it is a sphere.
+        /// A = dir'.dir', and 1 for a sphere.
         a: f64,
         /// B = 2 dir.(P0 - Pc).
         b: f64,
@@ -92,18 +94,26 @@ impl EquationLine {
     }
 
     /// Returns the equation for a sphere, in a space whose vectors are multiplied by `factor`.
-    fn quadratic(&self, to_center: &Exact3, way: &Exact3, radius: &Exact, factor: &Exact) -> Equation {
+    fn quadratic(
+        &self,
+        (to_center, way): (&Exact3, &Exact3),
+        radius: &Exact,
+        factor: &Exact,
+        is_ellipsoid: bool,
+    ) -> Equation {
         let square = factor * factor;
         let (a, b) = (way.dot(way), to_center.dot(way));
         let c = &to_center.dot(to_center) - &(radius * radius);
         let discriminant = &(&b * &b) - &(&a * &c);
         let roots = super::sphere::roots(to_center, way, radius);
         let from_center =
-            DVec3::from_array(std::array::from_fn(|axis| -to_center.0[axis].over(factor).rounded()));
+            DVec3::from_array(std::array::from_fn(|axis| 0.0 - to_center.0[axis].over(factor).rounded()));
+        let direction = || std::array::from_fn(|axis| (way.0[axis].over(factor) / self.length).rounded());
         Equation::Quadratic {
+            direction: is_ellipsoid.then(|| DVec3::from_array(direction())),
             from_center,
             a: a.over(&(&square * &self.squared_length)).rounded(),
-            b: (b.over(&square) * -2.0 / self.length).rounded(),
+            b: 0.0 + (b.over(&square) * -2.0 / self.length).rounded(),
             c: c.over(&square).rounded(),
             discriminant: 4.0 * discriminant.over(&(&(&square * &square) * &self.squared_length)).rounded(),
             roots: roots.map(|roots| roots.map(|root| self.distance(root.t.rounded()))),
@@ -129,7 +139,7 @@ impl EquationLine {
 impl Sphere {
     pub(crate) fn equation(&self, line: &EquationLine) -> Equation {
         let to_center = &Exact3::from(self.center) - &line.origin.into();
-        line.quadratic(&to_center, &line.direction, &self.radius.into(), &1.0.into())
+        line.quadratic((&to_center, &line.direction), &self.radius.into(), &1.0.into(), false)
     }
 }
 
@@ -137,7 +147,7 @@ impl SphereImage {
     pub(crate) fn equation(&self, line: &EquationLine) -> Equation {
         let (to_center, way, determinant) = self.exactly_back(line.origin, &line.direction);
         let radius = &determinant * &self.radius().into();
-        line.quadratic(&to_center, &way, &radius, &determinant)
+        line.quadratic((&to_center, &way), &radius, &determinant, true)
     }
 }
 
@@ -182,7 +192,10 @@ mod tests {
     fn sphere_of_the_worked_example() {
         let sphere = Sphere { center: DVec3::new(3.0, 3.0, 1.0), radius: 2.0 };
         let equation = sphere.equation(&line([0.0, -2.0, 0.0], [1.0, 2.0, 1.0]));
-        let Equation::Quadratic { from_center, a, b, c, discriminant, roots } = equation else { panic!() };
+        let Equation::Quadratic { direction, from_center, a, b, c, discriminant, roots } = equation else {
+            panic!()
+        };
+        assert_eq!(direction, None);
         let root_of_6 = 6.0_f64.sqrt();
         assert_eq!((from_center, a, c), (DVec3::new(-3.0, -5.0, -1.0), 1.0, 31.0));
         // D = 784/6 - 124 = 20/3.
@@ -201,10 +214,24 @@ mod tests {
         let (sphere, image) = (Sphere { center, radius }, SphereImage::new(map, radius / 3.0));
         let line = line([0.1, 0.2, 0.3], [0.9, 2.1, 2.2]);
         let Equation::Quadratic { roots, discriminant, .. } = sphere.equation(&line) else { panic!() };
-        let Equation::Quadratic { roots: own, a, discriminant: own_discriminant, .. } = image.equation(&line)
+        let found = image.equation(&line);
+        let Equation::Quadratic {
+            direction: Some(direction),
+            from_center,
+            roots: own,
+            a,
+            b,
+            discriminant: own_discriminant,
+            ..
+        } = found
         else {
             panic!()
         };
+        // The numbers are those of one space, although the direction is not a unit vector there.
+        assert!(
+            (a - direction.dot(direction)).abs() < 1e-16
+                && (b - 2.0 * direction.dot(from_center)).abs() < 1e-15
+        );
         assert_eq!(own, roots);
         // All lengths are a third.
         assert!((a - 1.0 / 9.0).abs() < 1e-16 && (own_discriminant * 81.0 - discriminant).abs() < 1e-13);

@@ -43,7 +43,7 @@ pub(super) fn next_rays(context: &RenderContext<'_>, buffers: &mut TileBuffers<'
                 return;
             }
             let Some(point) = surfaces.get(lane, hits) else { continue };
-            let arrived = (&rays.get(lane), &paths.get(lane));
+            let arrived = (scene, &rays.get(lane), &paths.get(lane));
             let spawned = secondary_rays(context, scratch, arrived, &point);
             let (mirrored, refracted) = next.branches_mut(mirrored, refracted);
             if let Some(ray) = spawned.reflected {

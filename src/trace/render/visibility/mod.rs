@@ -2,8 +2,8 @@
 //!
 //! For every pixel of a tile, decides whether more than one surface can show in it: an edge, two surfaces that touch, a border of
 //! a pattern, or a shape smaller than the pixel. Samples can miss all of these; the geometric search cannot. The decision is
-//! conservative: a pixel without a [feature](Feature) shows a single smooth surface, or the background. The sun and the stars are
-//! features of the pixels that show the background (`sky`).
+//! conservative: a pixel without a [feature](Feature) shows a single smooth surface, or the background. The sun, the
+//! stars and steep parts of a gradient are features of the pixels that show the background (`sky`).
 //!
 //! ```text
 //! for each shape that can be hit through the tile:          (the tree's frustum traversal)

@@ -1,4 +1,4 @@
-//! Features of the sky: the sun and the stars, in pixels that no shape covers fully.
+//! Features of the sky: the sun, the stars, and steep parts of the background, in pixels that no shape covers fully.
 
 use std::f64::consts::PI;
 
@@ -7,17 +7,17 @@ use glam::DVec3;
 use super::{Feature, TileFeatures, UNCOVERED};
 use crate::color::to_f32;
 use crate::trace::math::LANES;
-use crate::trace::scene::{PreparedCamera, PreparedScene};
+use crate::trace::scene::{PreparedBackground, PreparedCamera, PreparedScene};
 use crate::trace::stages::{TILE_PIXELS, Tile};
 
-/// Adds the sun and the stars to the features of the pixels near them; with a lens, to all pixels that show the sky.
+/// Adds the sun, the stars and steep parts of the background to the features of the pixels near them; with a lens, to all pixels that show the sky.
 pub(super) fn add_sky(
     scene: &PreparedScene,
     camera: &PreparedCamera,
     tile: &Tile,
     mut found: TileFeatures,
 ) -> TileFeatures {
-    if scene.sky.is_empty() {
+    if scene.sky.is_empty() && !matches!(scene.background, PreparedBackground::Stops(_)) {
         return found;
     }
     let sizes = camera.steps().map(DVec3::length);
@@ -37,6 +37,11 @@ pub(super) fn add_sky(
         let (column, row) = tile.pixel(pixel);
         let towards = camera.through(f64::from(column), f64::from(row));
         let unit = towards / towards.length();
+        if let Some(detail) = scene.background.detail(unit, reach) {
+            let area = detail.height / (height * 2.0 * blur);
+            let area = to_f32(area.clamp(f64::from(f32::MIN_POSITIVE), 1.0));
+            found.features[index].join(Feature { area, radiance: detail.radiance });
+        }
         if let Some(stars) = scene.sky.stars.filter(|stars| stars.may_show(unit, reach)) {
             let (intensity, radius) = stars.extent();
             found.features[index].join(feature(radius, intensity.max_element()));
