@@ -91,9 +91,11 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
         sampling.samples = 1;
     }
     for background in world.query_mut::<&mut Background>() {
-        if let Background::Gradient { top, .. } = *background {
-            *background = Background::Flat(top);
-        }
+        *background = match *background {
+            Background::Gradient { top, .. } => Background::Flat(top),
+            Background::Stops(stops) => Background::Flat(stops.at(1.0)),
+            flat @ Background::Flat(_) => flat,
+        };
     }
     for fog in world.query_mut::<&mut Fog>() {
         fog.height = None;
