@@ -230,9 +230,19 @@ fn equations_have_the_distance_of_the_hit_as_a_root() {
         *shapes.entry(surface["entity"]["name"].as_str().unwrap()).or_insert(0) += 1;
         let value = |name: &str| equation[name].as_f64().unwrap();
         match equation["shape"].as_str().unwrap() {
-            "sphere" => {
+            shape @ ("sphere" | "ellipsoid") => {
                 let (a, b, c, d) = (value("A"), value("B"), value("C"), value("D"));
                 assert!((b * b - 4.0 * a * c - d).abs() < 1e-13 * (b * b));
+                assert_eq!(equation["direction"].is_array(), shape == "ellipsoid");
+                if shape == "ellipsoid" {
+                    let [direction, from_center] =
+                        ["direction", "P0_Pc"].map(|name| numbers(&equation[name]));
+                    let dot = |one: &[f64], other: &[f64]| -> f64 {
+                        one.iter().zip(other).map(|(a, b)| a * b).sum()
+                    };
+                    assert!((dot(&direction, &direction) - a).abs() < 1e-14 * a);
+                    assert!((2.0 * dot(&direction, &from_center) - b).abs() < 1e-14 * b.abs());
+                }
                 assert!((roots[0] + roots[1] + b / a).abs() < 1e-13 * (b / a).abs());
                 assert!((roots[0] * roots[1] - c / a).abs() < 1e-12 * (1.0 + (c / a).abs()));
             }
