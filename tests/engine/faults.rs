@@ -411,7 +411,12 @@ fn check_faults(engine: &Engine) -> TestCaseResult {
     let shapes: BTreeSet<Entity> = engine.world().query::<hecs::With<Entity, &Shape>>().iter().collect();
     let both: BTreeSet<Entity> = named.union(&drawn).copied().collect();
     prop_assert!(named.is_disjoint(&drawn), "drawn and named");
-    prop_assert_eq!(both, shapes);
+    // Shapes that no ray sees are meant to be missing.
+    let mut hidden = engine.world().query::<(Entity, &Visibility)>();
+    let hidden = hidden.iter().filter(|(_, visibility)| **visibility == Visibility::NONE);
+    let hidden: BTreeSet<Entity> = hidden.map(|(entity, _)| entity).collect();
+    prop_assert!(drawn.is_disjoint(&hidden), "drawn and hidden");
+    prop_assert_eq!(&both - &hidden, &shapes - &hidden);
     Ok(())
 }
 
