@@ -237,7 +237,7 @@ impl PreparedCamera {
         PreparedRay::new(origin.into(), direction.into())
     }
 
-    /// Returns the place on the screen of sample `index` of pixel (i, j), as of [`PreparedCamera::sample_ray`]: alpha to the right and beta
+    /// Returns the place on the screen of sample `index` of pixel (i, j), as of `sample_ray`: alpha to the right and beta
     /// upwards from its middle. A lens does not change it.
     #[must_use]
     pub fn on_screen_at(&self, sampling: PixelSampling, (i, j): (u32, u32), index: u32) -> [f64; 2] {
