@@ -170,7 +170,8 @@ impl Scripts {
         running.context.clear_values();
         let (driven, result) = Evaluation {
             now: Moment { seconds: time.seconds(), frame: running.timeline.rate.frames_at(time) },
-            states: HashMap::new(),
+            states: vec![None; driven.channels.len()],
+            states_elsewhere: HashMap::new(),
             charges: HashMap::new(),
             reads_elsewhere: 0,
             has_steps,
@@ -235,8 +236,10 @@ struct Evaluation<'a> {
     driven: Driven,
     /// The world's moment.
     now: Moment,
-    /// The channels that are not waiting, by index and by the bits of the moment's seconds.
-    states: HashMap<(usize, u64), ChannelState>,
+    /// The states of the channels at the world's moment, by index. `None` if the evaluation has not begun.
+    states: Vec<Option<ChannelState>>,
+    /// The states at other moments, by index and by the bits of the moment's seconds.
+    states_elsewhere: HashMap<(usize, u64), ChannelState>,
     /// The number of operations per channel in runs that stopped at an unknown value, and in runs at other moments.
     charges: HashMap<usize, u64>,
     /// The number of reads at other moments since their values were last discarded.
@@ -266,12 +269,11 @@ impl Evaluation<'_> {
             if self.cancelled.load(Ordering::Relaxed) {
                 return Err(Interrupted::Cancelled);
             }
-            let place = (pending.channel, pending.moment.key());
-            if matches!(self.states.get(&place), Some(ChannelState::Done(_))) {
+            if matches!(self.state(pending.channel, pending.moment), Some(ChannelState::Done(_))) {
                 stack.pop();
                 continue;
             }
-            self.states.insert(place, ChannelState::Pending);
+            self.set_state(pending, ChannelState::Pending);
             let channel = self.driven.channels[pending.channel].clone();
             let result = self.evaluate(&channel, pending.moment);
             let is_now = self.is_now(pending.moment);
@@ -283,7 +285,7 @@ impl Evaluation<'_> {
                     if is_now {
                         self.write(&channel, value);
                     }
-                    self.states.insert(place, ChannelState::Done(value));
+                    self.set_state(pending, ChannelState::Done(value));
                 }
                 Err(NoResult::Error(error)) => return Err(failure(&channel, pending.moment, error).into()),
                 Err(NoResult::Needs(read)) => {
@@ -301,6 +303,21 @@ impl Evaluation<'_> {
         PendingChannel { channel, moment, charged: if self.is_now(moment) { channel } else { reader } }
     }
 
+    fn state(&self, channel: usize, moment: Moment) -> Option<ChannelState> {
+        match self.is_now(moment) {
+            true => self.states[channel],
+            false => self.states_elsewhere.get(&(channel, moment.key())).copied(),
+        }
+    }
+
+    fn set_state(&mut self, PendingChannel { channel, moment, .. }: PendingChannel, state: ChannelState) {
+        if self.is_now(moment) {
+            self.states[channel] = Some(state);
+        } else {
+            self.states_elsewhere.insert((channel, moment.key()), state);
+        }
+    }
+
     fn is_now(&self, moment: Moment) -> bool {
         moment.key() == self.now.key()
     }
@@ -308,10 +325,9 @@ impl Evaluation<'_> {
     /// Discards the known values at other moments if there are many. Other channels that read them compute them again.
     fn discard_other_moments(&mut self) {
         if self.reads_elsewhere > limits::KNOWN_ELSEWHERE {
-            let now = self.now.key();
             self.reads_elsewhere = 0;
             self.running.context.clear_values();
-            self.states.retain(|(_, moment), _| *moment == now);
+            self.states_elsewhere.clear();
         }
     }
 
@@ -372,9 +388,9 @@ impl Evaluation<'_> {
             }
             for property in scripted {
                 let index = self.driven.indices.get(&(entity, property));
-                let state = index.and_then(|index| self.states.get(&(*index, moment.key())));
+                let state = index.and_then(|index| self.state(*index, moment));
                 if let Some(ChannelState::Done(value)) = state {
-                    parts.set(property, *value);
+                    parts.set(property, value);
                 }
             }
         })
@@ -402,7 +418,7 @@ impl Evaluation<'_> {
         let sources = sources(self.world, entity, property, is_driven);
         for property in sources {
             let Some(&index) = self.driven.indices.get(&(entity, property)) else { continue };
-            match self.states.get(&(index, moment.key())) {
+            match self.state(index, moment) {
                 None => return Ok(Some(self.pending(index, moment, reader.charged))),
                 Some(ChannelState::Pending) => {
                     let message = self.ring(stack, self.pending(index, moment, index));
