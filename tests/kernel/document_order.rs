@@ -1,16 +1,15 @@
 //! Tests that shape ids do not affect pictures: among coincident shapes, the order of the document alone decides which one is visible.
 
-use std::sync::atomic::AtomicBool;
-
 use glam::DVec3;
 
+use rayreel::Rgb;
 use rayreel::trace::shapes::{AlignedBox, Sphere};
 use rayreel::trace::{
-    Effects, Geometry, LightSource, PixelSampling, PreparedBackground, PreparedCamera, PreparedLight,
-    PreparedScene, PreparedShape, Refraction, RenderJob, ShapeId, Signals, SurfaceMaterial, render_reference,
+    Geometry, PixelSampling, PreparedScene, PreparedShape, Refraction, ShapeId, SurfaceMaterial,
+    render_reference,
 };
-use rayreel::{Film, Rgb};
 
+use crate::coincident::{self, film};
 use crate::splitmix::Random;
 
 /// Returns a shape at one of a few positions, so that faces and whole shapes often coincide.
@@ -54,30 +53,8 @@ fn scene(shapes: &[(PreparedShape, SurfaceMaterial)], added: &[usize]) -> Prepar
     let mut scene = PreparedScene::new(geometry, materials);
     let ids: Vec<ShapeId> = ids.into_iter().map(Option::unwrap).collect();
     scene.renumber(&ids);
-    scene.depth = 6;
-    scene.ambient = Rgb::ONE;
-    scene.background = PreparedBackground::Flat(Rgb::new(0.3, 0.4, 0.5));
-    let light = |source| PreparedLight {
-        source,
-        intensity: Rgb::ONE,
-        falloff: None,
-        samples: 1,
-        casts_shadows: true,
-        own_shape: Some(ids[0]),
-    };
-    scene.lights = vec![
-        light(LightSource::Point(DVec3::new(3.0, 5.0, -4.0))),
-        light(LightSource::Directional(DVec3::new(0.0, 1.0, 0.0))),
-    ];
+    coincident::light(&mut scene, Some(ids[0]));
     scene
-}
-
-fn film(scene: &PreparedScene, camera: &PreparedCamera) -> Film {
-    let never = AtomicBool::new(false);
-    let mut job = RenderJob::new(camera.resolution(), 1);
-    let whole = job.add(scene, camera, PixelSampling::default(), 0, Effects::ALL, Signals::unless(&never));
-    assert!(whole, "nobody cancels it");
-    job.resolve().0
 }
 
 #[test]
@@ -92,9 +69,7 @@ fn shape_ids_are_independent_of_document_order() {
         for last in (1..count).rev() {
             shuffled.swap(last, random.index(last + 1));
         }
-        let eye = [DVec3::new(2.5, 3.0, -4.0), DVec3::new(0.25, 0.25, 0.25)][random.index(2)];
-        let camera =
-            PreparedCamera::new(eye, DVec3::new(0.2, 0.1, 0.0) - eye, DVec3::Y, 1.0, (1.0, 1.0), (12, 12));
+        let camera = coincident::camera(&mut random);
         let expected = film(&scene(&shapes, &in_order), &camera);
         let renamed = scene(&shapes, &shuffled);
         assert_eq!(film(&renamed, &camera).pixels(), expected.pixels());

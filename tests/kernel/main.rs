@@ -4,6 +4,7 @@
 
 mod as_written;
 mod closed_forms;
+mod coincident;
 mod document_order;
 mod fast_path;
 mod hard_cases;

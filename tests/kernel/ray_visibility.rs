@@ -1,17 +1,15 @@
 //! Tests of shapes that only rays of some classes see, on scenes in which faces and whole shapes often coincide.
 
-use std::sync::atomic::AtomicBool;
-
 use glam::{DAffine3, DMat3, DVec3};
 
 use rayreel::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use rayreel::trace::{
-    Effects, Geometry, LightSource, PixelSampling, PreparedBackground, PreparedCamera, PreparedLight,
-    PreparedScene, PreparedShape, RayVisibility, Refraction, RenderJob, ShapeId, Signals, SimdLevel,
-    SurfaceMaterial, render_reference,
+    Geometry, LightSource, PixelSampling, PreparedScene, PreparedShape, RayVisibility, Refraction, ShapeId,
+    SimdLevel, SurfaceMaterial, render_reference,
 };
 use rayreel::{Film, Rgb};
 
+use crate::coincident::{self, camera, film};
 use crate::splitmix::Random;
 
 type Surface = (PreparedShape, SurfaceMaterial, RayVisibility);
@@ -79,35 +77,9 @@ fn scene(surfaces: &[Surface]) -> PreparedScene {
     }
     let materials: Vec<SurfaceMaterial> = surfaces.iter().map(|(_, material, _)| material.clone()).collect();
     let mut scene = PreparedScene::new(geometry, materials);
-    scene.depth = 6;
-    scene.ambient = Rgb::ONE;
-    scene.background = PreparedBackground::Flat(Rgb::new(0.3, 0.4, 0.5));
-    let light = |source| PreparedLight {
-        source,
-        intensity: Rgb::ONE,
-        falloff: None,
-        samples: 1,
-        casts_shadows: true,
-        own_shape: None,
-    };
-    scene.lights = vec![
-        light(LightSource::Point(DVec3::new(3.0, 5.0, -4.0))),
-        light(LightSource::Directional(DVec3::new(0.0, 1.0, 0.0))),
-        light(LightSource::Point(DVec3::new(0.2, 0.3, 0.1))),
-    ];
+    coincident::light(&mut scene, None);
+    scene.lights.push(coincident::lamp(LightSource::Point(DVec3::new(0.2, 0.3, 0.1)), None));
     scene
-}
-
-fn camera(random: &mut Random) -> PreparedCamera {
-    let eye = [DVec3::new(2.5, 3.0, -4.0), DVec3::new(0.25, 0.25, 0.25)][random.index(2)];
-    PreparedCamera::new(eye, DVec3::new(0.2, 0.1, 0.0) - eye, DVec3::Y, 1.0, (1.0, 1.0), (12, 12))
-}
-
-fn film(scene: &PreparedScene, camera: &PreparedCamera) -> Film {
-    let never = AtomicBool::new(false);
-    let mut job = RenderJob::new(camera.resolution(), 1);
-    assert!(job.add(scene, camera, PixelSampling::default(), 0, Effects::ALL, Signals::unless(&never)));
-    job.resolve().0
 }
 
 #[track_caller]
