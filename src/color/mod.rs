@@ -20,6 +20,13 @@ pub use transfer::Transfer;
 /// NaN.
 pub type Rgb = glam::Vec3;
 
+/// Returns the blend of two colours as light: `share`, 0 to 1, of the second one. Each is exact where it is alone.
+#[must_use]
+#[inline]
+pub fn blend(one: Rgb, other: Rgb, share: f32) -> Rgb {
+    one * (1.0 - share) + other * share
+}
+
 /// Rounds a fraction or a channel to the precision of colours.
 #[expect(clippy::cast_possible_truncation, reason = "colour is f32")]
 pub(crate) fn to_f32(value: f64) -> f32 {

@@ -1,6 +1,6 @@
 //! Colour ramps.
 
-use super::{Rgb, to_f32};
+use super::{Rgb, blend, to_f32};
 
 /// Colours at increasing positions, the stops. Between two stops, they are blended linearly; beyond the first and the last one, the colour is
 /// constant.
@@ -47,7 +47,7 @@ impl ColorRamp {
     #[must_use]
     pub fn at(&self, position: f64) -> Rgb {
         let (before, after, share) = self.around(position);
-        before * (1.0 - share) + after * share
+        blend(before, after, share)
     }
 
     /// Returns the colours of the stops before and after a position, and the share of the latter.

@@ -242,9 +242,8 @@ impl Engine {
     }
 
     /// Returns the closest hit of a ray at the moment of the last frame (the last instant, if the shutter was open) or
-    /// [`seek`](Engine::seek), exactly as the renderer computes it for a ray from the camera, which
-    /// does not hit shapes that are hidden from the camera. `None` before the first frame or seek, for a ray that hits nothing, and for a ray
-    /// without a direction.
+    /// [`seek`](Engine::seek), exactly as the renderer computes it for a ray from the camera, which does not hit shapes that are hidden from
+    /// the camera. `None` before the first frame or seek, for a ray that hits nothing, and for a ray without a direction.
     ///
     /// ```no_run
     /// use glam::DVec3;

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use rayreel::color::blend;
 use rayreel::components::{Material, Pattern};
 use rayreel::systems::Preparation;
 use rayreel::trace::{
@@ -109,9 +110,8 @@ impl<'a> Terms<'a> {
         let world = self.engine.world();
         let material = world.get::<&Material>(entity).map_or_else(|_| Material::default(), |found| *found);
         let second = lit.terms.pattern;
-        let pattern = world.get::<&Pattern>(entity).ok().filter(|_| second > 0.0);
-        let color = pattern
-            .map_or(material.color, |pattern| material.color * (1.0 - second) + pattern.color * second);
+        let pattern = world.get::<&Pattern>(entity).ok();
+        let color = pattern.map_or(material.color, |pattern| blend(material.color, pattern.color, second));
         let ambient_color = material.ambient_color.unwrap_or(color);
         let k_d = if is_enabled(Effect::Diffuse) { material.k_d } else { 0.0 };
         Coefficients { k_a: material.k_a, k_d, color, ambient_color }

@@ -52,8 +52,8 @@ impl Preparation {
             })
     }
 
-    /// Returns the opaque shapes that may separate a light from the eye, with their bounds. Shapes that some class of
-    /// rays does not see are left out: they do not separate a light from the eye.
+    /// Returns the opaque shapes that may separate a light from the eye, with their bounds. Shapes that some class of rays
+    /// does not see are left out: they do not separate a light from the eye.
     fn possible_walls(&self) -> Vec<(ShapeId, Option<Bounds>)> {
         let scene = &self.scene;
         let is_opaque = |id: &ShapeId| {

@@ -76,9 +76,7 @@ fn pattern_layout(pattern: &Pattern, shape: &Shape, transform: &WorldTransform) 
         PatternKind::Gradient { size, direction, offset } => {
             PatternFunction::Gradient { size, direction, offset }
         }
-        PatternKind::Noise { size, octaves, contrast } => {
-            PatternFunction::Noise { size, octaves: octaves.clamp(1, PatternKind::LARGEST_OCTAVES), contrast }
-        }
+        PatternKind::Noise { size, octaves, contrast } => PatternFunction::Noise { size, octaves, contrast },
     };
     PatternLayout::new(transform.affine, surface, function)
 }

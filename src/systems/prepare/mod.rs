@@ -44,9 +44,9 @@ use settings::film_settings;
 /// The kernel's arrays, and the entity in each of their slots.
 ///
 /// Entities with a [`Shape`](crate::components::Shape) and a [`Material`](crate::components::Material) are drawn, unless their
-/// [`Visibility`](crate::components::Visibility) hides them from all rays. Entities with values that
-/// cannot be drawn, such as a scale of zero in the middle of an animation or a NaN from a system, are omitted; nothing non-finite reaches
-/// the kernel. [`faults`](Preparation::faults) reports the omitted entities, with causes.
+/// [`Visibility`](crate::components::Visibility) hides them from all rays. Entities with values that cannot be drawn, such as a scale of zero
+/// in the middle of an animation or a NaN from a system, are omitted; nothing non-finite reaches the kernel.
+/// [`faults`](Preparation::faults) reports the omitted entities, with causes.
 #[derive(Clone, Debug)]
 pub struct Preparation {
     pub(super) scene: PreparedScene,

@@ -5,17 +5,17 @@
 //!
 //! ```text
 //! for each shape that the ray may hit up to its end, and that it does not see:
-//!     equal to the shape at the end:              tied, and around the ray if that is left there
-//!     first hit after the end, or none:           around the ray if it starts inside
-//!     first hit exactly at the end:               tied, and around the ray if it leaves the shape there
+//!     equal to the shape at the end:              tied, and contains the ray if that is left there
+//!     first hit after the end, or none:           contains the ray if it starts inside
+//!     first hit exactly at the end:               tied, and contains the ray if it leaves the shape there
 //!     first hit before the end, and entered:      tied if it is a box and the ray leaves it exactly at the end;
-//!                                                 around the ray unless it is left before
+//!                                                 contains the ray unless it is left before
 //!     first hit before the end, and left:         neither
 //! ```
 //!
 //! All comparisons are exact, since the point at the end is rounded, and may lie on the other side of a face that is nearly there. Spheres
-//! are the exception: they coincide with other shapes along an area only if they are equal, so that the rounded point decides whether a
-//! ray has left a sphere again.
+//! are the exception: unless two spheres are equal, they do not coincide along an area. For them, the rounded point decides whether the
+//! ray has left.
 
 use std::cmp::Ordering;
 
@@ -36,7 +36,7 @@ pub(crate) struct UnseenShape {
     /// The outward normal, if the surface of the shape coincides with the surface at the end.
     pub(crate) normal: Option<DVec3>,
     /// True if the ray is inside the shape just before its end.
-    pub(crate) is_around: bool,
+    pub(crate) contains_ray: bool,
 }
 
 impl PreparedScene {
@@ -88,21 +88,21 @@ impl PreparedScene {
         if is_seen {
             return None;
         }
-        let place = self.place(id, (ray, surface), intersector);
-        let is_medium = place.is_around && !self.media_at(&id).is_empty();
-        (place.normal.is_some() || is_medium).then_some(place)
+        let relation = self.relation(id, (ray, surface), intersector);
+        let is_medium = relation.contains_ray && !self.media_at(&id).is_empty();
+        (relation.normal.is_some() || is_medium).then_some(relation)
     }
 
     /// Determines whether the surface of a shape coincides with a surface point, and whether the arriving ray is inside the shape.
-    fn place(
+    fn relation(
         &self,
         id: ShapeId,
         (ray, surface): (&RayView<'_>, &SurfacePoint),
         intersector: &mut Intersector<'_>,
     ) -> UnseenShape {
         let geometry = self.geometry();
-        let tied = |normal, is_around| UnseenShape { id, normal: Some(normal), is_around };
-        let apart = |is_around| UnseenShape { id, normal: None, is_around };
+        let tied = |normal, contains_ray| UnseenShape { id, normal: Some(normal), contains_ray };
+        let apart = |contains_ray| UnseenShape { id, normal: None, contains_ray };
         if geometry.are_equal(id, surface.hit.id) {
             return tied(surface.normal, !surface.from_outside);
         }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::color::{ColorRamp, Rgb, to_f32};
+use crate::color::{ColorRamp, Rgb, blend, to_f32};
 use crate::trace::math::{Bytes, exp};
 
 /// The colour of rays that hit nothing.
@@ -160,7 +160,7 @@ pub struct GradientTerms {
 impl GradientTerms {
     #[inline]
     fn color(&self) -> Rgb {
-        self.from * (1.0 - self.share) + self.to * self.share
+        blend(self.from, self.to, self.share)
     }
 }
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::fingerprint::Fingerprint;
 use super::pattern::PatternLayout;
-use crate::color::Rgb;
+use crate::color::{Rgb, blend};
 use crate::trace::math::Bytes;
 
 /// The material of a shape's surface.
@@ -112,14 +112,12 @@ impl SurfaceMaterial {
     /// Returns the ambient and diffuse colours at a point of the surface with this outward normal.
     pub(crate) fn colors_at(&self, point: DVec3, normal: DVec3) -> (Rgb, Rgb) {
         let Some(pattern) = &self.pattern else { return (self.ambient, self.diffuse) };
-        let second = pattern.layout.second(point, normal);
-        // Each colour is exact where it is alone.
-        let blended = |one: Rgb, other: Rgb| one * (1.0 - second) + other * second;
-        (blended(self.ambient, pattern.ambient), blended(self.diffuse, pattern.diffuse))
+        let second = pattern.layout.second_fraction(point, normal);
+        (blend(self.ambient, pattern.ambient, second), blend(self.diffuse, pattern.diffuse, second))
     }
 
     /// Returns the fraction of the pattern's colour at a point of the surface with this outward normal; 0 without a pattern.
     pub(crate) fn pattern_share(&self, point: DVec3, normal: DVec3) -> f32 {
-        self.pattern.as_ref().map_or(0.0, |pattern| pattern.layout.second(point, normal))
+        self.pattern.as_ref().map_or(0.0, |pattern| pattern.layout.second_fraction(point, normal))
     }
 }

@@ -13,8 +13,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::pattern_function::{
-    BrickPart, HAIR, PatternFunction, SMALL_PART, SMOOTH, blotches, bond, fraction, in_joint, in_stripe,
-    row_axis, unit,
+    BORDER_OFFSET, BrickPart, PatternFunction, SMALL_PART, SMOOTH, bond, fraction, in_joint, in_stripe,
+    noise_blend, row_axis, unit,
 };
 use super::plane_axes::axes_across;
 use crate::trace::shapes::inverse;
@@ -105,8 +105,8 @@ impl PatternLayout {
     }
 
     /// Returns the fraction of the second colour at a point of the surface with this normal.
-    pub(crate) fn second(&self, point: DVec3, normal: DVec3) -> f32 {
-        let own = self.own(point);
+    pub(crate) fn second_fraction(&self, point: DVec3, normal: DVec3) -> f32 {
+        let own = self.to_local(point);
         let across = match &self.surface {
             PatternedSurface::Sphere => SOLID,
             PatternedSurface::Plane { normal, .. } => normal.abs().max_position(),
@@ -143,7 +143,7 @@ impl PatternLayout {
                 return fraction(self.gradient(own, across, size, offset));
             }
             PatternFunction::Noise { size, octaves, contrast } => {
-                return fraction(blotches(own / size, octaves, contrast));
+                return fraction(noise_blend(own / size, octaves, contrast));
             }
         };
         f32::from(u8::from(is_second))
@@ -155,7 +155,7 @@ impl PatternLayout {
     ///
     /// A wrong `true` would hide a border from the search for features, so that a pixel could be finished after samples on one side of it.
     /// A wrong `false` costs samples.
-    pub(crate) fn holds(&self, points: [DVec3; 5]) -> bool {
+    pub(crate) fn is_smooth(&self, points: [DVec3; 5]) -> bool {
         let Some(patch) = self.patch(points) else { return false };
         let across = patch.across;
         match self.function {
@@ -188,7 +188,7 @@ impl PatternLayout {
                 if patch.ball().1 > SMALL_PART * smallest {
                     return false;
                 }
-                let values = patch.points.map(|own| fraction(blotches(own / size, octaves, contrast)));
+                let values = patch.points.map(|own| fraction(noise_blend(own / size, octaves, contrast)));
                 let [least, most] = bounds_of(values.map(f64::from));
                 most - least <= SMOOTH.into()
             }
@@ -197,7 +197,7 @@ impl PatternLayout {
 
     /// Returns the part of the surface between some points. `None` if it is not known.
     fn patch(&self, points: [DVec3; 5]) -> Option<Patch> {
-        let points = points.map(|point| self.own(point));
+        let points = points.map(|point| self.to_local(point));
         let across = match &self.surface {
             PatternedSurface::Sphere => SOLID,
             PatternedSurface::Plane { normal, .. } => normal.abs().max_position(),
@@ -217,7 +217,7 @@ impl PatternLayout {
     }
 
     /// Returns a point of the world in the shape's local space.
-    fn own(&self, point: DVec3) -> DVec3 {
+    fn to_local(&self, point: DVec3) -> DVec3 {
         self.inverse * (point - self.translation)
     }
 
@@ -241,7 +241,7 @@ impl PatternLayout {
     /// Returns the coordinate across stripes, in units of their size. Borders in the surface are outside.
     fn stripes(&self, own: DVec3, across: Across, size: f64, offset: f64) -> f64 {
         let (along, inwards) = self.along(own, across);
-        (along - offset) / size + inwards * HAIR
+        (along - offset) / size + inwards * BORDER_OFFSET
     }
 
     /// Returns the value of a gradient: 0 at its start and 1 at its end.
@@ -414,14 +414,14 @@ mod tests {
             let [x, y] = [1, 2].map(|axis| 2.0 * uniform(axis, index) - 1.0);
             let (point, normal) = view.at(x, y)?;
             let normal = map.matrix3.inverse().transpose() * normal;
-            let value = layout.second(map.transform_point3(point), normal);
+            let value = layout.second_fraction(map.transform_point3(point), normal);
             values = [values[0].min(value), values[1].max(value)];
         }
         let mut corners = [DVec3::ZERO; 5];
         for (corner, (x, y)) in corners.iter_mut().zip(CORNERS) {
             *corner = map.transform_point3(view.at(x, y)?.0);
         }
-        Some((values, layout.holds(corners)))
+        Some((values, layout.is_smooth(corners)))
     }
 
     proptest! {

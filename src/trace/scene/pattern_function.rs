@@ -54,7 +54,7 @@ pub enum PatternFunction {
 
 /// The distance by which borders in a surface are moved outwards, relative to the size of the pattern: greater than the rounding error of
 /// coordinates up to some thousand sizes, and invisible.
-pub(super) const HAIR: f64 = 1.0 / (1_u64 << 40) as f64;
+pub(super) const BORDER_OFFSET: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// The largest change of a blend within a pixel that looks smooth, as the shading of a ball of a hundred pixels does. A single sample of a
 /// black and white blend is then off by one 8-bit level, as the root of the mean square.
@@ -186,6 +186,6 @@ impl BrickPart {
 }
 
 /// Returns the blend of fractal noise, not clamped.
-pub(super) fn blotches(place: DVec3, octaves: u32, contrast: f64) -> f64 {
+pub(super) fn noise_blend(place: DVec3, octaves: u32, contrast: f64) -> f64 {
     0.5 + contrast * BLEND * fractal(place, octaves)
 }

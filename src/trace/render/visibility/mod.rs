@@ -436,7 +436,7 @@ impl SeenShape {
         let places = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)].map(DVec2::from);
         let is_smooth = |lane: usize| {
             let point = |from: DVec2| self.outline.point(rays, place(lane) + from * self.half);
-            pattern.layout.holds(places.map(point))
+            pattern.layout.is_smooth(places.map(point))
         };
         lanes(pixels).filter(|lane| !is_smooth(*lane)).fold(0, |mask, lane| mask | 1 << lane)
     }
