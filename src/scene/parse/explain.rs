@@ -348,9 +348,8 @@ impl Case<'_> {
     /// Returns the remedy for values in round brackets in a field that takes a name.
     fn remedy_in_brackets(&self) -> Option<&'static str> {
         let before = self.text[..self.context.found.start].trim_end().strip_suffix(':')?.trim_end();
-        let field =
-            before.rfind(|last: char| !(last.is_alphanumeric() || last == '_')).map_or(0, |at| at + 1);
-        (&before[field..] == "look_at")
+        let outside = before.trim_end_matches(|last: char| last.is_alphanumeric() || last == '_');
+        (&before[outside.len()..] == "look_at")
             .then_some("`look_at` takes an entity's name: write a point as `target: (0, 1, 0)`")
     }
 

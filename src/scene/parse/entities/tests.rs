@@ -144,6 +144,21 @@ fn entities_parse_alone_as_in_the_full_text() {
     assert!(valid > 2000 && entity_wise * 100 > valid * 95, "{entity_wise} of {valid}");
 }
 
+/// Characters of several bytes at every place: letters, and U+200E, which RON skips as white space.
+#[test]
+fn explanations_keep_the_boundaries_of_characters() {
+    for at in (0..=SCENE.len()).filter(|at| SCENE.is_char_boundary(*at)) {
+        for piece in
+            ["ß", "ß: (", "\u{200e}material: (", "\u{200e}name\u{200e}:\u{200e}(", "ß\"", "ß#", "\\ß"]
+        {
+            let text = format!("{}{piece}{}", &SCENE[..at], &SCENE[at..]);
+            for mistake in parse_general(&text).err().unwrap_or_default() {
+                assert!(mistake.span.is_none_or(|span| text.get(span).is_some()), "{text}");
+            }
+        }
+    }
+}
+
 #[test]
 fn wrong_part_boundaries_are_detected() {
     let inner = "/*),\n(*/ (name: \"),(\", /* ), ( */ transform: (rotation: Quat(0, 0, 0, 1))), // ),\n(";
