@@ -155,6 +155,7 @@
 //! | `output` | frame files, sequences, sheets, movies | trace, color, time | image, png, exr, blake3, rayon |
 //! | `sequence` | sequences in folders: existing, missing and corrupt frames; movies of timelines | engine, systems, components, trace, output, time | rayon |
 //! | `live` | file watching, reloading, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
+//! | `book` | chapters for rustdoc, which `build.rs` prepares | | base64 |
 //! | `main`, `cli` | arguments, calls, and all printing; binary only | rayreel | glam, clap, clap_complete, clap_mangen, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json, tempfile |
 
 #[macro_use]
@@ -162,6 +163,8 @@ mod error_text;
 
 pub mod accuracy;
 pub mod animation;
+#[cfg(any(doc, doctest))]
+pub mod book;
 pub mod color;
 pub mod components;
 pub mod engine;

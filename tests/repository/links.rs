@@ -43,10 +43,10 @@ fn targets(prose: &str) -> Vec<&str> {
     prose.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next()).collect()
 }
 
-/// Returns the targets of link names, as in `[name]: target`.
+/// Returns the targets of link names, as in `[name]: target "title"`.
 fn names(prose: &str) -> BTreeMap<&str, &str> {
     let lines = prose.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]: "));
-    lines.map(|(name, target)| (name, target.trim())).collect()
+    lines.map(|(name, target)| (name, target.split(' ').next().unwrap_or(target))).collect()
 }
 
 fn is_elsewhere(target: &str) -> bool {

@@ -1,0 +1,13 @@
+#![doc = include_str!(concat!(env!("OUT_DIR"), "/README.md"))]
+
+/// Declares the chapters, which `build.rs` prepares.
+macro_rules! chapters {
+    ($($name:ident)*) => {
+        $(
+            #[doc = include_str!(concat!(env!("OUT_DIR"), "/", stringify!($name), ".md"))]
+            pub mod $name {}
+        )*
+    };
+}
+
+chapters! { motion production accuracy commands }
