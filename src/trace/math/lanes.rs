@@ -286,10 +286,11 @@ pub(crate) fn scaled_lanes<S: Simd>(simd: S, direction: F64s3<S>) -> Scaled<S> {
 /// Returns whether `mul_sub` is fused, that is, rounded once.
 #[inline(always)]
 pub(super) fn fuses<S: Simd>(simd: S) -> bool {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    return matches!(simd.level(), Level::Avx2(_) | Level::Avx512(_));
-    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-    return false;
+    match simd.level() {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx2(_) | Level::Avx512(_) => true,
+        _ => false,
+    }
 }
 
 /// Smallest and largest moderate magnitude: 2^-400 and 2^400.

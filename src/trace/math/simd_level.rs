@@ -27,14 +27,16 @@ impl SimdLevel {
     /// Returns all levels that this processor supports, with their names, in ascending order of capability.
     #[must_use]
     pub fn all() -> Vec<(&'static str, Self)> {
-        let mut all = vec![("baseline", Level::baseline())];
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        {
+        let wider = {
             let best = Level::new();
-            all.extend(best.as_avx2().map(|level| ("AVX2", Level::Avx2(level))));
-            all.extend(best.as_avx512().map(|level| ("AVX-512", Level::Avx512(level))));
-        }
-        all.into_iter().map(|(name, level)| (name, Self(level))).collect()
+            let avx2 = best.as_avx2().map(|level| ("AVX2", Level::Avx2(level)));
+            [avx2, best.as_avx512().map(|level| ("AVX-512", Level::Avx512(level)))]
+        };
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        let wider = [];
+        let all = [Some(("baseline", Level::baseline()))].into_iter().chain(wider).flatten();
+        all.map(|(name, level)| (name, Self(level))).collect()
     }
 }
 
