@@ -10,4 +10,4 @@ macro_rules! chapters {
     };
 }
 
-chapters! { motion production accuracy commands }
+chapters! { first_film lesson motion production accuracy commands }
