@@ -6,8 +6,6 @@ use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use hecs::World;
-
 use super::commands::{CommandQueue, Detail};
 use super::measure;
 use super::pixel_info::PixelInfo;
@@ -107,13 +105,14 @@ impl RenderInProgress {
 
 impl Renderer {
     pub(super) fn new(
+        engine: Engine,
         without: EffectSet,
         allowed: Vec<&'static str>,
         commands: Arc<CommandQueue>,
         publisher: Publisher,
     ) -> Self {
         Self {
-            engine: Engine::new(World::new()),
+            engine,
             sources: Sources::default(),
             without,
             allowed,
@@ -138,6 +137,11 @@ impl Renderer {
         }
         self.sources = sources;
         let times = Times { read, build: Times::milliseconds(start.elapsed()), ..Times::default() };
+        self.begin(times, wanted_frame);
+    }
+
+    /// Begins to display the engine's scene. Publishes the new state, as [`load`](Self::load) does.
+    pub(super) fn begin(&mut self, times: Times, wanted_frame: u32) {
         self.discard_unfinished();
         self.background = None;
         let (timeline, film) = (self.engine.timeline(), self.engine.effective_settings().film);

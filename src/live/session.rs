@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use hecs::World;
 use tokio::sync::watch;
 
 use super::commands::{CommandQueue, SessionCommand};
@@ -13,6 +14,7 @@ use super::renderer::Renderer;
 use super::state::State;
 use super::watcher::{Watcher, Watching};
 use super::worker::{SceneFiles, Worker};
+use crate::engine::Engine;
 use crate::scene::{Override, Reader};
 use crate::systems::EffectSet;
 
@@ -36,7 +38,7 @@ pub struct SessionSettings {
     pub finish: bool,
 }
 
-/// A scene that is read again after every edit, on a separate thread, until it is dropped.
+/// A scene that is read again after every edit, or an engine, shown by a separate thread until the session is dropped.
 ///
 /// A newer edit or any other request interrupts the current picture. After an edit, a coarse picture comes first, then better ones if the
 /// full picture takes long, and then the full picture. While the files contain mistakes, the last good scene stays.
@@ -58,11 +60,57 @@ impl Session {
     #[must_use]
     pub fn start(settings: SessionSettings, emit: impl FnMut(Event) + Send + 'static) -> Self {
         // The absolute path distinguishes scenes of the same name.
-        let scene = path::absolute(&settings.scene).unwrap_or_else(|_| settings.scene.clone());
+        let name = path::absolute(&settings.scene).unwrap_or_else(|_| settings.scene.clone());
+        Self::spawn(
+            &name.display().to_string(),
+            settings.frame,
+            emit,
+            move |commands, published, publisher| {
+                let SessionSettings { scene, overrides, without, allowed, frame, watching, finish } =
+                    settings;
+                let queue = Arc::clone(&commands);
+                let watcher = Watcher::start(watching, move || queue.send(SessionCommand::Reload));
+                let files = SceneFiles::new(scene, Reader::overriding(overrides), watcher);
+                let nothing = Engine::new(World::new());
+                let renderer = Renderer::new(nothing, without, allowed, Arc::clone(&commands), publisher);
+                Worker::new(Some(files), renderer, commands, published, frame, finish)
+            },
+        )
+    }
+
+    /// Starts the thread, which shows an engine's timeline under a name, with the engine's settings. There are no files: after a change of
+    /// the program, start it again. A page that is open continues with the new session if the [server](super::Server) has the same port.
+    ///
+    /// ```no_run
+    /// use rayreel::live::{Server, Session};
+    /// use rayreel::{Engine, World};
+    ///
+    /// let session = Session::of_engine("my world", Engine::new(World::new()), |_| {});
+    /// let server = Server::start(8080, session.handle())?;
+    /// println!("http://{}/", server.address());
+    /// std::io::stdin().read_line(&mut String::new())?; // runs until Enter is pressed
+    /// # Ok::<(), std::io::Error>(())
+    /// ```
+    #[must_use]
+    pub fn of_engine(name: &str, engine: Engine, emit: impl FnMut(Event) + Send + 'static) -> Self {
+        Self::spawn(name, 0, emit, move |commands, published, publisher| {
+            let without = engine.settings.without;
+            let renderer = Renderer::new(engine, without, Vec::new(), Arc::clone(&commands), publisher);
+            Worker::new(None, renderer, commands, published, 0, false)
+        })
+    }
+
+    /// Starts the thread of a worker, which `worker` creates on that thread.
+    fn spawn(
+        name: &str,
+        frame: u32,
+        emit: impl FnMut(Event) + Send + 'static,
+        worker: impl FnOnce(Arc<CommandQueue>, Arc<Published>, Publisher) -> Worker + Send + 'static,
+    ) -> Self {
         let state = State {
-            scene: scene.display().to_string(),
+            scene: name.to_owned(),
             session: distinct(),
-            frame: settings.frame,
+            frame,
             frames: 1,
             rate: 1.0,
             ..State::default()
@@ -70,13 +118,8 @@ impl Session {
         let handle = Handle { commands: Arc::default(), published: Arc::new(Published::new(state)) };
         let Handle { commands, published } = handle.clone();
         let thread = thread::spawn(move || {
-            let SessionSettings { scene, overrides, without, allowed, frame, watching, finish } = settings;
-            let queue = Arc::clone(&commands);
-            let watcher = Watcher::start(watching, move || queue.send(SessionCommand::Reload));
-            let files = SceneFiles::new(scene, Reader::overriding(overrides), watcher);
             let publisher = Publisher::new(Arc::clone(&published), Box::new(emit));
-            let renderer = Renderer::new(without, allowed, Arc::clone(&commands), publisher);
-            Worker::new(files, renderer, commands, published, frame, finish).run();
+            worker(commands, published, publisher).run();
         });
         Self { handle, thread: Some(thread) }
     }

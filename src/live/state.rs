@@ -13,7 +13,7 @@ use crate::systems::{Effect, Plan};
 /// The current state of a session.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct State {
-    /// Path of the scene's file.
+    /// Path of the scene's file, or the name of an engine.
     pub scene: String,
     /// Number that differs between sessions.
     pub session: u64,

@@ -40,7 +40,8 @@ enum Task {
 
 /// The state of the session's thread.
 pub(super) struct Worker {
-    files: SceneFiles,
+    /// The scene's files; `None` for an engine of a program.
+    files: Option<SceneFiles>,
     renderer: Renderer,
     commands: Arc<CommandQueue>,
     published: Arc<Published>,
@@ -58,7 +59,7 @@ pub(super) struct Worker {
 
 impl Worker {
     pub(super) fn new(
-        files: SceneFiles,
+        files: Option<SceneFiles>,
         renderer: Renderer,
         commands: Arc<CommandQueue>,
         published: Arc<Published>,
@@ -80,7 +81,12 @@ impl Worker {
     }
 
     pub(super) fn run(mut self) {
-        self.reload();
+        if self.files.is_some() {
+            self.reload();
+        } else {
+            self.renderer.begin(Times::default(), self.wanted_frame);
+            self.begin();
+        }
         loop {
             let mut reload = false;
             for command in self.commands.take(self.wait_until()) {
@@ -91,13 +97,13 @@ impl Worker {
                     SessionCommand::Stop => return,
                 }
             }
-            let action = self.files.failure_action();
+            let action = self.files.as_ref().and_then(SceneFiles::failure_action);
             if reload || action == Some(FailureAction::ReadAgain) {
                 self.reload();
             } else if action == Some(FailureAction::Report) {
                 self.report_mistakes();
             }
-            if self.files.failure.is_none() {
+            if self.failure().is_none() {
                 self.run_next();
             }
         }
@@ -105,7 +111,7 @@ impl Worker {
 
     /// Returns the time until which to wait for commands: the present if there is work, or `None` to wait without limit.
     fn wait_until(&self) -> Option<Instant> {
-        match (&self.files.failure, self.next) {
+        match (self.failure(), self.next) {
             (Some(failure), _) => Some(failure.check_at),
             (None, Task::Idle) => None,
             (None, Task::Wait(until)) if !self.is_full_due() => Some(until),
@@ -113,20 +119,31 @@ impl Worker {
         }
     }
 
+    /// Returns the mistakes that are not reported yet.
+    fn failure(&self) -> Option<&LoadFailure> {
+        self.files.as_ref()?.failure.as_ref()
+    }
+
     /// Reads the files. If they contain mistakes, the last good scene stays in place.
     fn reload(&mut self) {
-        if let Some((scene, sources, read)) = self.files.read() {
+        if let Some((scene, sources, read)) = self.files.as_mut().and_then(SceneFiles::read) {
             self.renderer.load(scene, sources, read, self.wanted_frame);
-            self.lacks_full = true;
-            self.next = self.first_preview();
+            self.begin();
         }
     }
 
+    /// Begins with the first picture of a new scene.
+    fn begin(&mut self) {
+        self.lacks_full = true;
+        self.next = self.first_preview();
+    }
+
     fn report_mistakes(&mut self) {
-        let Some(LoadFailure { error, .. }) = self.files.failure.take() else { return };
+        let Some(files) = &mut self.files else { return };
+        let Some(LoadFailure { error, .. }) = files.failure.take() else { return };
         if error.is_transient() {
             // No event is guaranteed when the files become readable again.
-            self.files.watcher.mark_unknown();
+            files.watcher.mark_unknown();
         }
         let mistakes = Mistakes::of_scene(&error);
         // Files that cannot be read are read again and again.

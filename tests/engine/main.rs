@@ -11,6 +11,7 @@ mod crowds;
 mod custom_systems;
 mod encoded_films;
 mod every_channel;
+mod examples;
 mod extends;
 mod faults;
 mod handedness;

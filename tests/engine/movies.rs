@@ -43,7 +43,7 @@ fn frames(engine: &mut Engine) -> Vec<Vec<u8>> {
     (0..6).map(|index| engine.render_frame(index).unwrap().encoded(transfer).bytes().to_vec()).collect()
 }
 
-fn animated_png(path: &Path) -> Vec<Vec<u8>> {
+pub(crate) fn animated_png(path: &Path) -> Vec<Vec<u8>> {
     let decoder = PngDecoder::new(BufReader::new(File::open(path).unwrap())).unwrap().apng().unwrap();
     let frames = decoder.into_frames().collect_frames().unwrap();
     let bytes = |frame: &image::Frame| {
@@ -155,19 +155,4 @@ fn errors_returned_from_main_print_their_message_and_causes() {
         format!("{error:?}"),
         format!("cannot make the folder `{}`: {cause}", file.join("ball").display())
     );
-}
-
-#[path = "../../scenes/bouncing_balls.rs"]
-#[allow(dead_code, reason = "its `main` is not called")]
-mod bouncing_balls;
-
-#[test]
-fn the_example_renders_balls_without_faults() {
-    let mut engine = bouncing_balls::engine().unwrap();
-    engine.settings.size = Some((32, 18));
-    let folder = tempfile::tempdir().unwrap();
-    let report = engine.render_movie(folder.path().join("balls.apng")).unwrap();
-    assert_eq!(report.to_string(), "96 frames rendered, 0 kept");
-    let frames = animated_png(&folder.path().join("balls.apng"));
-    assert!(frames.windows(2).all(|pair| pair[0] != pair[1]));
 }

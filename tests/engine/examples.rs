@@ -1,0 +1,82 @@
+//! Tests of the example programs, on small films.
+
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::BufReader;
+
+use image::AnimationDecoder;
+use image::codecs::gif::GifDecoder;
+
+use rayreel::Engine;
+use rayreel::output::{FrameFormat, read_frame};
+
+use super::movies::animated_png;
+
+#[path = "../../scenes/code/bouncing_balls.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod bouncing_balls;
+#[path = "../../scenes/code/camera_path.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod camera_path;
+#[path = "../../scenes/code/passes.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod passes;
+#[path = "../../scenes/code/twenty_lines.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod twenty_lines;
+
+/// Renders the timeline of a moving scene as a small movie, without faults.
+fn render_movie(mut engine: Engine) {
+    engine.settings.size = Some((32, 18));
+    let folder = tempfile::tempdir().unwrap();
+    let report = engine.render_movie(folder.path().join("film.apng")).unwrap();
+    assert_eq!(report.to_string(), "96 frames rendered, 0 kept");
+    let frames = animated_png(&folder.path().join("film.apng"));
+    assert!(frames.len() == 96 && frames.windows(2).all(|pair| pair[0] != pair[1]));
+}
+
+#[test]
+fn bouncing_balls_are_rendered_without_faults() {
+    render_movie(bouncing_balls::engine().unwrap());
+}
+
+#[test]
+fn camera_path_keeps_the_size_of_its_subject() {
+    let mut engine = camera_path::engine().unwrap();
+    // Returns the eye, and the corner of the view in the plane of the subject.
+    let mut view = |frame| {
+        engine.seek(engine.timeline().time_of(frame)).unwrap();
+        let camera = engine.prepared().unwrap().camera();
+        (camera.position(), camera.position() + camera.towards(0, 0))
+    };
+    let ((near, first), (far, last)) = (view(0), view(95));
+    assert!(near.distance(far) > 40.0 && first.distance(last) < 1e-9, "{near} {first} {far} {last}");
+    render_movie(engine);
+}
+
+#[test]
+fn twenty_lines_make_a_film() {
+    let folder = tempfile::tempdir().unwrap();
+    let movie = folder.path().join("film.gif");
+    assert_eq!(twenty_lines::film(&movie).unwrap().to_string(), "24 frames rendered, 0 kept");
+    let file = BufReader::new(File::open(movie).unwrap());
+    let frames = GifDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
+    assert!(frames.len() == 24 && frames[0].buffer() != frames[12].buffer());
+}
+
+#[test]
+fn passes_are_pictures_of_one_frame() {
+    let mut engine = Engine::load("scenes/chess_morning.ron").unwrap();
+    engine.settings.size = Some((96, 54));
+    let folder = tempfile::tempdir().unwrap();
+    passes::write_passes(&mut engine, 48, folder.path()).unwrap();
+    let read = |name| read_frame(&folder.path().join(name), FrameFormat::default()).unwrap();
+    let transfer = engine.effective_settings().film.transfer;
+    assert_eq!(read("frame.png"), engine.render_frame(48).unwrap().encoded(transfer));
+    let colors = |name| read(name).pixels().iter().copied().collect::<BTreeSet<_>>();
+    // The nearest point is white. Boards face upwards. Outlines are black on white.
+    assert!(colors("depth.png").contains(&[255; 3]) && colors("depth.png").len() > 20);
+    assert!(colors("normal.png").contains(&[128, 255, 128]));
+    assert!(colors("albedo.png").len() > 5);
+    assert_eq!(colors("outlines.png"), BTreeSet::from([[0; 3], [255; 3]]));
+}
