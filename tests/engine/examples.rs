@@ -7,7 +7,9 @@ use std::io::BufReader;
 use image::AnimationDecoder;
 use image::codecs::gif::GifDecoder;
 
+use glam::DVec3;
 use rayreel::Engine;
+use rayreel::components::Transform;
 use rayreel::output::{FrameFormat, read_frame};
 
 use super::movies::animated_png;
@@ -18,6 +20,9 @@ mod bouncing_balls;
 #[path = "../../scenes/code/camera_path.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
 mod camera_path;
+#[path = "../../scenes/code/marbles.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod marbles;
 #[path = "../../scenes/code/passes.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
 mod passes;
@@ -51,6 +56,30 @@ fn camera_path_keeps_the_size_of_its_subject() {
     };
     let ((near, first), (far, last)) = (view(0), view(95));
     assert!(near.distance(far) > 40.0 && first.distance(last) < 1e-9, "{near} {first} {far} {last}");
+    render_movie(engine);
+}
+
+#[test]
+fn marbles_stay_outside_pegs_floor_walls_and_each_other() {
+    let mut engine = marbles::engine().unwrap();
+    let (pegs, radius) = (marbles::pegs(), marbles::MARBLE);
+    let mut lowest = f64::INFINITY;
+    for frame in 0..96 {
+        engine.seek(engine.timeline().time_of(frame)).unwrap();
+        let mut query = engine.world().query::<(&Transform, &marbles::Velocity)>();
+        let places: Vec<DVec3> = query.iter().map(|(transform, _)| transform.translation).collect();
+        for (index, marble) in places.iter().enumerate() {
+            let nearest = |others: &[DVec3]| {
+                others.iter().map(|other| other.distance(*marble)).fold(f64::INFINITY, f64::min)
+            };
+            assert!(marble.z == 0.0 && marble.y > radius - 1e-9, "frame {frame}: {marble}");
+            assert!(marble.x.abs() < marbles::WALL - radius + 1e-9, "frame {frame}: {marble}");
+            assert!(nearest(&pegs) > marbles::PEG + radius - 1e-9, "frame {frame}: {marble}");
+            assert!(nearest(&places[..index]) > 2.0 * radius, "frame {frame}: {marble}");
+            lowest = lowest.min(marble.y);
+        }
+    }
+    assert!(lowest < radius + 0.01, "no marble has come down: {lowest}");
     render_movie(engine);
 }
 
