@@ -29,7 +29,9 @@ impl Browser {
         // Tests may run as root, in containers with little shared memory.
         let size = format!("--window-size={size}");
         let arguments = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", &size];
-        let wanted = json!({ "alwaysMatch": { "goog:chromeOptions": { "args": arguments } } });
+        let options = json!({ "args": arguments });
+        let logged = json!({ "browser": "ALL" });
+        let wanted = json!({ "alwaysMatch": { "goog:chromeOptions": options, "goog:loggingPrefs": logged } });
         let session = browser.ask("/session", &json!({ "capabilities": wanted }));
         browser.session = session["sessionId"].as_str().unwrap().to_owned();
         Some(browser)
@@ -72,6 +74,11 @@ impl Browser {
     /// Emulates another device or other preferences, by a command of the browser's own protocol.
     pub(crate) fn emulate(&self, command: &str, parameters: &Value) {
         self.ask_session("goog/cdp/execute", &json!({ "cmd": command, "params": parameters }));
+    }
+
+    /// Returns the messages in the console since the last call.
+    pub(crate) fn console(&self) -> Value {
+        self.ask_session("se/log", &json!({ "type": "browser" }))
     }
 
     fn element(&self, selector: &str) -> String {

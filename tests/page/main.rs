@@ -5,6 +5,7 @@
 
 mod browser;
 mod examples;
+mod gallery;
 mod http;
 mod warnings;
 

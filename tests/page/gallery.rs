@@ -1,0 +1,223 @@
+//! Tests of the example program that makes the gallery, in a real browser, and of the recipes of pictures.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use super::browser::Browser;
+use super::{SCENE, until};
+use program::Options;
+use program::exhibit::fitting;
+use program::pictures::make;
+use program::recipes::{Making, Recipe, recipe, recipes};
+use program::source::highlighted;
+
+#[path = "../../scenes/code/gallery/main.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod program;
+
+/// Returns the texts of the page whose contrast to their background is less than 4.5, the limit of WCAG 2 for normal text.
+const FAINT: &str = "(() => {
+    const numbers = color => color.match(/[\\d.]+/g).map(Number);
+    const light = color => { const [r, g, b] = numbers(color).map(c => c / 255).map(c => c <= .04045 ? c / 12.92 : ((c + .055) / 1.055) ** 2.4);
+        return .2126 * r + .7152 * g + .0722 * b; };
+    const ground = one => { while (one && numbers(getComputedStyle(one).backgroundColor)[3] === 0) one = one.parentElement;
+        return getComputedStyle(one ?? document.body).backgroundColor; };
+    return [...document.querySelectorAll('body *:not(script)')]
+        .filter(one => [...one.childNodes].some(node => node.nodeType === 3 && node.data.trim()))
+        .map(one => { const [dark, bright] = [light(getComputedStyle(one).color), light(ground(one))].sort((a, b) => a - b);
+            return [one.textContent.slice(0, 20), (bright + .05) / (dark + .05)]; })
+        .filter(([, contrast]) => contrast < 4.5); })()";
+
+/// Makes a gallery of a scene that moves and of one that does not.
+fn make_gallery(folder: &Path) -> PathBuf {
+    let moving = format!("// A <ball> rises & falls. Twice.\n// Slowly.\n{SCENE}");
+    let still = SCENE.replace("timeline: (fps: 10, duration: 2),", "/* one frame */");
+    fs::write(folder.join("ball.ron"), moving).unwrap();
+    fs::write(folder.join("still.ron"), still).unwrap();
+    program::make(&Options {
+        folder: folder.join("pages"),
+        scenes: ["ball.ron", "still.ron"].map(|name| folder.join(name)).into(),
+        size: (160, 160),
+        samples: Some(1),
+        seconds: 10.0,
+        pictures: false,
+    })
+    .unwrap()
+}
+
+#[test]
+fn gallery_is_readable_everywhere_and_loads_loops_on_demand() {
+    let folder = tempfile::tempdir().unwrap();
+    let index = make_gallery(folder.path());
+    let pages: Vec<PathBuf> =
+        ["index.html", "ball.html", "still.html"].map(|name| index.with_file_name(name)).into();
+    for page in &pages {
+        assert!(!fs::read_to_string(page).unwrap().contains("://"), "{} links to the web", page.display());
+    }
+    let Some(browser) = Browser::start("1000,700") else {
+        println!("there is no chromedriver: the gallery was not tried");
+        return;
+    };
+    let open = |page: &Path| browser.go(&format!("file://{}", page.display()));
+    let prefer = |scheme: &str, motion: &str| {
+        let features = json!([
+            { "name": "prefers-color-scheme", "value": scheme },
+            { "name": "prefers-reduced-motion", "value": motion },
+        ]);
+        browser.emulate("Emulation.setEmulatedMedia", &json!({ "features": features }));
+    };
+
+    for (scheme, width, is_phone) in [("light", 1000, false), ("dark", 1000, false), ("light", 390, true)] {
+        prefer(scheme, "reduce");
+        let screen = json!({ "width": width, "height": 800, "deviceScaleFactor": 1, "mobile": is_phone });
+        browser.emulate("Emulation.setDeviceMetricsOverride", &screen);
+        for page in &pages {
+            open(page);
+            assert_eq!(browser.evaluate(FAINT), json!([]), "{scheme}: {}", page.display());
+            assert_eq!(browser.evaluate("document.documentElement.scrollWidth <= innerWidth"), json!(true));
+            until(&browser, "[...document.images].every(image => image.alt && image.naturalWidth === 160)");
+        }
+        let is_dark = "getComputedStyle(document.body).backgroundColor === 'rgb(20, 23, 26)'";
+        assert_eq!(browser.evaluate(is_dark), json!(scheme == "dark"));
+    }
+
+    // By keys to the first scene, and by clicks to the second and back.
+    open(&index);
+    browser.press('\u{e004}');
+    browser.press('\u{e007}');
+    until(&browser, "location.pathname.endsWith('/ball.html') && document.readyState === 'complete'");
+    let source = fs::read_to_string(folder.path().join("ball.ron")).unwrap();
+    assert_eq!(browser.evaluate("document.querySelector('pre').textContent"), json!(source));
+    let highlighted = "['.comment', '.string'].map(kind => document.querySelectorAll('pre ' + kind).length)";
+    assert_eq!(browser.evaluate(highlighted), json!([2, 4]));
+    assert_eq!(
+        browser.evaluate("document.querySelector('p').innerText"),
+        json!("A <ball> rises & falls. Twice. Slowly.")
+    );
+    until(
+        &browser,
+        "document.querySelector('.plan').innerText.includes('diffuse light\tall\tk_d is above 0')",
+    );
+
+    // Nothing of the loop is loaded before it is asked for.
+    if browser.evaluate("document.querySelector('video') !== null") == json!(true) {
+        assert_eq!(browser.evaluate("document.querySelector('video').readyState"), json!(0));
+        browser.evaluate("document.querySelector('video').focus()");
+        browser.press(' ');
+        until(&browser, "document.querySelector('video').currentTime > 0");
+        prefer("light", "no-preference");
+        open(&pages[1]);
+        until(&browser, "document.querySelector('video').currentTime > 0");
+    } else {
+        let loaded = "document.querySelector('details img').naturalWidth";
+        assert_eq!(browser.evaluate(loaded), json!(0));
+        browser.click("summary");
+        until(&browser, &format!("{loaded} === 160"));
+    }
+    browser.click("a[rel=next]");
+    until(
+        &browser,
+        "location.pathname.endsWith('/still.html') && document.querySelector('video, details') === null",
+    );
+    browser.click("nav a");
+    until(&browser, "location.pathname.endsWith('/index.html')");
+    assert_eq!(browser.console(), json!([]));
+}
+
+#[test]
+fn sources_are_highlighted_and_otherwise_unchanged() {
+    for (source, expected) in [
+        ("a1: 1.5e-3 // \"x\"\ny", "a1: {number 1.5e-3} {comment // &quot;x&quot;}\ny"),
+        ("r#\"a\"b\"# /* < */ for", "{string r#&quot;a&quot;b&quot;#} {comment /* &lt; */} for"),
+        ("\"\\\"\" 0..10 `-2`", "{string &quot;\\&quot;&quot;} {number 0}..{number 10} {string `-2`}"),
+        ("\"open", "{string &quot;open}"),
+    ] {
+        let expected = expected.replace('{', "<span class=\"").replace('}', "</span>");
+        let expected = ["number", "string", "comment"]
+            .into_iter()
+            .fold(expected, |text, class| text.replace(&format!("\"{class} "), &format!("\"{class}\">")));
+        assert_eq!(highlighted(source), expected);
+    }
+    for entry in fs::read_dir("scenes").unwrap().map(|entry| entry.unwrap().path()) {
+        let Ok(source) = fs::read_to_string(&entry) else { continue };
+        let mut text = highlighted(&source).replace("</span>", "");
+        for class in ["number", "string", "comment"] {
+            text = text.replace(&format!("<span class=\"{class}\">"), "");
+        }
+        let escapes = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&amp;", "&")];
+        let text = escapes.iter().fold(text, |text, (escape, letter)| text.replace(escape, letter));
+        assert!(text == source, "{}", entry.display());
+    }
+}
+
+#[test]
+fn recipes_are_read_from_titles() {
+    let read = |line: &str| recipe(line, Path::new("src/book"));
+    let made = |file: &str, making| Ok(Some(Recipe { picture: Path::new("src/book").join(file), making }));
+    let scene = || "scenes/ball.ron".into();
+    assert_eq!(
+        read("[ball]: pictures/ball.png \"scenes/ball.ron, frame 12\""),
+        made("pictures/ball.png", Making::Still { scene: scene(), frame: 12 })
+    );
+    assert_eq!(
+        read("[hop]: hop.gif \"scenes/ball.ron, frames 0-95x2\""),
+        made("hop.gif", Making::Movie { scene: scene(), frames: "0-95x2".parse().unwrap() })
+    );
+    let words = ["rayreel", "probe", "scenes/ball.ron", "--svg", "rays.svg"].map(str::to_owned).into();
+    assert_eq!(
+        read("[rays]: pictures/rays.svg \"rayreel probe scenes/ball.ron --svg rays.svg\""),
+        made("pictures/rays.svg", Making::Command(words))
+    );
+    for line in
+        ["[ball]: ball.png", "[page]: page.md \"A page\"", "![ball][ball] \"frame\"", "a [b]: c.png \"d\""]
+    {
+        assert_eq!(read(line), Ok(None), "{line}");
+    }
+    for title in [
+        "A ball",
+        "scenes/ball.ron",
+        "scenes/ball.ron, frame x",
+        "scenes/ball.ron, frames 0-9",
+        "rayreel probe x.ron",
+    ] {
+        let message = read(&format!("[ball]: ball.png \"{title}\"")).unwrap_err();
+        assert!(
+            message.starts_with(&format!("`{title}` does not tell how `ball.png` is made: write ")),
+            "{message}"
+        );
+    }
+    recipes(Path::new("")).unwrap();
+}
+
+#[test]
+fn pictures_are_made_by_their_recipes_and_keep_their_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, frames) = (folder.path().join("ball.ron"), "0-19x5".parse().unwrap());
+    fs::write(&scene, SCENE).unwrap();
+    let size = |file: &Path| {
+        let reader = image::ImageReader::open(file).unwrap().with_guessed_format().unwrap();
+        reader.into_dimensions().unwrap()
+    };
+    for (name, making) in [
+        ("new/ball.png", Making::Still { scene: scene.clone(), frame: 3 }),
+        ("new/ball.gif", Making::Movie { scene: scene.clone(), frames }),
+    ] {
+        let recipe = Recipe { picture: folder.path().join(name), making };
+        make(&recipe).unwrap();
+        assert_eq!(size(&recipe.picture), (480, 270), "{name}");
+        image::RgbImage::new(32, 18).save(&recipe.picture).unwrap();
+        make(&recipe).unwrap();
+        assert_eq!(size(&recipe.picture), (32, 18), "{name}");
+        let first = fs::read(&recipe.picture).unwrap();
+        make(&recipe).unwrap();
+        assert!(fs::read(&recipe.picture).unwrap() == first, "{name}");
+    }
+    let late = Recipe { picture: folder.path().join("late.png"), making: Making::Still { scene, frame: 20 } };
+    assert_eq!(make(&late).unwrap_err().to_string(), "there is no frame 20: the scene has 20, from 0");
+    assert_eq!(
+        [(1920, 1080), (90, 160), (3000, 1)].map(|film| fitting(film, (480, 270))),
+        [(480, 270), (152, 270), (480, 1)]
+    );
+}
