@@ -47,6 +47,11 @@ fn files_of_other_programs_are_recognized() {
     );
     let xyz = message("water.xyz", b"3\nwater\nO 0 0 0\nH 0 0 1\nH 0 1 0\n");
     assert!(xyz.contains("is a trajectory") && xyz.contains("`spawn`"), "{xyz}");
+    let program = message("row.py", b"from manim import *\n\nclass Row(ThreeDScene):\n    pass\n");
+    assert!(
+        program.contains("row.py` is a program, not a scene") && program.contains("write a scene in RON")
+    );
+    assert!(message("run.dcd", b"\x54\x00\x00\x00CORD").contains("is a trajectory"));
     // What can be read is a scene, whatever its name.
     assert_eq!(given("scene.pov", b"(camera: (position: (0, 0, -5), target: (0, 0, 0)))"), None);
 }

@@ -6,6 +6,9 @@ use crate::scene::Diagnostic;
 
 /// The remedy for a scene, or a model, of another program.
 const SCENE: &str = "write the scene in RON, the notation of rayreel: `rayreel new FILE.ron` writes a small one to start from";
+/// The remedy for a program.
+const PROGRAM: &str =
+    "let the program write a scene in RON: `rayreel new FILE.ron` writes a small one to start from";
 /// The remedy for data.
 const DATA: &str = "let a script in the scene's list `spawn` make an entity of each line, or let a program write the entities";
 
@@ -19,7 +22,10 @@ pub(super) fn foreign_file(path: &Path) -> Option<Diagnostic> {
             ("a model of triangles", SCENE)
         }
         "pbrt" => ("a scene of pbrt", SCENE),
-        "xyz" | "extxyz" | "pdb" | "gro" | "dump" | "lammpstrj" | "xtc" => ("a trajectory", DATA),
+        "py" | "tcl" | "vmd" | "lua" => ("a program", PROGRAM),
+        "xyz" | "extxyz" | "pdb" | "cif" | "gro" | "dump" | "lammpstrj" | "xtc" | "trr" | "dcd" => {
+            ("a trajectory", DATA)
+        }
         "csv" | "tsv" | "npy" | "npz" | "json" => ("a file of data", DATA),
         _ => return None,
     };
