@@ -10,4 +10,8 @@ macro_rules! chapters {
     };
 }
 
-chapters! { first_film lesson motion production accuracy commands }
+chapters! {
+    first_film lesson motion physics production accuracy
+    coming_from_pov_ray coming_from_blender coming_from_manim coming_from_ovito_and_vmd
+    commands
+}

@@ -1,4 +1,4 @@
-//! Tests of the example program that makes the gallery, in a real browser, and of the recipes of pictures.
+//! Tests of the example program that makes the gallery, in a real browser.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,9 +8,6 @@ use serde_json::json;
 use super::browser::Browser;
 use super::{SCENE, until};
 use program::Options;
-use program::exhibit::fitting;
-use program::pictures::make;
-use program::recipes::{Making, Recipe, recipe, recipes};
 use program::source::highlighted;
 
 #[path = "../../scenes/code/gallery/main.rs"]
@@ -150,74 +147,4 @@ fn sources_are_highlighted_and_otherwise_unchanged() {
         let text = escapes.iter().fold(text, |text, (escape, letter)| text.replace(escape, letter));
         assert!(text == source, "{}", entry.display());
     }
-}
-
-#[test]
-fn recipes_are_read_from_titles() {
-    let read = |line: &str| recipe(line, Path::new("src/book"));
-    let made = |file: &str, making| Ok(Some(Recipe { picture: Path::new("src/book").join(file), making }));
-    let scene = || "scenes/ball.ron".into();
-    assert_eq!(
-        read("[ball]: pictures/ball.png \"scenes/ball.ron, frame 12\""),
-        made("pictures/ball.png", Making::Still { scene: scene(), frame: 12 })
-    );
-    assert_eq!(
-        read("[hop]: hop.gif \"scenes/ball.ron, frames 0-95x2\""),
-        made("hop.gif", Making::Movie { scene: scene(), frames: "0-95x2".parse().unwrap() })
-    );
-    let words = ["rayreel", "probe", "scenes/ball.ron", "--svg", "rays.svg"].map(str::to_owned).into();
-    assert_eq!(
-        read("[rays]: pictures/rays.svg \"rayreel probe scenes/ball.ron --svg rays.svg\""),
-        made("pictures/rays.svg", Making::Command(words))
-    );
-    for line in
-        ["[ball]: ball.png", "[page]: page.md \"A page\"", "![ball][ball] \"frame\"", "a [b]: c.png \"d\""]
-    {
-        assert_eq!(read(line), Ok(None), "{line}");
-    }
-    for title in [
-        "A ball",
-        "scenes/ball.ron",
-        "scenes/ball.ron, frame x",
-        "scenes/ball.ron, frames 0-9",
-        "rayreel probe x.ron",
-    ] {
-        let message = read(&format!("[ball]: ball.png \"{title}\"")).unwrap_err();
-        assert!(
-            message.starts_with(&format!("`{title}` does not tell how `ball.png` is made: write ")),
-            "{message}"
-        );
-    }
-    recipes(Path::new("")).unwrap();
-}
-
-#[test]
-fn pictures_are_made_by_their_recipes_and_keep_their_size() {
-    let folder = tempfile::tempdir().unwrap();
-    let (scene, frames) = (folder.path().join("ball.ron"), "0-19x5".parse().unwrap());
-    fs::write(&scene, SCENE).unwrap();
-    let size = |file: &Path| {
-        let reader = image::ImageReader::open(file).unwrap().with_guessed_format().unwrap();
-        reader.into_dimensions().unwrap()
-    };
-    for (name, making) in [
-        ("new/ball.png", Making::Still { scene: scene.clone(), frame: 3 }),
-        ("new/ball.gif", Making::Movie { scene: scene.clone(), frames }),
-    ] {
-        let recipe = Recipe { picture: folder.path().join(name), making };
-        make(&recipe).unwrap();
-        assert_eq!(size(&recipe.picture), (480, 270), "{name}");
-        image::RgbImage::new(32, 18).save(&recipe.picture).unwrap();
-        make(&recipe).unwrap();
-        assert_eq!(size(&recipe.picture), (32, 18), "{name}");
-        let first = fs::read(&recipe.picture).unwrap();
-        make(&recipe).unwrap();
-        assert!(fs::read(&recipe.picture).unwrap() == first, "{name}");
-    }
-    let late = Recipe { picture: folder.path().join("late.png"), making: Making::Still { scene, frame: 20 } };
-    assert_eq!(make(&late).unwrap_err().to_string(), "there is no frame 20: the scene has 20, from 0");
-    assert_eq!(
-        [(1920, 1080), (90, 160), (3000, 1)].map(|film| fitting(film, (480, 270))),
-        [(480, 270), (152, 270), (480, 1)]
-    );
 }

@@ -4,6 +4,7 @@
 
 #![allow(clippy::print_stdout, reason = "a program prints what it makes")]
 
+pub(crate) mod chapter;
 pub(crate) mod exhibit;
 mod page;
 pub(crate) mod pictures;
