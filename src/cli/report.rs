@@ -167,7 +167,11 @@ impl RenderReport {
             (None, Some(_)) => format!("{rendered}; no sheet was written"),
             (None, None) if settings.stream.is_some() => format!("{rendered}, on standard output"),
             (None, None) => {
-                let complete = if self.interrupted { "; all of them are complete" } else { "" };
+                let complete = if self.interrupted {
+                    "; they are complete, and the same command renders the rest"
+                } else {
+                    ""
+                };
                 format!("{rendered}, in {}{complete}", settings.sequence.directory().display())
             }
         }

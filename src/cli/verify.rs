@@ -72,7 +72,10 @@ fn kinds(verdict: &SequenceVerdict) -> [(&'static str, Option<FrameList>); 4] {
     [
         ("missing", verdict.frames_with(|frame| *frame == FrameVerdict::Missing)),
         ("torn", verdict.frames_with(|frame| matches!(frame, FrameVerdict::Corrupt(_)))),
-        ("stale", verdict.frames_with(|frame| *frame == FrameVerdict::Stale)),
+        (
+            "stale",
+            verdict.frames_with(|frame| matches!(frame, FrameVerdict::Stale | FrameVerdict::OtherSize(..))),
+        ),
         ("unknown", verdict.frames_with(|frame| *frame == FrameVerdict::Unknown)),
     ]
 }

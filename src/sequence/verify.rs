@@ -21,8 +21,10 @@ pub enum FrameVerdict {
     Missing,
     /// The file is corrupt, with the reason.
     Corrupt(String),
-    /// The file is complete but out of date: from another scene, other settings, or before an edit, or of another size.
+    /// The file is complete but out of date: from another scene, with other settings, or from before an edit.
     Stale,
+    /// The file is a picture of another size, this width and height.
+    OtherSize(u32, u32),
     /// The file is complete but its provenance is unknown.
     Unknown,
 }
@@ -126,7 +128,7 @@ pub(super) fn verdict_of(
         FoundFrame::Missing => FrameVerdict::Missing,
         FoundFrame::Corrupt(reason) => FrameVerdict::Corrupt(reason),
         FoundFrame::Unknown { .. } => FrameVerdict::Unknown,
-        FoundFrame::OtherSize { .. } => FrameVerdict::Stale,
+        FoundFrame::OtherSize { size: (width, height) } => FrameVerdict::OtherSize(width, height),
         FoundFrame::Complete { fingerprint, .. } => {
             match engine.plan(request.time)?.fingerprint == Some(fingerprint) {
                 true => FrameVerdict::UpToDate,
@@ -143,7 +145,8 @@ impl fmt::Display for FrameVerdict {
             Self::UpToDate => "it is complete and up to date",
             Self::Missing => "there is no file",
             Self::Corrupt(reason) => reason,
-            Self::Stale => "it is out of date",
+            Self::Stale => "the scene or the settings have changed",
+            Self::OtherSize(width, height) => return write!(formatter, "its size was {width}x{height}"),
             Self::Unknown => "its provenance is unknown",
         })
     }
