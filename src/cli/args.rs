@@ -75,6 +75,10 @@ pub(super) enum Command {
     Farm(FarmArguments),
     /// Write a small commented scene to start from
     New(NewArguments),
+    /// Serve editors: mistakes, completion and descriptions while a scene is typed (a language server)
+    Lsp(LspArguments),
+    /// Print the scene format as JSON Schema, for editors and generators
+    Schema(SchemaArguments),
     /// Print a shell completion script
     Completions(CompletionsArguments),
     /// Print a manual page
@@ -533,6 +537,27 @@ pub(super) struct NewArguments {
     /// The file to write; it must not exist
     pub(super) file: PathBuf,
 }
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Editors start it by themselves, and speak the language server protocol with it on standard input
+and output. Example, for Helix:
+  [language-server.rayreel]
+  command = \"rayreel\"
+  args = [\"lsp\"]"
+)]
+pub(super) struct LspArguments {
+    /// Use standard input and output, as always; some editors add this option
+    #[arg(long)]
+    stdio: bool,
+    #[command(flatten)]
+    pub(super) allowed: AllowArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  rayreel schema > scene.schema.json")]
+pub(super) struct SchemaArguments {}
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:

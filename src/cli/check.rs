@@ -1,11 +1,11 @@
 //! `rayreel check`
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use serde_json::{Value, json};
 
-use rayreel::scene::{LoadError, Override, ScriptMistake, Sources};
+use rayreel::scene::{LoadError, ScriptMistake, Sources};
+use rayreel::trace::Signals;
 use rayreel::{Engine, EngineError, RenderRequest, RenderSettings, Scene, Time};
 
 use super::args::{AllowArguments, CheckArguments};
@@ -23,7 +23,8 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let overrides = arguments.overrides.all();
     for path in &arguments.scenes {
         let file = path.display().to_string();
-        let checked = check(path, &overrides, &arguments.allowed);
+        let loaded = Scene::load_overridden(path, &overrides);
+        let checked = check(loaded, &arguments.allowed, Signals::none());
         good &= checked.is_ok();
         match checked {
             Ok(CheckPassed { count, warnings, sources }) if arguments.json => {
@@ -74,28 +75,33 @@ fn frames(count: u32) -> String {
 }
 
 /// A valid scene.
-struct CheckPassed {
+pub(super) struct CheckPassed {
     /// The number of frames.
     count: u32,
-    warnings: Warnings,
-    sources: Sources,
+    pub(super) warnings: Warnings,
+    pub(super) sources: Sources,
 }
 
 /// The mistakes of a scene.
-enum CheckFailed {
+pub(super) enum CheckFailed {
     Scene(LoadError),
     Script(Box<ScriptMistake>),
 }
 
-/// Loads a scene, renders its first, middle and last frame small, and counts the frames.
-fn check(path: &Path, overrides: &[Override], allowed: &AllowArguments) -> Result<CheckPassed, CheckFailed> {
-    let (scene, sources) = Scene::load_overridden(path, overrides).map_err(CheckFailed::Scene)?;
+/// Renders the first, the middle and the last frame of a loaded scene small, and counts the frames. If the signals cancel it, warnings are
+/// missing.
+pub(super) fn check(
+    loaded: Result<(Scene, Sources), LoadError>,
+    allowed: &AllowArguments,
+    signals: Signals<'_>,
+) -> Result<CheckPassed, CheckFailed> {
+    let (scene, sources) = loaded.map_err(CheckFailed::Scene)?;
     let timeline = scene.timeline;
     let count = timeline.frame_count();
     let mut engine = Engine::from_scene(scene);
     let mut warnings = Warnings::except(allowed);
     for frame in BTreeSet::from([0, count / 2, count - 1]) {
-        match render(&mut engine, timeline.time_of(frame)) {
+        match render(&mut engine, timeline.time_of(frame), signals) {
             Err(EngineError::Script(mistake)) => return Err(CheckFailed::Script(mistake.into())),
             Err(EngineError::Scene(error)) => return Err(CheckFailed::Scene(error)),
             Ok(()) | Err(EngineError::UnknownComponent(_) | EngineError::Cancelled) => {
@@ -108,12 +114,12 @@ fn check(path: &Path, overrides: &[Override], allowed: &AllowArguments) -> Resul
 
 /// Renders a frame small and with one sample per pixel, for its faults. If it has one colour, it is rendered in full: small things may be
 /// between the samples.
-fn render(engine: &mut Engine, time: Time) -> Result<(), EngineError> {
+fn render(engine: &mut Engine, time: Time, signals: Signals<'_>) -> Result<(), EngineError> {
     let film = engine.effective_settings().film;
     let small = RenderSettings::draft(film, film.width.max(film.height).div_ceil(LONGEST_SIDE));
-    engine.render(RenderRequest { settings: Some(small), ..RenderRequest::at(time) })?;
+    engine.render(RenderRequest { settings: Some(small), signals, ..RenderRequest::at(time) })?;
     if engine.report().one_color.is_some() {
-        engine.render(time)?;
+        engine.render(RenderRequest { signals, ..RenderRequest::at(time) })?;
     }
     Ok(())
 }

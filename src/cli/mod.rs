@@ -17,6 +17,7 @@ mod farm;
 mod heat_map;
 mod instructions;
 mod interrupt;
+mod lsp;
 mod man;
 mod manifest;
 mod movie;
@@ -27,6 +28,7 @@ mod probe;
 mod progress;
 mod render;
 mod report;
+mod schema;
 mod settings;
 mod settings_file;
 mod sheet;
@@ -45,7 +47,7 @@ use clap::error::{ContextKind, ContextValue};
 
 use rayreel::scene::Printable;
 
-use args::{Arguments, Command};
+use args::{Arguments, Command, SchemaArguments};
 use exit::Failure;
 use interrupt::Interruption;
 
@@ -107,6 +109,8 @@ fn run_command(command: Command, interruption: &Interruption) -> Result<(), Fail
         Command::Verify(arguments) => verify::run(&arguments, interruption),
         Command::Farm(arguments) => farm::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
+        Command::Lsp(arguments) => lsp::run(&arguments),
+        Command::Schema(SchemaArguments {}) => schema::run(),
         Command::Man(arguments) => man::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
     }

@@ -56,6 +56,13 @@ pub(super) fn json_part(text: &str) -> anyhow::Result<ControlFlow<()>> {
     write_result(&escaped(text, |character| format!("\\u{:04x}", u32::from(character))))
 }
 
+/// Writes a message of the language server protocol like [`json_part`], after its length.
+pub(super) fn protocol_message(message: &Value) -> anyhow::Result<ControlFlow<()>> {
+    let message = message.to_string();
+    let message = escaped(&message, |character| format!("\\u{:04x}", u32::from(character)));
+    write_result(&format!("Content-Length: {}\r\n\r\n{message}", message.len()))
+}
+
 fn write_result(text: &str) -> anyhow::Result<ControlFlow<()>> {
     let mut out = stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

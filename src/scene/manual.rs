@@ -3,6 +3,9 @@
 // a module.
 #![doc = include_str!("manual.md")]
 
+/// The text of the reference.
+pub(super) const MANUAL: &str = include_str!("manual.md");
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
@@ -23,40 +26,14 @@ mod tests {
         Triple,
     };
     use crate::scene::parse::options;
+    use crate::scene::reference::{self, FieldEntry, ManualSection, VariantEntry};
     use crate::script::Data;
 
-    const MANUAL: &str = include_str!("manual.md");
+    use super::MANUAL;
 
-    /// The content of one section of the manual.
-    #[derive(Debug, Default)]
-    struct Section {
-        /// Field, default (or an example), and a flag that is true for required fields.
-        fields: Vec<(String, String, bool)>,
-        /// Variant name, and the content of its parentheses.
-        variants: Vec<(String, String)>,
-    }
-
-    fn sections() -> BTreeMap<String, Section> {
-        let mut sections = BTreeMap::new();
-        for part in MANUAL.split("\n## ").skip(1) {
-            let (name, body) = part.split_once('\n').unwrap();
-            let mut section = Section::default();
-            for line in body.lines() {
-                if let Some(row) = line.strip_prefix("| `") {
-                    let cells: Vec<&str> = row.trim_end_matches(" |").split(" | ").collect();
-                    let [field, _, default] = cells[..] else { panic!("{line}") };
-                    let required = default.starts_with("required: ");
-                    let value = default.trim_start_matches("required: ").trim_matches('`');
-                    section.fields.push((field.trim_end_matches('`').to_owned(), value.to_owned(), required));
-                } else if let Some(variant) = line.strip_prefix("- `") {
-                    let code = variant.split('`').next().unwrap();
-                    let (name, inside) = code.trim_end_matches(')').split_once('(').unwrap_or((code, ""));
-                    section.variants.push((name.to_owned(), inside.to_owned()));
-                }
-            }
-            sections.insert(name.to_owned(), section);
-        }
-        sections
+    /// Returns the sections by name.
+    fn sections() -> BTreeMap<String, &'static ManualSection> {
+        reference::sections().iter().map(|section| (section.name.to_owned(), section)).collect()
     }
 
     fn read<T: DeserializeOwned>(text: &str) -> T {
@@ -78,7 +55,7 @@ mod tests {
     /// Checks the fields, their order, and every default.
     fn check_fields<T: DeserializeOwned + PartialEq + Debug>(
         name: &str,
-        sections: &mut BTreeMap<String, Section>,
+        sections: &mut BTreeMap<String, &ManualSection>,
     ) {
         check_named::<T>(name, sections, &known::<T>("(nobody_knows: 0)"));
     }
@@ -86,18 +63,18 @@ mod tests {
     /// Checks the same, given the names of the fields.
     fn check_named<T: DeserializeOwned + PartialEq + Debug>(
         name: &str,
-        sections: &mut BTreeMap<String, Section>,
+        sections: &mut BTreeMap<String, &ManualSection>,
         known: &[impl AsRef<str>],
     ) {
         let section = sections.remove(name).unwrap_or_else(|| panic!("the manual has no section {name}"));
-        let named: Vec<String> = section.fields.iter().map(|(field, ..)| field.clone()).collect();
+        let named: Vec<&str> = section.fields.iter().map(|field| field.name).collect();
         let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
         assert_eq!(named, known, "{name}");
-        let required = section.fields.iter().filter(|(.., required)| *required);
-        let needed: String = required.map(|(field, example, _)| format!("{field}: {example}, ")).collect();
+        let required = section.fields.iter().filter(|field| field.is_required);
+        let needed: String = required.map(|field| format!("{}: {}, ", field.name, field.value)).collect();
         let written_without: T = read(&format!("({needed})"));
-        for (field, default, required) in &section.fields {
-            if *required {
+        for FieldEntry { name: field, value: default, is_required, .. } in &section.fields {
+            if *is_required {
                 let rest = needed.replace(&format!("{field}: {default}, "), "");
                 assert!(
                     options().from_str::<T>(&format!("({rest})")).is_err(),
@@ -110,9 +87,12 @@ mod tests {
         }
     }
 
-    fn check_variants<T: DeserializeOwned>(name: &str, sections: &mut BTreeMap<String, Section>) -> Section {
+    fn check_variants<T: DeserializeOwned>(
+        name: &str,
+        sections: &mut BTreeMap<String, &'static ManualSection>,
+    ) -> &'static ManualSection {
         let section = sections.remove(name).unwrap_or_else(|| panic!("the manual has no section {name}"));
-        let named: Vec<String> = section.variants.iter().map(|(variant, _)| variant.clone()).collect();
+        let named: Vec<&str> = section.variants.iter().map(|variant| variant.name).collect();
         assert_eq!(named, known::<T>("NobodyKnows"), "{name}");
         section
     }
@@ -148,25 +128,38 @@ mod tests {
         check_variants::<RotationDocument>("Rotation", all);
         check_variants::<ChannelDocument>("Channel", all);
         check_variants::<EasingDocument>("Easing", all);
-        for (variant, inside) in check_variants::<TrackDocument<Triple>>("Track", all).variants {
-            if !["Keys", "Along", "Script", "ScriptFile"].contains(&variant.as_str()) {
+        for VariantEntry { name: variant, inside, .. } in
+            &check_variants::<TrackDocument<Triple>>("Track", all).variants
+        {
+            if !["Keys", "Along", "Script", "ScriptFile"].contains(variant) {
                 let known = known::<TrackDocument<Triple>>(&format!("{variant}(nobody_knows: 0)"));
-                assert_eq!(inside, known.join(", "));
+                assert_eq!(*inside, known.join(", "));
             }
         }
         check_variants::<RepeatDocument>("Repeat", all);
         check_variants::<ScriptDocument>("Script", all);
-        for (variant, inside) in check_variants::<ShapeDocument>("Shape", all).variants {
-            assert_eq!(inside, known::<ShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
+        for VariantEntry { name: variant, inside, .. } in
+            &check_variants::<ShapeDocument>("Shape", all).variants
+        {
+            assert_eq!(*inside, known::<ShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }
-        for (variant, inside) in check_variants::<PatternDocument>("Pattern", all).variants {
-            assert_eq!(inside, known::<PatternDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
+        for VariantEntry { name: variant, inside, .. } in
+            &check_variants::<PatternDocument>("Pattern", all).variants
+        {
+            assert_eq!(*inside, known::<PatternDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }
-        for (variant, inside) in check_variants::<LightDocument>("Light", all).variants {
-            assert_eq!(inside, known::<LightDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
+        for VariantEntry { name: variant, inside, .. } in
+            &check_variants::<LightDocument>("Light", all).variants
+        {
+            assert_eq!(*inside, known::<LightDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }
-        for (variant, inside) in check_variants::<AreaShapeDocument>("AreaShape", all).variants {
-            assert_eq!(inside, known::<AreaShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
+        for VariantEntry { name: variant, inside, .. } in
+            &check_variants::<AreaShapeDocument>("AreaShape", all).variants
+        {
+            assert_eq!(
+                *inside,
+                known::<AreaShapeDocument>(&format!("{variant}(nobody_knows: 0)")).join(", ")
+            );
         }
         // It describes no type.
         assert!(sections.remove("Extended scenes").is_some());

@@ -14,8 +14,12 @@
 //! unknown material, a radius of 0), each with its position in the text. `spans` locates the positions afterwards, so that a valid scene
 //! costs nothing extra.
 //!
+//! [`format`] describes the file format as data, and [`assist`] helps while a scene is typed; both query the parser with short texts, and
+//! take descriptions from `reference`, the [`manual`] as data.
+//!
 //! The types in `document` mirror the file format and serve no other purpose; components do not depend on them.
 
+pub mod assist;
 mod data;
 mod diagnostic;
 mod document;
@@ -23,6 +27,7 @@ mod error;
 mod escape;
 mod extend;
 mod files;
+pub mod format;
 #[doc(hidden)]
 pub mod input;
 pub mod language;
@@ -35,6 +40,7 @@ mod paths;
 mod playback;
 mod quote;
 mod reader;
+mod reference;
 mod script_sources;
 mod scripts;
 mod source_text;

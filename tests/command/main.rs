@@ -12,6 +12,8 @@ mod farm;
 #[cfg(unix)]
 #[path = "../signals/ignored.rs"]
 mod ignored;
+#[cfg(unix)]
+mod lsp;
 mod movies;
 mod overrides;
 mod probe;

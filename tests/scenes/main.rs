@@ -10,6 +10,9 @@ mod messages;
 mod plain_words;
 mod remedies;
 mod scene_to_world;
+mod schema;
+#[path = "../random/splitmix.rs"]
+mod splitmix;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -87,6 +87,11 @@ pub(super) fn of(name: &str) -> Example {
     EXAMPLES.into_iter().find(|example| example.name == name).unwrap_or(channel)
 }
 
+/// Returns the example of a variant; `None` for a word that stands alone.
+pub(in crate::scene) fn form_of(name: &str, word: &str) -> Option<&'static str> {
+    of(name).form(word)
+}
+
 impl Example {
     /// Returns the noun without its article.
     pub(super) fn kind(self) -> &'static str {

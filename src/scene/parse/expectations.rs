@@ -13,7 +13,7 @@ use serde::forward_to_deserialize_any;
 
 /// A request by serde for a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Expectation {
+pub(in crate::scene) enum Expectation {
     Number,
     Flag,
     Text,
@@ -36,7 +36,7 @@ pub(super) enum Expectation {
     /// One of several words, some of them with content in parentheses.
     Choice {
         name: &'static str,
-        count: usize,
+        words: &'static [&'static str],
     },
     /// The content in parentheses after a word.
     VariantContent {
@@ -52,7 +52,7 @@ pub(super) enum Expectation {
 
 /// The content in parentheses after a word.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum VariantContent {
+pub(in crate::scene) enum VariantContent {
     One,
     Several(usize),
     Fields(&'static [&'static str]),
@@ -173,7 +173,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Watched<'_, D> {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        let kind = Expectation::Choice { name, count: variants.len() };
+        let kind = Expectation::Choice { name, words: variants };
         self.trail.expect(kind, || self.inner.deserialize_enum(name, variants, self.trail.watch(visitor)))
     }
 

@@ -50,7 +50,7 @@ impl Expected {
                 Some((what, how)) => Self::new(what, format!("write {how}")),
                 None => Self::new(reader.as_str(), "the scene reference says how it is written"),
             },
-            Expectation::Choice { name, count } => choice(examples::of(name), *count, found),
+            Expectation::Choice { name, words } => choice(examples::of(name), words.len(), found),
             Expectation::VariantContent { of, word, content } => {
                 self::content(examples::of(of), word, content)
             }

@@ -25,7 +25,7 @@ pub(super) fn trail(text: &str) -> Trail {
     trail
 }
 
-fn read_along(trail: &Trail, text: &str) -> Result<SceneDocument, SpannedError> {
+pub(super) fn read_along(trail: &Trail, text: &str) -> Result<SceneDocument, SpannedError> {
     let mut parser = ron::Deserializer::from_str_with_options(text, &options())?;
     SceneDocument::deserialize(trail.watch(&mut parser))
         .and_then(|document| parser.end().map(|()| document))

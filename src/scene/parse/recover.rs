@@ -101,7 +101,7 @@ fn is_superfluous(error: &Error) -> bool {
 }
 
 /// Returns the name of a field that an error says is missing.
-fn missing_field(error: &Error) -> Option<&str> {
+pub(super) fn missing_field(error: &Error) -> Option<&str> {
     match error {
         Error::MissingStructField { field, .. } => Some(field),
         Error::Message(message) => message.strip_prefix("missing field `")?.split('`').next(),
