@@ -15,6 +15,8 @@ mod ignored;
 #[cfg(unix)]
 mod lsp;
 mod movies;
+#[cfg(unix)]
+mod neovim;
 mod overrides;
 mod probe;
 mod probe_terms;
