@@ -67,6 +67,7 @@ fn module(file: &str) -> Option<String> {
         "../scene/manual.md" => "crate::scene::manual".to_owned(),
         "../script/language.md" => "crate::scene::language".to_owned(),
         "../trace/numerics.md" => "crate::trace".to_owned(),
+        "../book/editors.md" => "crate::book::editors".to_owned(),
         "../cli/manual.md" => "crate::book::commands".to_owned(),
         _ => format!("crate::book::{}", path.strip_suffix(".md").filter(|name| !name.contains('/'))?),
     };

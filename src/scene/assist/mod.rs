@@ -59,7 +59,7 @@ mod tests {
         let without = tokens(SCENE).map(|token| SCENE[..token.start].to_owned() + &SCENE[token.end..]);
         let cut = tokens(SCENE).map(|token| SCENE[..token.start + 1].to_owned());
         let mut at = 0;
-        for text in without.chain(cut).chain(["(".repeat(100_000) + &"]".repeat(100_000)]) {
+        for text in without.chain(cut).chain([["(", "]"].map(|bracket| bracket.repeat(100_000)).concat()]) {
             at = (at + 71) % (text.len() + 2);
             let path = Path::new("a.ron");
             let found = complete(&text, at, path);
