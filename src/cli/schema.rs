@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use rayreel::scene::format::{FieldForm, NumberRange, RonValue, SceneFormat, TypeForm, ValueForm, WordForm};
+use rayreel::scene::format::{FieldForm, NumberLimits, RonValue, SceneFormat, TypeForm, ValueForm, WordForm};
 
 use super::exit::Failure;
 use super::print;
@@ -86,7 +86,7 @@ fn of_form(form: &ValueForm) -> Value {
     }
 }
 
-fn of_number(range: &NumberRange) -> Value {
+fn of_number(range: &NumberLimits) -> Value {
     let mut schema = json!({ "type": "number" });
     for (end, included, excluded) in
         [(range.least, "minimum", "exclusiveMinimum"), (range.most, "maximum", "exclusiveMaximum")]

@@ -580,7 +580,7 @@ fn progress_formats_print_their_events() {
     let details = run(&["-v"]);
     let lines: Vec<&str> = details.lines().collect();
     assert_eq!(lines[..2], ["1/4 out/film.0000.png: kept", "2/4 out/film.0001.png: kept"], "{details}");
-    assert!(lines.contains(&"out/film.0002.png is rendered again: the scene or the settings have changed"));
+    assert!(lines.contains(&"out/film.0002.png is rendered again: its size was 16x9"));
     assert!(lines.iter().any(|line| line.starts_with("out/film.0003.png is rendered again: ")), "{details}");
     assert!(lines.iter().any(|line| line.starts_with("4/4 out/film.0003.png: ")), "{details}");
     let about = |line: &&&str| line.starts_with("  animate ") && line.contains("; rays: 1 k camera");

@@ -96,7 +96,7 @@ fn links_between_files_resolve() {
 
 #[test]
 fn dead_links_are_found() {
-    let text = "[a](README.md), [b](README.md#use-as-a-library), `[code](x.md)`, [c](https://example.org/x), [d][here]\n\
+    let text = "[a](README.md), [b](README.md#library), `[code](x.md)`, [c](https://example.org/x), [d][here]\n\
                 ```\n[code](x.md)\n```\n[here]: src/scene/manual.md\n\
                 [e](REDME.md) [f](#a-scene) [g](README.md#use-as-a-libary)\n\
                 ![h](tests/goldens/none.png \"title\") [i](/etc) [j][there]\n[there]: src/language.md\n";

@@ -20,10 +20,10 @@ use std::ops::ControlFlow;
 use super::args::LspArguments;
 use super::exit::Failure;
 use checker::Checker;
-use server::Server;
+use server::LanguageServer;
 
 pub(super) fn run(arguments: &LspArguments) -> Result<(), Failure> {
-    let mut server = Server::new(Checker::start(arguments.allowed.clone()));
+    let mut server = LanguageServer::new(Checker::start(arguments.allowed.clone()));
     let mut input = stdin().lock();
     while let Some(message) = messages::read(&mut input)? {
         if let ControlFlow::Break(result) = server.receive(message)? {

@@ -28,23 +28,23 @@ const LARGEST_TARGET: u64 = 1 << 26;
 
 /// The progress of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Session {
+enum SessionState {
     New,
     Initialized,
     ShutDown,
 }
 
 #[derive(Debug)]
-pub(super) struct Server {
-    session: Session,
+pub(super) struct LanguageServer {
+    session: SessionState,
     /// The texts by their URIs.
     texts: HashMap<String, String>,
     checker: Checker,
 }
 
-impl Server {
+impl LanguageServer {
     pub(super) fn new(checker: Checker) -> Self {
-        Self { session: Session::New, texts: HashMap::new(), checker }
+        Self { session: SessionState::New, texts: HashMap::new(), checker }
     }
 
     /// Handles a message. Returns `Break` with the result of the command at the end of the session.
@@ -79,14 +79,16 @@ impl Server {
 
     fn end(&self) -> Result<(), Failure> {
         match self.session {
-            Session::ShutDown => Ok(()),
-            Session::New | Session::Initialized => Err(anyhow!("the editor exits without a shutdown").into()),
+            SessionState::ShutDown => Ok(()),
+            SessionState::New | SessionState::Initialized => {
+                Err(anyhow!("the editor exits without a shutdown").into())
+            }
         }
     }
 
     fn notified(&mut self, method: &str, params: &Value) {
         let document = &params["textDocument"];
-        let Some(uri) = document["uri"].as_str().filter(|_| self.session == Session::Initialized) else {
+        let Some(uri) = document["uri"].as_str().filter(|_| self.session == SessionState::Initialized) else {
             return;
         };
         match method {
@@ -114,21 +116,21 @@ impl Server {
 
     fn answer(&mut self, method: &str, params: &Value) -> Result<Value, (i32, String)> {
         match (method, self.session) {
-            ("initialize", Session::New) => {
-                self.session = Session::Initialized;
+            ("initialize", SessionState::New) => {
+                self.session = SessionState::Initialized;
                 return Ok(abilities());
             }
-            (_, Session::New) => {
+            (_, SessionState::New) => {
                 return Err((NOT_INITIALIZED, "the first request is `initialize`".to_owned()));
             }
-            ("initialize", _) | (_, Session::ShutDown) => {
+            ("initialize", _) | (_, SessionState::ShutDown) => {
                 return Err((INVALID_REQUEST, format!("`{method}` is out of order")));
             }
-            ("shutdown", Session::Initialized) => {
-                self.session = Session::ShutDown;
+            ("shutdown", SessionState::Initialized) => {
+                self.session = SessionState::ShutDown;
                 return Ok(Value::Null);
             }
-            (_, Session::Initialized) => {}
+            (_, SessionState::Initialized) => {}
         }
         let answer = match method {
             "textDocument/completion" => completion,
@@ -186,7 +188,7 @@ fn apply(text: &mut String, change: &Value) {
     }
 }
 
-fn completion(_: &Server, uri: &str, text: &str, position: &Value) -> Value {
+fn completion(_: &LanguageServer, uri: &str, text: &str, position: &Value) -> Value {
     let Suggestions { span, items } = complete(text, offset(text, position), &path_of(uri));
     let range = range(text, &span);
     let item = |(index, Suggestion { kind, label, text, about }): (usize, Suggestion)| {
@@ -211,13 +213,13 @@ fn completion(_: &Server, uri: &str, text: &str, position: &Value) -> Value {
     json!({ "isIncomplete": false, "items": items.into_iter().enumerate().map(item).collect::<Value>() })
 }
 
-fn hover(_: &Server, _uri: &str, text: &str, position: &Value) -> Value {
+fn hover(_: &LanguageServer, _uri: &str, text: &str, position: &Value) -> Value {
     let Some(found) = describe(text, offset(text, position)) else { return Value::Null };
     let value = format!("**{}**\n\n{}", found.title, found.about);
     json!({ "contents": { "kind": "markdown", "value": value }, "range": range(text, &found.span) })
 }
 
-fn symbols(_: &Server, _uri: &str, text: &str, _: &Value) -> Value {
+fn symbols(_: &LanguageServer, _uri: &str, text: &str, _: &Value) -> Value {
     let lines = LineStarts::new(text);
     let symbol = |SceneSymbol { kind, name, span, name_span, .. }: SceneSymbol| {
         // Kinds of the protocol: a file, a constant, an interface, an object, an event.

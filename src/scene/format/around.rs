@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{NumberRange, RangeEnd};
+use super::{NumberLimits, RangeEnd};
 use crate::animation::limits::LARGEST;
 use crate::scene::LoadError;
 use crate::scene::files::Files;
@@ -52,16 +52,16 @@ impl TextAround {
     }
 
     /// Returns the range of valid numbers.
-    pub(super) fn number_range(&self) -> NumberRange {
+    pub(super) fn number_range(&self) -> NumberLimits {
         let accepts = |number: f64| self.accepts(&format!("{number:?}"));
         if !accepts(GOOD) {
             // Because of other values; no number is beyond these.
             let [least, most] = [-LARGEST, LARGEST].map(|value| Some(RangeEnd { value, is_excluded: false }));
-            return NumberRange { least, most, is_not_zero: false };
+            return NumberLimits { least, most, is_not_zero: false };
         }
         let [least, most] = [-1.0, 1.0].map(|sign: f64| range_end(sign, &accepts));
         let has_zero = least.is_none_or(|end| end.value < 0.0);
-        NumberRange { least, most, is_not_zero: has_zero && !accepts(0.0) }
+        NumberLimits { least, most, is_not_zero: has_zero && !accepts(0.0) }
     }
 
     /// Returns the range of valid integers.

@@ -19,7 +19,7 @@ pub use value::RonValue;
 #[derive(Clone, Debug, PartialEq)]
 pub enum ValueForm {
     /// A number.
-    Number(NumberRange),
+    Number(NumberLimits),
     /// An integer between two others, inclusive.
     Whole(u64, u64),
     /// `true` or `false`.
@@ -48,7 +48,7 @@ pub enum ValueForm {
 
 /// The valid range of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NumberRange {
+pub struct NumberLimits {
     /// The lower end.
     pub least: Option<RangeEnd>,
     /// The upper end.
