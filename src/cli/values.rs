@@ -6,7 +6,7 @@ use std::time::Duration;
 use rayreel::Effect;
 use rayreel::components::{FilmSettings, Quality, Sampling};
 use rayreel::output::{MovieFormat, Sheet, UnknownMovieFormat};
-use rayreel::scene::{Override, OverrideError, SceneWarning};
+use rayreel::scene::{Override, OverrideError, SceneWarning, nearest};
 use rayreel::systems::Consequence;
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
@@ -93,10 +93,14 @@ const EFFECT_WORDS: [(&str, Effect); 19] = [
 /// Parses the name of an effect, or another word for it.
 pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
     let named = text.trim().to_lowercase().replace([' ', '_'], "-");
-    let names = || Effect::ALL.map(effect_name).join(", ");
+    let names = Effect::ALL.map(effect_name);
     let by_name = Effect::ALL.into_iter().find(|effect| effect_name(*effect) == named);
     let by_word = || EFFECT_WORDS.into_iter().find(|(word, _)| *word == named).map(|(_, effect)| effect);
-    by_name.or_else(by_word).ok_or_else(|| format!("the effects are {}", names()))
+    let words = || names.iter().map(String::as_str).chain(EFFECT_WORDS.map(|(word, _)| word));
+    by_name.or_else(by_word).ok_or_else(|| match nearest(&named, words()) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => format!("the effects are {}", names.join(", ")),
+    })
 }
 
 /// Parses the name of a warning.

@@ -64,4 +64,6 @@ pub use script_sources::ScriptMistake;
 pub(crate) use script_sources::{SceneScripts, ScriptSources};
 pub use source_text::SourceLine;
 pub use sources::Sources;
+#[doc(hidden)]
+pub use suggest::nearest;
 pub use warning::SceneWarning;

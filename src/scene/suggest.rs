@@ -3,7 +3,8 @@
 use super::quote::short;
 
 /// Returns the known name most similar to a mistyped one, if any is similar enough.
-pub(super) fn nearest<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+#[must_use]
+pub fn nearest<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     /// Maximum length of compared names, in bytes. The comparison time grows with both lengths; no mistyped name is longer.
     const LONGEST: usize = 100;
     if found.len() > LONGEST {

@@ -159,8 +159,10 @@ fn invalid_override_syntax_is_a_usage_error() {
         (["--set", "camera.fov"], "write a path into the scene, = and a value, as in camera.fov=40"),
         (["--set", "camera.fov=1, roll: 2"], "`1, roll: 2` is not one value: write it as in the file"),
         (["--samples", "many"], "write a whole number"),
+        (["--without", "shadow"], "did you mean `shadows`?"),
+        (["--only", "ambient-lihgt"], "did you mean `ambient-light`?"),
         (
-            ["--without", "shadow"],
+            ["--without", "xyz"],
             "the effects are ambient-light, emission, diffuse-light, highlights, shadows, transparent-shadows",
         ),
     ] {

@@ -170,11 +170,16 @@ fn impossible_variants_are_rejected() {
         assert_eq!(output.status.code(), Some(1), "{arguments:?}");
         assert_eq!(crate::text(&output.stderr), format!("error: {message}\n"));
     }
-    let output = rayreel(folder.path(), ["render", FIRST_LIGHT, "--frames", "0", "--variants", "fog,shade"]);
-    assert_eq!(output.status.code(), Some(2));
-    let message =
-        "invalid value 'shade' for '--variants <EFFECTS>': the effects are ambient-light, emission,";
-    assert!(crate::text(&output.stderr).contains(message), "{}", crate::text(&output.stderr));
+    for (word, remedy) in
+        [("frensel", "did you mean `fresnel`?"), ("xyz", "the effects are ambient-light, emission,")]
+    {
+        let variants = format!("fog,{word}");
+        let output =
+            rayreel(folder.path(), ["render", FIRST_LIGHT, "--frames", "0", "--variants", &variants]);
+        assert_eq!(output.status.code(), Some(2));
+        let message = format!("invalid value '{word}' for '--variants <EFFECTS>': {remedy}");
+        assert!(crate::text(&output.stderr).contains(&message), "{}", crate::text(&output.stderr));
+    }
     assert!(files(folder.path()).is_empty());
 }
 
