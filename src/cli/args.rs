@@ -441,8 +441,8 @@ pub(super) struct ProbeArguments {
     /// N.H, diffuse term, highlight and visibility of each light, and the shares of the reflected and the refracted light
     #[arg(long, conflicts_with = "rays")]
     pub(super) terms: bool,
-    /// Instead, draw the rays into this SVG file, from above and from the side: camera ray, reflected and refracted rays, normals,
-    /// and shadow rays, dashed up to the occluder if they are occluded; at most 200 rays
+    /// Instead, draw the rays into this SVG file, in two views from above, from the side or from the front: camera ray, reflected
+    /// and refracted rays, normals, and shadow rays, dashed up to the occluder if they are occluded; at most 200 rays
     #[arg(long, value_name = "FILE", conflicts_with_all = ["rays", "terms", "json"])]
     pub(super) svg: Option<PathBuf>,
     /// Print the hits of the rays in this CSV file; - reads standard input

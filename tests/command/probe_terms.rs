@@ -452,3 +452,14 @@ fn drawings_show_all_rays_in_both_views() {
         assert!(text(&output.stderr).contains("cannot be used with"), "{other}");
     }
 }
+    // The rays stay in the plane z = -1, which appears as a line from above and from the side.
+    assert!(drawing.contains(">from above: ") && drawing.contains(">from the side: "));
+    crate::probe::stdout_of(&["terms.ron", "--ray", "-6,0.9,-1,1,0,0", "--svg", file], "");
+    let drawing = std::fs::read_to_string(file).unwrap();
+    assert!(drawing.contains(">from the front: ") && !drawing.contains(">from the side: "));
+    assert!(!drawing.contains("total reflection"));
+    let inside =
+        ["terms.ron", "--ray", "0.78,0.8,-1,0,0,1", "--depth", "2", "--without", "shadows", "--svg", file];
+    crate::probe::stdout_of(&inside, "");
+    assert!(std::fs::read_to_string(file).unwrap().contains(">total reflection 1<"));
+

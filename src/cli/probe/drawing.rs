@@ -1,4 +1,4 @@
-//! `rayreel probe --svg`: the rays of a ray tree, from above and from the side.
+//! `rayreel probe --svg`: the rays of a ray tree, in two views along coordinate axes.
 
 use glam::DVec3;
 
@@ -48,6 +48,13 @@ enum LineKind {
     Shadow,
     Occluded,
     Normal,
+}
+
+impl LineKind {
+    /// Returns true for the rays of the tree, which bring light to the eye.
+    fn is_of_tree(self) -> bool {
+        matches!(self, Self::Camera | Self::Reflection | Self::Refraction)
+    }
 }
 
 /// A line from a point to another one.
@@ -104,7 +111,11 @@ impl RayDrawing {
                 RayKind::Reflection => LineKind::Reflection,
                 RayKind::Refraction => LineKind::Refraction,
             };
-            let name = if is_pixel || depth > 0 { ray_name(traced.kind, depth) } else { "ray".to_owned() };
+            let name = match ray_name(traced.kind, depth) {
+                name if kind == LineKind::Reflection && is_total(tree, traced) => format!("total {name}"),
+                name if is_pixel || depth > 0 => name,
+                _ => "ray".to_owned(),
+            };
             let (from, direction) = (traced.ray.origin(), traced.ray.direction().normalize_or_zero());
             let to = match &traced.end {
                 RayEnd::Surface(lit) => lit.surface.point,
@@ -191,7 +202,9 @@ impl RayDrawing {
             Area { left: 546.0, top: 84.0, width: 420.0, height: 420.0 },
         ];
         let seen = self.seen.iter().copied();
-        for view in OrthographicView::pair(seen, &self.shapes, Some(self.axes), frames) {
+        let path =
+            self.lines.iter().filter(|line| line.kind.is_of_tree()).flat_map(|line| [line.from, line.to]);
+        for view in OrthographicView::pair(seen, path, &self.shapes, Some(self.axes), frames) {
             view.begin(&mut svg, &self.shapes);
             self.draw_lines(&mut svg, &view);
             view.end(&mut svg);
@@ -275,6 +288,13 @@ impl RayDrawing {
             x += 60.0 + 5.3 * text.len() as f64;
         }
     }
+}
+
+/// Returns true if a ray comes from a surface with total internal reflection.
+fn is_total(tree: &RayTree, traced: &TracedRay) -> bool {
+    let parent = traced.parent.map(|parent| &tree.rays[parent].end);
+    let Some(RayEnd::Surface(lit)) = parent else { return false };
+    lit.terms.secondary.refraction.is_some_and(|refraction| refraction.is_total())
 }
 
 /// Returns the finite ends of a ray.

@@ -151,7 +151,7 @@ impl RayExplanation<'_> {
         self.at.sources.camera(name.as_ref().map_or("", |name| name.0.as_str()))
     }
 
-    /// Draws the rays from above and from the side.
+    /// Draws the rays in two views.
     fn drawing(&self) -> String {
         let is_pixel = matches!(self.at.probed, Probed::Pixel { .. });
         let drawing = RayDrawing::new(self.engine, self.prepared, self.tree, is_pixel);

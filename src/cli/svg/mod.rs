@@ -1,7 +1,7 @@
 //! Drawings as SVG.
 //!
 //! [`writer`] writes the elements, [`axis`] chooses ticks and draws the grid of a plot, and [`labels`] places texts next to points.
-//! [`view`] shows a scene's [`shapes`] from above and from the side.
+//! [`view`] shows a scene's [`shapes`] from above, from the side and from the front.
 
 mod area;
 mod axis;

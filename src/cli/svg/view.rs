@@ -1,4 +1,4 @@
-//! Views of a scene from above and from the side.
+//! Views of a scene from above, from the side and from the front.
 
 use glam::DVec3;
 
@@ -27,28 +27,40 @@ pub(crate) struct OrthographicView {
 }
 
 impl OrthographicView {
-    /// Creates a view from above and a view from the side, at the same scale, that show points and the outlines near them. `axes` are a
-    /// camera's u, v and n, by which a right-handed space is told from a left-handed one.
+    /// Creates two views, at the same scale, that show points and the outlines near them: from above and from the side, unless a path has a
+    /// greater extent from the front than in one of these. `axes` are a camera's u, v and n, by which a right-handed space is told from a
+    /// left-handed one.
     pub(crate) fn pair(
         points: impl Iterator<Item = DVec3>,
+        path: impl Iterator<Item = DVec3>,
         shapes: &[OutlinedShape],
         axes: Option<[DVec3; 3]>,
-        [left, right]: [Area; 2],
+        frames: [Area; 2],
     ) -> [Self; 2] {
         /// Width of the margin at each side, as a fraction of the frame.
         const MARGIN: f64 = 0.08;
         let (least, most) = bounds(points, shapes);
         let size = (most - least).max_element();
-        let scale = (1.0 - 2.0 * MARGIN) * left.width / if size > 0.0 { size } else { 10.0 };
+        let scale = (1.0 - 2.0 * MARGIN) * frames[0].width / if size > 0.0 { size } else { 10.0 };
         let center = 0.5 * least + 0.5 * most;
-        let view = |name, axes, frame| Self { name, axes, frame, center, scale };
-        [
-            match axes.is_some_and(|[right, up, ahead]| right.cross(up).dot(ahead) < 0.0) {
-                false => view("from above: x to the right, z upwards", [0, 2, 1], left),
-                true => view("from above: z to the right, x upwards", [2, 0, 1], left),
-            },
-            view("from the side: z to the right, y upwards", [2, 1, 0], right),
-        ]
+        let above = match axes.is_some_and(|[right, up, ahead]| right.cross(up).dot(ahead) < 0.0) {
+            false => ("from above: x to the right, z upwards", [0, 2, 1]),
+            true => ("from above: z to the right, x upwards", [2, 0, 1]),
+        };
+        let side = ("from the side: z to the right, y upwards", [2, 1, 0]);
+        let front = ("from the front: x to the right, y upwards", [0, 1, 2]);
+        let (least, most) = bounds(path, &[]);
+        let extent = |(_, [right, up, _]): (&str, [usize; 3])| (most - least)[right] * (most - least)[up];
+        let pair = match (extent(above), extent(side), extent(front)) {
+            (above_extent, side_extent, front_extent) if front_extent <= above_extent.min(side_extent) => {
+                [above, side]
+            }
+            (above_extent, side_extent, _) if side_extent <= above_extent => [above, front],
+            _ => [side, front],
+        };
+        let [left, right] = frames;
+        let view = |(name, axes), frame| Self { name, axes, frame, center, scale };
+        [view(pair[0], left), view(pair[1], right)]
     }
 
     /// Draws the grid and the outlines. Everything drawn until [`Self::end`] is clipped to the frame.

@@ -94,6 +94,14 @@ pub struct RefractionTerms {
     pub share: f32,
 }
 
+impl RefractionTerms {
+    /// Returns true under total internal reflection.
+    #[must_use]
+    pub fn is_total(&self) -> bool {
+        self.reflectance == 1.0 && self.share == 0.0
+    }
+}
+
 /// Spawns the secondary rays of a ray that arrives at a surface of the scene `seen`, as the ray sees it. Total internal reflection adds the
 /// refracted light to the mirrored light.
 pub(crate) fn secondary_rays(

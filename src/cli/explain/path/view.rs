@@ -8,7 +8,7 @@ use crate::cli::svg::{Anchor, Area, Labels, OrthographicView, PagePoint, Svg, di
 pub(super) fn draw(svg: &mut Svg, path: &CameraPath, [left, right]: [Area; 2]) {
     let seen = path.samples.iter().flat_map(|sample| [Some(sample.eye), sample.target]).flatten();
     let axes = path.samples.first().map(|sample| sample.axes);
-    let views = OrthographicView::pair(seen, &path.shapes, axes, [left, right]);
+    let views = OrthographicView::pair(seen, std::iter::empty(), &path.shapes, axes, [left, right]);
     let stride = views.iter().map(|view| view.tick_stride(path)).min().unwrap_or(1);
     for view in &views {
         view.draw(svg, path, stride);
