@@ -1,5 +1,7 @@
 //! Tests of `rayreel probe --terms` and `--ray`: the printed terms must add up to the light, and agree with the hits.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 
 use crate::probe::{json_of, numbers, probe, single};
@@ -392,6 +394,76 @@ fn invalid_rays_report_the_valid_form() {
     assert!(text(&output.stderr).contains("cannot be used with"));
 }
 
+#[test]
+fn printed_angles_obey_snell_and_fresnel() {
+    let inside = json_of(&["terms.ron", "--ray", "0.78,0.8,-1,0,0,1", "--terms"]);
+    let (mut passed, mut total) = (0, 0);
+    for (_, surface) in surfaces(&[trees(), vec![inside]].concat()) {
+        let terms = &surface["terms"];
+        if terms["n"].is_null() {
+            assert!(["cosines", "angles"].iter().all(|name| terms[name].is_null()));
+            continue;
+        }
+        let ([n1, n2], [c1, c2]) = (pair(&terms["n"]), pair(&terms["cosines"]));
+        let [theta1, theta2] = pair(&terms["angles"]).map(f64::to_radians);
+        assert!((libm::cos(theta1) - c1).abs() < 1e-12);
+        assert_eq!(terms["total_reflection"] == true, c2.is_nan());
+        if c2.is_nan() {
+            assert!(theta2.is_nan() && n1 * libm::sin(theta1) > n2 && terms["F"] == 1.0);
+            total += 1;
+            continue;
+        }
+        assert!((libm::cos(theta2) - c2).abs() < 1e-9);
+        assert!((n1 * libm::sin(theta1) - n2 * libm::sin(theta2)).abs() < 1e-9);
+        let [rs, rp] =
+            [[n1 * c1, n2 * c2], [n1 * c2, n2 * c1]].map(|[one, other]| (one - other) / (one + other));
+        assert!((0.5 * (rs * rs + rp * rp) - terms["F"].as_f64().unwrap()).abs() < 1e-6);
+        passed += 1;
+    }
+    assert!(passed > 4 && total > 0, "{passed} {total}");
+}
+
+/// Reads two numbers. `null` is read as NaN.
+fn pair(value: &Value) -> [f64; 2] {
+    [0, 1].map(|index| value[index].as_f64().unwrap_or(f64::NAN))
+}
+
+/// Collects the names of all fields of a value.
+fn field_names(value: &Value, names: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(fields) => {
+            names.extend(fields.keys().cloned());
+            fields.values().for_each(|value| field_names(value, names));
+        }
+        Value::Array(values) => values.iter().for_each(|value| field_names(value, names)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_field_of_the_json_is_in_the_manual() {
+    let manual = include_str!("../../src/cli/manual.md");
+    let section = manual.split("\n## Pixel and ray queries\n").nth(1).unwrap().split("\n## ").next().unwrap();
+    let described: BTreeSet<&str> = section.split('`').skip(1).step_by(2).collect();
+    let rows = section
+        .split("| field of ")
+        .skip(1)
+        .flat_map(|table| table.lines().skip(2).take_while(|line| line.starts_with('|')));
+    let listed: Vec<&str> =
+        rows.flat_map(|row| row.split('|').nth(1).unwrap().split('`').skip(1).step_by(2)).collect();
+    let mut names = BTreeSet::new();
+    let ray = json_of(&["terms.ron", "--ray", "0.4,0.8,-6,0,0,1", "--terms"]);
+    [trees(), vec![ray]].concat().iter().for_each(|tree| field_names(tree, &mut names));
+    names.remove("json_version");
+    for name in &names {
+        assert!(described.contains(name.as_str()), "the manual has no `{name}`");
+    }
+    assert!(listed.len() > 50, "{listed:?}");
+    for name in listed {
+        assert!(names.contains(name), "no object has `{name}`");
+    }
+}
+
 /// Returns the number of lines of each class in a view of a drawing.
 fn drawn(drawing: &str, view: usize, class: &str) -> usize {
     let start = format!("<path class=\"{class}\" d=\"");
@@ -445,13 +517,6 @@ fn drawings_show_all_rays_in_both_views() {
         drawing.contains("<title>Ray from 0.4,0.8,-6 in direction 0,0,1, frame 0 at 0 s (terms.ron)</title>")
     );
 
-    let output = probe(&["seed.ron", "--pixel", "0,0", "--svg", "seed.ron"], "");
-    assert_eq!(text(&output.stderr), "error: `seed.ron` is the scene itself: name another file\n");
-    for other in ["--json", "--terms"] {
-        let output = probe(&["seed.ron", "--pixel", "0,0", "--svg", file, other], "");
-        assert!(text(&output.stderr).contains("cannot be used with"), "{other}");
-    }
-}
     // The rays stay in the plane z = -1, which appears as a line from above and from the side.
     assert!(drawing.contains(">from above: ") && drawing.contains(">from the side: "));
     crate::probe::stdout_of(&["terms.ron", "--ray", "-6,0.9,-1,1,0,0", "--svg", file], "");
@@ -463,3 +528,10 @@ fn drawings_show_all_rays_in_both_views() {
     crate::probe::stdout_of(&inside, "");
     assert!(std::fs::read_to_string(file).unwrap().contains(">total reflection 1<"));
 
+    let output = probe(&["seed.ron", "--pixel", "0,0", "--svg", "seed.ron"], "");
+    assert_eq!(text(&output.stderr), "error: `seed.ron` is the scene itself: name another file\n");
+    for other in ["--json", "--terms"] {
+        let output = probe(&["seed.ron", "--pixel", "0,0", "--svg", file, other], "");
+        assert!(text(&output.stderr).contains("cannot be used with"), "{other}");
+    }
+}

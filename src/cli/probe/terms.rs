@@ -38,6 +38,16 @@ pub(super) struct ScreenPlace {
     is_orthographic: bool,
 }
 
+/// The directions on both sides of a refractive surface, relative to its normal.
+struct RefractionAngles {
+    /// The cosines c1 and c2; no c2 under total reflection.
+    cosines: [Option<f64>; 2],
+    /// The angles theta1 and theta2 in degrees.
+    degrees: [Option<f64>; 2],
+    /// n1 sin(theta1).
+    invariant: f64,
+}
+
 /// The coefficients and the colour of a material.
 struct Coefficients {
     k_a: f32,
@@ -78,10 +88,10 @@ impl<'a> Terms<'a> {
         let direction = self.tree.rays[index].ray.direction();
         let mut equation = equation_node(&self.equation(index, lit));
         equation.facts.insert(0, ("dir", vector(direction / direction.length())));
-        [equation, self.material_node(lit)]
+        [equation, self.material_node(index, lit)]
     }
 
-    fn material_node(&self, lit: &LitSurface) -> TreeNode {
+    fn material_node(&self, index: usize, lit: &LitSurface) -> TreeNode {
         let Coefficients { k_a, k_d, color: c, ambient_color } = self.coefficients(lit);
         let terms = &lit.terms;
         let mut facts = vec![("k_a", single(k_a)), ("k_d", single(k_d)), ("c", color(c))];
@@ -94,12 +104,26 @@ impl<'a> Terms<'a> {
         if terms.secondary.mirror > 0.0 {
             facts.push(("k_r", single(terms.secondary.mirror)));
         }
-        if let Some(RefractionTerms { coefficient, from, into, reflectance, .. }) = terms.secondary.refraction
-        {
-            let indices = [from, into].map(|index| column_of(&Shortest(index).to_string())).concat();
-            facts.extend([("k_t", single(coefficient)), ("n1, n2", indices), ("F", single(reflectance))]);
+        if let Some(refraction) = &terms.secondary.refraction {
+            facts.extend(refraction_facts(refraction, &self.angles(index, lit, refraction)));
         }
         TreeNode { facts, ..TreeNode::leaf("material".to_owned()) }
+    }
+
+    /// Returns the angles at the refractive surface at the end of a ray.
+    fn angles(&self, index: usize, lit: &LitSurface, refraction: &RefractionTerms) -> RefractionAngles {
+        let direction = self.tree.rays[index].ray.direction();
+        let (unit, normal) = (direction / direction.length(), lit.surface.facing_normal());
+        let (cosine, sine) = (-unit.dot(normal), unit.cross(normal).length());
+        let eta = refraction.from / refraction.into;
+        let beyond =
+            (!refraction.is_total()).then(|| (1.0 - eta * eta * (1.0 - cosine * cosine)).max(0.0).sqrt());
+        let degrees = |sine, cosine| libm::atan2(sine, cosine).to_degrees();
+        RefractionAngles {
+            cosines: [Some(cosine), beyond],
+            degrees: [Some(degrees(sine, cosine)), beyond.map(|cosine| degrees(eta * sine, cosine))],
+            invariant: refraction.from * sine,
+        }
     }
 
     /// Returns the coefficients of the material at a point. k_d is 0 if diffuse light is disabled. Without ambient light, I_a is 0 instead of
@@ -209,6 +233,7 @@ impl<'a> Terms<'a> {
             child.map(|(_, light)| light.to_array())
         };
         let refraction = secondary.refraction;
+        let angles = refraction.map(|refraction| self.angles(index, lit, &refraction));
         json!({
             "equation": equation_json(&self.equation(index, lit)),
             "k_a": k_a,
@@ -221,7 +246,10 @@ impl<'a> Terms<'a> {
             "k_r": secondary.mirror,
             "k_t": refraction.map_or(0.0, |refraction| refraction.coefficient),
             "n": refraction.map(|refraction| [refraction.from, refraction.into]),
+            "cosines": angles.as_ref().map(|angles| angles.cosines),
+            "angles": angles.as_ref().map(|angles| angles.degrees),
             "F": refraction.map(|refraction| refraction.reflectance),
+            "total_reflection": refraction.is_some_and(|refraction| refraction.is_total()),
             "reflected_share": secondary.reflected,
             "R": returned(RayKind::Reflection),
             "refracted_share": secondary.share(RayKind::Refraction),
@@ -328,6 +356,23 @@ pub(super) fn medium_facts(medium: &PassageTerms) -> Vec<(&'static str, String)>
         facts.extend([("fog", color(medium.fog)), ("fog depth", number(medium.optical_depth))]);
     }
     facts
+}
+
+/// Lists the terms of refraction at a surface.
+fn refraction_facts(refraction: &RefractionTerms, angles: &RefractionAngles) -> [(&'static str, String); 5] {
+    let indices = [refraction.from, refraction.into].map(|index| column_of(&Shortest(index).to_string()));
+    let numbers = |numbers: [Option<f64>; 2]| numbers.map(|value| value.map_or(" none".to_owned(), number));
+    let reflectance = match refraction.is_total() {
+        true => format!(" 1 (total reflection: n1 sin(theta1) = {:.3} > n2)", angles.invariant),
+        false => single(refraction.reflectance),
+    };
+    [
+        ("k_t", single(refraction.coefficient)),
+        ("n1, n2", indices.concat()),
+        ("c1, c2", numbers(angles.cosines).concat()),
+        ("angles", numbers(angles.degrees).concat()),
+        ("F", reflectance),
+    ]
 }
 
 /// Explains the ambient light.
