@@ -1,82 +1,30 @@
-//! Labels below pictures, in a font of a few bitmap glyphs.
+//! Labels below pictures, in the bitmap font of the crate `font8x8`.
 
-/// Glyphs side by side, and the characters in their order. Any other character is drawn as a space.
-struct GlyphTable {
-    characters: &'static str,
-    rows: [&'static str; HEIGHT as usize],
-}
+use font8x8::UnicodeFonts;
 
-const TABLES: [GlyphTable; 3] = [
-    GlyphTable { characters: "0123456789.s#", rows: DIGITS },
-    GlyphTable { characters: "abcdefghijklm", rows: FIRST_LETTERS },
-    GlyphTable { characters: "nopqrtuvwxyz", rows: LAST_LETTERS },
-];
-
-const DIGITS: [&str; HEIGHT as usize] = [
-    " ####    ##    ####   ####      ## ######  ####  ######  ####   ####                 #  #  ",
-    "##  ##  ###   ##  ## ##  ##    ### ##     ##  ##     ## ##  ## ##  ##                #  #  ",
-    "##  ## ####       ##     ##   #### ##     ##         ## ##  ## ##  ##               ###### ",
-    "##  ##   ##       ##     ##  ## ## #####  ##        ##  ##  ## ##  ##                #  #  ",
-    "##  ##   ##      ##    ###  ##  ##     ## #####     ##   ####   #####         #####  #  #  ",
-    "##  ##   ##     ##       ## ######     ## ##  ##   ##   ##  ##     ##        ##      #  #  ",
-    "##  ##   ##    ##        ##     ##     ## ##  ##   ##   ##  ##     ##         ####  ###### ",
-    "##  ##   ##   ##     ##  ##     ## ##  ## ##  ##  ##    ##  ## ##  ##   ##       ##  #  #  ",
-    " ####  ###### ######  ####      ##  ####   ####   ##     ####   ####    ##   #####   #  #  ",
-];
-
-/// Letters with descenders stand on the baseline, as high as the letters without.
-const FIRST_LETTERS: [&str; HEIGHT as usize] = [
-    "       ##                ##          ###         ##                   ##      ###          ",
-    "       ##                ##         ##           ##       ##      ##  ##       ##          ",
-    "       ##                ##         ##           ##       ##      ##  ##       ##          ",
-    "       ##                ##        #####         ##                   ##       ##          ",
-    " ####  #####   ####   #####  ####   ##     ##### #####   ###     ###  ## ##    ##   ## ##  ",
-    "    ## ##  ## ##  ## ##  ## ##  ##  ##    ##  ## ##  ##   ##      ##  ####     ##   ###### ",
-    " ##### ##  ## ##     ##  ## ######  ##     ##### ##  ##   ##      ##  ###      ##   # ## # ",
-    "##  ## ##  ## ##  ## ##  ## ##      ##        ## ##  ##   ##      ##  ####     ##   # ## # ",
-    " ##### #####   ####   #####  ####   ##    ####   ##  ##  ####  ###    ## ##   ####  # ## # ",
-];
-
-const LAST_LETTERS: [&str; HEIGHT as usize] = [
-    "                                                                                    ",
-    "                                    ##                                              ",
-    "                                    ##                                              ",
-    "                                   #####                                            ",
-    "#####   ####  #####   ##### ## ###  ##    ##  ## ##  ## # ## # ##  ## ##  ## ###### ",
-    "##  ## ##  ## ##  ## ##  ## ###     ##    ##  ## ##  ## # ## #  ####  ##  ##    ##  ",
-    "##  ## ##  ## #####   ##### ##      ##    ##  ## ##  ## # ## #   ##    #####   ##   ",
-    "##  ## ##  ## ##         ## ##      ##    ##  ##  ####  ######  ####      ##  ##    ",
-    "##  ##  ####  ##         ## ##       ###   #####   ##    #  #  ##  ## ####   ###### ",
-];
-
-/// Number of rows of a line of text.
+/// Number of rows of a line of text. The last of them is empty.
 pub(super) const HEIGHT: u32 = 9;
-/// Number of columns from one character to the next. The last of them is empty.
-const ADVANCE: u32 = 7;
+/// Number of columns from one character to the next.
+const ADVANCE: usize = 8;
 
-/// Returns the number of columns of a text, without the empty one at its end.
+/// Returns the number of columns of a text.
 pub(super) fn width(text: &str) -> u32 {
-    (0..).zip(text.chars()).last().map_or(0, |(index, _): (u32, char)| index * ADVANCE + ADVANCE - 1)
+    u32::try_from(text.chars().count() * ADVANCE).unwrap_or(u32::MAX)
 }
 
 /// Returns the column and row of every dot of a text, relative to its top left.
 pub(super) fn dots(text: &str) -> impl Iterator<Item = (u32, u32)> {
     (0..)
-        .step_by(ADVANCE as usize)
+        .step_by(ADVANCE)
         .zip(text.chars())
         .flat_map(|(left, character)| glyph(character).map(move |(column, row)| (left + column, row)))
 }
 
-/// Returns the column and row of every dot of a character.
+/// Returns the column and row of every dot of a character. Characters that are not ASCII have no dots.
 fn glyph(character: char) -> impl Iterator<Item = (u32, u32)> {
-    let find = |GlyphTable { characters, rows }: GlyphTable| {
-        Some((characters.find(character)? * ADVANCE as usize, rows))
-    };
-    TABLES.into_iter().find_map(find).into_iter().flat_map(|(start, rows)| {
-        (0..).zip(rows).flat_map(move |(row, dots)| {
-            let dots = dots.bytes().skip(start).take(ADVANCE as usize);
-            (0..).zip(dots).filter(|(_, dot)| *dot == b'#').map(move |(column, _)| (column, row))
-        })
+    // The lowest bit of a row is its leftmost dot.
+    (0..).zip(font8x8::BASIC_FONTS.get(character).into_iter().flatten()).flat_map(|(row, dots)| {
+        (0..u8::BITS).filter(move |column| dots >> column & 1 == 1).map(move |column| (column, row))
     })
 }
 
@@ -87,23 +35,42 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_character_has_a_glyph_of_its_own_and_stays_in_its_columns() {
-        let characters: String = TABLES.map(|table| table.characters).concat();
-        let glyphs: BTreeSet<Vec<_>> =
-            characters.chars().map(|character| glyph(character).collect()).collect();
-        assert_eq!((glyphs.len(), characters.len()), (38, 38));
+    fn every_printable_character_has_a_glyph_of_its_own() {
+        let glyphs: BTreeSet<Vec<_>> = ('!'..='~').map(|character| glyph(character).collect()).collect();
+        assert_eq!(glyphs.len(), 94);
         for glyph in glyphs {
             assert!(!glyph.is_empty());
-            assert!(glyph.iter().all(|(column, row)| *column < ADVANCE - 1 && *row < HEIGHT));
+            assert!(glyph.iter().all(|(column, row)| *column < 8 && *row < HEIGHT));
         }
-        let width = |table: &GlyphTable| table.characters.len() * ADVANCE as usize;
-        assert!(TABLES.iter().all(|table| table.rows.iter().all(|row| row.len() == width(table))));
+    }
+
+    #[test]
+    fn letters_stand_upright_and_some_have_descenders() {
+        let drawn = |text: &str| {
+            let dots: BTreeSet<_> = dots(text).collect();
+            let row = |row| {
+                (0..width(text)).map(|column| if dots.contains(&(column, row)) { '#' } else { '.' }).collect()
+            };
+            (0..HEIGHT).map(row).collect::<Vec<String>>()
+        };
+        let rows = [
+            "#######.........",
+            ".##...#.........",
+            ".##.#...##.###..",
+            ".####....##..##.",
+            ".##.#....##..##.",
+            ".##......#####..",
+            "####.....##.....",
+            "........####....",
+            "................",
+        ];
+        assert_eq!(drawn("Fp"), rows);
     }
 
     #[test]
     fn text_width_matches_its_dots() {
-        assert_eq!((width(""), width("8"), width("88")), (0, 6, 13));
-        assert_eq!(dots("#8").map(|(column, _)| column).max(), Some(width("#8") - 1));
-        assert_eq!(dots(" \u{e4}?").count(), 0);
+        assert_eq!((width(""), width("8"), width("88")), (0, 8, 16));
+        assert_eq!(dots("8_").map(|(column, _)| column).max(), Some(width("8_") - 1));
+        assert_eq!(dots(" \u{e4}\n").count(), 0);
     }
 }

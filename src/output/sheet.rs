@@ -104,8 +104,8 @@ impl Sheet {
         self.add_captioned(film, &[&label, &number]);
     }
 
-    /// Adds a picture as the next tile, with the first of these captions that fits below it, in lower case letters and digits. Pixels outside
-    /// the tile or the sheet are cropped.
+    /// Adds a picture as the next tile, with the first of these captions that fits below it. Only ASCII characters are drawn. Pixels outside the
+    /// tile or the sheet are cropped.
     pub fn add_captioned(&mut self, film: &EncodedFilm, captions: &[&str]) {
         let (left, top) = self.next_corner();
         let columns = self.tile.0.min(film.width()).min(self.width().saturating_sub(left)) as usize;
@@ -261,16 +261,16 @@ mod tests {
     #[test]
     fn labels_stay_below_their_tiles_and_narrow_tiles_have_less_of_them() {
         // "#17  0.000 s" has 12 characters.
-        for (columns, dots) in [(19, 0), (20, label::dots("#17").count()), (82, label::dots("#17").count())] {
+        for (columns, dots) in [(23, 0), (24, label::dots("#17").count()), (95, label::dots("#17").count())] {
             assert_eq!(inked(columns), dots, "{columns}");
         }
-        assert_eq!(inked(83), label::dots("#170.000s").count());
-        assert_eq!(inked(800), 4 * inked(83));
+        assert_eq!(inked(96), label::dots("#170.000s").count());
+        assert_eq!(inked(800), 4 * inked(96));
     }
 
     #[test]
     fn first_caption_that_fits_is_drawn() {
-        for (columns, caption) in [(69, "no shadows"), (68, "no"), (12, "")] {
+        for (columns, caption) in [(80, "no shadows"), (79, "no"), (15, "")] {
             let mut sheet = Sheet::new(1, 1, (columns, 1)).unwrap();
             sheet.add_captioned(&film((columns, 1), Rgb::ONE), &["no shadows", "no"]);
             let inked = sheet.pixels.iter().filter(|pixel| **pixel == INK).count();
