@@ -14,8 +14,8 @@
 //! unknown material, a radius of 0), each with its position in the text. `spans` locates the positions afterwards, so that a valid scene
 //! costs nothing extra.
 //!
-//! [`format`] describes the file format as data, and [`assist`] helps while a scene is typed; both query the parser with short texts, and
-//! take descriptions from `reference`, the [`manual`] as data.
+//! [`mod@format`] describes the file format as data, and [`assist`] helps while a scene is typed; both query the parser with short texts,
+//! and take descriptions from `reference`, the [`manual`] as data.
 //!
 //! The types in `document` mirror the file format and serve no other purpose; components do not depend on them.
 
