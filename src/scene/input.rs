@@ -7,7 +7,7 @@ use std::io::{self, Read, Take};
 use std::path::{Path, PathBuf};
 
 /// Maximum size of a scene file: 1 GiB.
-pub(crate) const LARGEST_FILE: u64 = 1 << 30;
+pub const LARGEST_FILE: u64 = 1 << 30;
 
 /// Policy for paths that name an input stream of the process, such as `/dev/stdin`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

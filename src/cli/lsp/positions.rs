@@ -92,10 +92,12 @@ pub(super) fn path_of(uri: &str) -> PathBuf {
     while let [first, rest @ ..] = left {
         let code = rest.get(..2).and_then(|digits| std::str::from_utf8(digits).ok());
         let code = code.and_then(|digits| u8::from_str_radix(digits, 16).ok());
-        (bytes, left) = match code.filter(|_| *first == b'%') {
-            Some(code) => ([bytes, vec![code]].concat(), &rest[2..]),
-            None => ([bytes, vec![*first]].concat(), rest),
+        let (byte, after) = match code.filter(|_| *first == b'%') {
+            Some(code) => (code, &rest[2..]),
+            None => (*first, rest),
         };
+        bytes.push(byte);
+        left = after;
     }
     PathBuf::from(String::from_utf8_lossy(&bytes).into_owned())
 }

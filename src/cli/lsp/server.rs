@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use rayreel::scene::assist::{
     SceneSymbol, Suggestion, SuggestionKind, Suggestions, SymbolKind, complete, definition, describe, outline,
 };
-use rayreel::scene::input::{InputKind, read};
+use rayreel::scene::input::{InputKind, LARGEST_FILE, read};
 
 use super::checker::Checker;
 use super::positions::{LineStarts, offset, path_of, range, uri_of};
@@ -22,9 +22,6 @@ const INVALID_REQUEST: i32 = -32600;
 const METHOD_NOT_FOUND: i32 = -32601;
 const INVALID_PARAMS: i32 = -32602;
 const NOT_INITIALIZED: i32 = -32002;
-
-/// The largest file that a definition can be in: 64 MiB.
-const LARGEST_TARGET: u64 = 1 << 26;
 
 /// The progress of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,7 +148,7 @@ impl LanguageServer {
         let Some(file) = found.file else { return json!({ "uri": uri, "range": range(text, &found.span) }) };
         let uri = uri_of(&file);
         let of_file = || {
-            String::from_utf8(read(&file, InputKind::Refused, LARGEST_TARGET).unwrap_or_default())
+            String::from_utf8(read(&file, InputKind::Refused, LARGEST_FILE).unwrap_or_default())
                 .unwrap_or_default()
         };
         let text = self.texts.get(&uri).cloned().unwrap_or_else(of_file);

@@ -51,12 +51,13 @@ impl OrthographicView {
         let front = ("from the front: x to the right, y upwards", [0, 1, 2]);
         let (least, most) = bounds(path, &[]);
         let extent = |(_, [right, up, _]): (&str, [usize; 3])| (most - least)[right] * (most - least)[up];
-        let pair = match (extent(above), extent(side), extent(front)) {
-            (above_extent, side_extent, front_extent) if front_extent <= above_extent.min(side_extent) => {
-                [above, side]
-            }
-            (above_extent, side_extent, _) if side_extent <= above_extent => [above, front],
-            _ => [side, front],
+        let views = [above, side, front];
+        // Of equal ones, the later view is left out.
+        let smallest = [2, 1, 0].into_iter().min_by(|a, b| extent(views[*a]).total_cmp(&extent(views[*b])));
+        let pair = match smallest {
+            Some(0) => [side, front],
+            Some(1) => [above, front],
+            _ => [above, side],
         };
         let [left, right] = frames;
         let view = |(name, axes), frame| Self { name, axes, frame, center, scale };
