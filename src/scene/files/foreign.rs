@@ -16,7 +16,10 @@ const DATA: &str = "let a script in the scene's list `spawn` make an entity of e
 pub(super) fn foreign_file(path: &Path) -> Option<Diagnostic> {
     let extension = path.extension()?.to_str()?.to_lowercase();
     let (what, help) = match extension.as_str() {
-        "pov" | "inc" => ("a scene of POV-Ray", SCENE),
+        "pov" | "inc" => (
+            "a scene of POV-Ray",
+            "`Coming from POV-Ray`, a chapter of the book, has what to write for each of its words; `rayreel new FILE.ron` writes a small scene to start from",
+        ),
         "blend" => ("a file of Blender", SCENE),
         "gltf" | "glb" | "obj" | "fbx" | "stl" | "ply" | "dae" | "usd" | "usda" | "usdc" | "usdz" => {
             ("a model of triangles", SCENE)
