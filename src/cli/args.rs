@@ -221,7 +221,7 @@ pub(super) struct RenderArguments {
 pub(super) struct AllowArguments {
     /// Do not warn of these, as in --allow one-color,idle-light: dark-color, not-drawn, no-light, nothing-seen, passed-target,
     /// short-turn, distorted, replaced-value, one-color, cut-off, idle-light, too-bright, black-surface, default-view, at-origin,
-    /// out-of-date [can be repeated]
+    /// out-of-date, incomplete [can be repeated]
     #[arg(long = "allow", value_name = "WARNINGS", value_parser = parse_warning, value_delimiter = ',')]
     pub(super) warnings: Vec<&'static str>,
 }
@@ -531,11 +531,15 @@ pub(super) enum SchedulerName {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
-  rayreel new ball.ron && rayreel render ball.ron")]
+#[command(after_help = "Examples:
+  rayreel new ball.ron && rayreel render ball.ron
+  rayreel new --from water.xyz water.ron && rayreel watch water.ron")]
 pub(super) struct NewArguments {
     /// The file to write; it must not exist
     pub(super) file: PathBuf,
+    /// Write a scene that shows the particles of this data file: a turntable over its frames, with the colours of its elements
+    #[arg(long, value_name = "DATA")]
+    pub(super) from: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -22,6 +22,7 @@ mod man;
 mod manifest;
 mod movie;
 mod new;
+mod new_from;
 mod overrides;
 mod print;
 mod probe;

@@ -18,6 +18,8 @@ macro_rules! with_components {
             Parent: transform,
             WorldTransform: kept,
             Shape: shape,
+            Cloud: kept,
+            CloudSource: rewritten,
             Visibility: shape,
             Material: material,
             Specular: material,

@@ -1,6 +1,6 @@
 //! The reasons for which the systems of a frame stop early.
 
-use super::UnknownComponent;
+use super::{CloudFailure, UnknownComponent};
 use crate::components::ScriptId;
 use crate::script::ScriptError;
 
@@ -22,6 +22,8 @@ pub(crate) enum Interrupted {
     UnknownComponent(UnknownComponent),
     /// A script failed to return a value.
     Script(Box<ScriptFailure>),
+    /// A cloud has no particles.
+    Cloud(Box<CloudFailure>),
     /// The request was cancelled.
     Cancelled,
 }

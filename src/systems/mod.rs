@@ -1,12 +1,13 @@
 //! The systems that run for each frame, in this order:
 //!
 //! ```text
-//! stepped systems up to this moment -> animate -> scripts -> pure systems -> propagate -> prepare -> plan -> trace
+//! stepped systems up to this moment -> clouds -> animate -> scripts -> pure systems -> propagate -> prepare -> plan -> trace
 //! ```
 //!
 //! - Custom systems are pure or stepped: [`Engine::add_system`](crate::Engine::add_system) and
 //!   [`Engine::add_stepped_system`](crate::Engine::add_stepped_system). Tracks and scripts run before each step and again after the steps,
 //!   so a step cannot permanently change a value that a track or a script drives.
+//! - Clouds get the particles of this moment from their [sources](crate::components::CloudSource).
 //! - [`animate()`] writes the values of motions at this moment.
 //! - Scripts write their values after all tracks.
 //! - [`propagate()`] derives world transforms from transforms, parents first.
@@ -24,6 +25,7 @@ mod aim;
 mod animate;
 mod batches;
 mod changes;
+mod clouds;
 mod context;
 mod disabled_effects;
 mod effect;
@@ -49,6 +51,7 @@ mod world_transform;
 
 pub use animate::animate;
 pub use changes::Changes;
+pub(crate) use clouds::CloudFailure;
 pub use context::Context;
 pub use effect::{Effect, EffectSet};
 pub use faults::{Consequence, Fallback, Fault, FaultCause, UndeclaredChange};

@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use hecs::World;
 
+use super::clouds::update_clouds;
 use super::order::order_newcomers;
 use super::{Changes, Context, Interrupted, Registry, Scripts, Snapshot, animate, propagate};
 use crate::time::Time;
@@ -220,7 +221,7 @@ impl Schedule {
     }
 }
 
-/// Runs tracks, then scripts.
+/// Updates clouds, then runs tracks, then scripts.
 fn animate_all(
     scripts: &mut Scripts,
     world: &mut World,
@@ -229,6 +230,7 @@ fn animate_all(
     changes: &mut Changes,
     cancelled: &AtomicBool,
 ) -> Result<(), Interrupted> {
+    update_clouds(world, time, changes)?;
     scripts.look_up(world);
     animate(world, time, changes);
     scripts.run(world, time, has_steps, changes, cancelled)

@@ -1,0 +1,117 @@
+//! Reading of frames, ahead of their use.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::SystemTime;
+
+use super::error::{CloudError, CloudPart};
+use crate::trajectory::{Snapshot, Trajectory, TrajectoryError};
+
+/// A data file, with the frames in use.
+#[derive(Debug)]
+pub struct DataFile {
+    trajectory: Trajectory,
+    stamp: Option<FileStamp>,
+    /// True if frames stay in memory after use, since other settings may be applied to them.
+    is_kept: bool,
+    frames: Mutex<Frames>,
+}
+
+/// The length of a file, and the time of its last write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct FileStamp(u64, Option<SystemTime>);
+
+#[derive(Debug, Default)]
+struct Frames {
+    held: Vec<(usize, Arc<Snapshot>)>,
+    /// The frame that is being read ahead.
+    ahead: Option<(usize, JoinHandle<Result<Snapshot, TrajectoryError>>)>,
+}
+
+/// The number of frames that are held: those before and after a moment.
+const HELD: usize = 2;
+
+impl DataFile {
+    /// Opens a file. With `is_kept`, the last frames stay in memory, so that other settings read no file.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read, or has no frame.
+    pub fn open(path: &Path, is_kept: bool) -> Result<Arc<Self>, TrajectoryError> {
+        let stamp = stamp(path);
+        let trajectory = Trajectory::open(path, None)?;
+        Ok(Arc::new(Self { trajectory, stamp, is_kept, frames: Mutex::default() }))
+    }
+
+    /// Returns the file.
+    #[must_use]
+    pub fn trajectory(&self) -> &Trajectory {
+        &self.trajectory
+    }
+
+    /// Returns whether the file at this path is still the one that was opened.
+    #[must_use]
+    pub fn is_current(&self, path: &Path) -> bool {
+        self.stamp.is_some() && self.stamp == stamp(path)
+    }
+
+    /// Returns a frame, which is read unless it is held.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read.
+    pub fn frame(&self, index: usize) -> Result<Arc<Snapshot>, CloudError> {
+        let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, held)) = frames.held.iter().find(|(held, _)| *held == index) {
+            return Ok(Arc::clone(held));
+        }
+        let ahead = match frames.ahead.take() {
+            Some((ahead, reader)) if ahead == index => reader.join().ok(),
+            other => {
+                frames.ahead = other;
+                None
+            }
+        };
+        let read = ahead.unwrap_or_else(|| self.trajectory.read(index));
+        let help = "correct the file, or choose other times in `frames`";
+        let read = read.map_err(|error| CloudError::new(CloudPart::Source, error.to_string(), help))?;
+        let snapshot = Arc::new(read);
+        if frames.held.len() == HELD {
+            frames.held.remove(0);
+        }
+        frames.held.push((index, Arc::clone(&snapshot)));
+        Ok(snapshot)
+    }
+
+    /// Releases all frames except these, unless frames are kept.
+    pub(super) fn release(&self, kept: &[usize]) {
+        if !self.is_kept {
+            let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
+            frames.held.retain(|(index, _)| kept.contains(index));
+        }
+    }
+
+    /// Starts to read a frame that will be needed.
+    pub(super) fn read_ahead(self: &Arc<Self>, index: usize) {
+        let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_held = frames.held.iter().any(|(held, _)| *held == index);
+        if index >= self.trajectory.frames() || is_held || frames.ahead.is_some() {
+            return;
+        }
+        let file = Arc::clone(self);
+        let read = move || {
+            // A pool of its own: the threads of the common one may be waiting for this frame.
+            match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                Ok(pool) => pool.install(|| file.trajectory.read(index)),
+                Err(_) => file.trajectory.read(index),
+            }
+        };
+        frames.ahead = std::thread::Builder::new().spawn(read).ok().map(|reader| (index, reader));
+    }
+}
+
+fn stamp(path: &Path) -> Option<FileStamp> {
+    let metadata = std::fs::metadata(path).ok()?;
+    Some(FileStamp(metadata.len(), metadata.modified().ok()))
+}
