@@ -168,8 +168,8 @@ pub mod accuracy;
 pub mod animation;
 #[cfg(any(doc, doctest))]
 pub mod book;
-pub mod color;
 pub mod clouds;
+pub mod color;
 pub mod components;
 pub mod engine;
 #[cfg(feature = "live")]

@@ -4,16 +4,16 @@ use std::path::Path;
 
 use anyhow::anyhow;
 
-use rayreel::clouds::DataFile;
+use rayreel::clouds::TrajectoryFile;
 use rayreel::glam::DVec3;
 use rayreel::trajectory::{Snapshot, Values};
 
 /// Returns the text of a scene, to be written to `scene`, that shows a data file.
 pub(super) fn scene_of(data: &Path, scene: &Path) -> anyhow::Result<String> {
-    let file = DataFile::open(data, false)?;
+    let file = TrajectoryFile::open(data, false)?;
     let frames = file.trajectory().frames();
     // The extent changes little from frame to frame; reading all of them could take long.
-    let mut extent = Extent::default();
+    let mut extent = ParticleBounds::default();
     for frame in [0, frames / 2, frames - 1] {
         let snapshot = file.frame(frame).map_err(|error| anyhow!(error))?;
         extent.add(&snapshot)?;
@@ -66,18 +66,18 @@ const FIELD_OF_VIEW: f64 = 30.0;
 
 /// The box around particles.
 #[derive(Clone, Copy)]
-struct Extent {
+struct ParticleBounds {
     least: DVec3,
     greatest: DVec3,
 }
 
-impl Default for Extent {
+impl Default for ParticleBounds {
     fn default() -> Self {
         Self { least: DVec3::INFINITY, greatest: DVec3::NEG_INFINITY }
     }
 }
 
-impl Extent {
+impl ParticleBounds {
     fn add(&mut self, snapshot: &Snapshot) -> anyhow::Result<()> {
         let [x, y, z] = snapshot.positions()?;
         for ((x, y), z) in x.iter().zip(y).zip(z) {
@@ -114,7 +114,7 @@ struct Look {
 }
 
 impl Look {
-    fn of(snapshot: &Snapshot, extent: &Extent) -> Self {
+    fn of(snapshot: &Snapshot, extent: &ParticleBounds) -> Self {
         let has_words = |name: &str| matches!(snapshot.column(name), Some(Values::Labels { .. }));
         if has_words("element") {
             return Self {
@@ -134,7 +134,12 @@ impl Look {
         });
         if let Some((name, largest)) = radii {
             let settings = format!(", scale_by: Column({name:?}){color}");
-            return Self { shape: "Sphere(radius: 1)".to_owned(), settings, about: "Radii from the data.", largest };
+            return Self {
+                shape: "Sphere(radius: 1)".to_owned(),
+                settings,
+                about: "Radii from the data.",
+                largest,
+            };
         }
         let radius = spacing(snapshot, extent) * 0.4;
         Self {
@@ -148,8 +153,11 @@ impl Look {
 
 /// Returns the distance of particles that fill the box around them evenly, or 1.
 #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-fn spacing(snapshot: &Snapshot, extent: &Extent) -> f64 {
-    let sides = (extent.greatest - extent.least).to_array().into_iter().filter(|side| *side > 0.0 && side.is_finite());
+fn spacing(snapshot: &Snapshot, extent: &ParticleBounds) -> f64 {
+    let sides = (extent.greatest - extent.least)
+        .to_array()
+        .into_iter()
+        .filter(|side| *side > 0.0 && side.is_finite());
     let sides: Vec<f64> = sides.collect();
     if sides.is_empty() {
         return 1.0;

@@ -46,7 +46,11 @@ impl<'a> FrameColumns<'a> {
 
     /// Returns the columns between two frames, `share` of the way to the later one. Particles are matched by the column `id` if both frames
     /// have it, or else by their order.
-    pub(super) fn between(earlier: &'a Snapshot, later: &'a Snapshot, share: f64) -> Result<Self, CloudError> {
+    pub(super) fn between(
+        earlier: &'a Snapshot,
+        later: &'a Snapshot,
+        share: f64,
+    ) -> Result<Self, CloudError> {
         let ids = |snapshot: &'a Snapshot| match snapshot.column("id") {
             Some(Values::Numbers(ids)) => Some(ids),
             _ => None,
@@ -63,7 +67,9 @@ impl<'a> FrameColumns<'a> {
                 let (before, after) = (earlier.count, later.count);
                 return Err(CloudError::new(
                     CloudPart::Frames,
-                    format!("a frame with {before} particles is followed by one with {after}, and no ids say which is which"),
+                    format!(
+                        "a frame with {before} particles is followed by one with {after}, and no ids say which is which"
+                    ),
                     "write `between: Hold`, or add a column `id` to the file",
                 ));
             }
@@ -183,7 +189,11 @@ impl NearestImage {
             let (edge, others) = (cell.edges[axis], [1, 2].map(|step| cell.edges[(axis + step) % 3]));
             // Edges without a period may be missing; any other direction takes their place.
             let is_missing = edge == DVec3::ZERO && !cell.periodic[axis];
-            if is_missing { others[0].cross(others[1]).normalize_or(others[0].any_orthogonal_vector()) } else { edge }
+            if is_missing {
+                others[0].cross(others[1]).normalize_or(others[0].any_orthogonal_vector())
+            } else {
+                edge
+            }
         });
         let edges = DMat3::from_cols(a, b, c);
         let multiples = edges.inverse();
@@ -205,7 +215,8 @@ mod tests {
     use crate::trajectory::Column;
 
     fn snapshot(rows: &[(f64, [f64; 3])]) -> Snapshot {
-        let column = |name: &str, values: Vec<f64>| Column { name: name.to_owned(), values: Values::Numbers(values) };
+        let column =
+            |name: &str, values: Vec<f64>| Column { name: name.to_owned(), values: Values::Numbers(values) };
         let axis = |axis: usize| rows.iter().map(|(_, place)| place[axis]).collect();
         let columns = vec![
             column("id", rows.iter().map(|(id, _)| *id).collect()),
@@ -230,7 +241,11 @@ mod tests {
         let edges = [DVec3::X * 10.0, DVec3::Y * 10.0, DVec3::Z * 10.0];
         earlier.cell = Some(Cell { origin: DVec3::ZERO, edges, periodic: [true, false, true] });
         assert_eq!(at(&earlier, None), [DVec3::new(9.5, 3.0, 0.0), others[0], others[1]]);
-        earlier.cell = Some(Cell { origin: DVec3::ZERO, edges: [edges[0], edges[1], DVec3::ZERO], periodic: [true, false, false] });
+        earlier.cell = Some(Cell {
+            origin: DVec3::ZERO,
+            edges: [edges[0], edges[1], DVec3::ZERO],
+            periodic: [true, false, false],
+        });
         assert_eq!(at(&earlier, Some(&[0])), [DVec3::new(9.5, 3.0, 0.0)]);
         // A sheared cell: going up one edge also moves along the first one.
         let sheared = [DVec3::X * 10.0, DVec3::new(2.0, 10.0, 0.0), DVec3::Z * 10.0];

@@ -3,11 +3,11 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::columns::FrameColumns;
-use super::data_file::DataFile;
 use super::error::CloudError;
 use super::filter::ParticleFilter;
+use super::frame_times::{FrameTimes, FramesAt};
 use super::mapping::{ColorBy, FirstFrame, ScaleBy};
-use super::frame_times::{FramesAt, FrameTimes};
+use super::trajectory_file::TrajectoryFile;
 use crate::color::Transfer;
 use crate::components::{Cloud, Particles};
 use crate::time::Time;
@@ -31,7 +31,7 @@ pub struct CloudSettings {
 /// The particles of a data file.
 #[derive(Debug)]
 pub struct FileParticles {
-    file: Arc<DataFile>,
+    file: Arc<TrajectoryFile>,
     /// The name of the file, for messages.
     name: String,
     settings: CloudSettings,
@@ -42,13 +42,13 @@ pub struct FileParticles {
 impl FileParticles {
     /// Creates the particles of a file. `name` is the file as written in the scene.
     #[must_use]
-    pub fn new(file: Arc<DataFile>, name: &str, settings: CloudSettings) -> Self {
+    pub fn new(file: Arc<TrajectoryFile>, name: &str, settings: CloudSettings) -> Self {
         Self { file, name: name.to_owned(), settings, first: OnceLock::new(), last: Mutex::default() }
     }
 
     /// Returns whether these are the particles of the same file, with the same settings.
     #[must_use]
-    pub fn is_same(&self, file: &Arc<DataFile>, settings: &CloudSettings) -> bool {
+    pub fn is_same(&self, file: &Arc<TrajectoryFile>, settings: &CloudSettings) -> bool {
         Arc::ptr_eq(&self.file, file) && self.settings == *settings
     }
 
@@ -107,7 +107,12 @@ impl FileParticles {
         cloud
     }
 
-    fn mapped(&self, columns: &FrameColumns<'_>, snapshot: &Snapshot, at: FramesAt) -> Result<Cloud, CloudError> {
+    fn mapped(
+        &self,
+        columns: &FrameColumns<'_>,
+        snapshot: &Snapshot,
+        at: FramesAt,
+    ) -> Result<Cloud, CloudError> {
         let CloudSettings { filter, scale_by, color_by, transfer, .. } = &self.settings;
         let rows = match filter {
             Some(filter) => Some(filter.bind(columns)?.rows(columns.count())),
@@ -173,7 +178,11 @@ fn picked<T: Copy>(values: Vec<T>, rows: Option<&[u32]>) -> Vec<T> {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "ids are whole numbers, others are rounded")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "ids are whole numbers, others are rounded"
+)]
 fn number(id: f64) -> u64 {
     id as u64
 }

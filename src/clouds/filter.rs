@@ -122,7 +122,8 @@ impl ParticleFilter {
     ///
     /// Returns the first place that is wrong.
     pub fn parse(text: &str) -> Result<Self, CloudError> {
-        let mut parser = Parser { tokens: tokens(text)?, next: 0, end: text.len(), depth: 0, columns: Vec::new() };
+        let mut parser =
+            Parser { tokens: tokens(text)?, next: 0, end: text.len(), depth: 0, columns: Vec::new() };
         let root = parser.or()?;
         if let Some(token) = parser.tokens.get(parser.next) {
             let message = format!("`{}` is not expected here", &text[token.place.clone()]);
@@ -142,7 +143,10 @@ impl ParticleFilter {
                 ColumnValues::Labels(labels, names) => BoundColumn::Labels(labels, names),
             })
         };
-        let bound = BoundFilter { root: &self.root, columns: self.columns.iter().map(bind).collect::<Result<_, _>>()? };
+        let bound = BoundFilter {
+            root: &self.root,
+            columns: self.columns.iter().map(bind).collect::<Result<_, _>>()?,
+        };
         bound.expect(&self.root, Kind::Condition)?;
         Ok(bound)
     }
@@ -281,7 +285,8 @@ impl BoundFilter<'_> {
                 }
             }
             ExpressionKind::Call(function, arguments) => {
-                let argument = |index: usize| arguments.get(index).map_or(f64::NAN, |node| self.number(node, row));
+                let argument =
+                    |index: usize| arguments.get(index).map_or(f64::NAN, |node| self.number(node, row));
                 match function {
                     Function::Abs => argument(0).abs(),
                     Function::Sqrt => argument(0).sqrt(),
@@ -312,8 +317,9 @@ enum TokenKind {
 }
 
 /// The signs, longer ones before those with which they begin.
-const SIGNS: [&str; 20] =
-    ["==", "!=", "<=", ">=", "&&", "||", "<", ">", "=", "!", "+", "-", "*", "/", "%", "^", "(", ")", ",", "&"];
+const SIGNS: [&str; 20] = [
+    "==", "!=", "<=", ">=", "&&", "||", "<", ">", "=", "!", "+", "-", "*", "/", "%", "^", "(", ")", ",", "&",
+];
 
 fn tokens(text: &str) -> Result<Vec<Token>, CloudError> {
     let mut tokens = Vec::new();
@@ -330,18 +336,27 @@ fn tokens(text: &str) -> Result<Vec<Token>, CloudError> {
             // An exponent, as in `1e-3`.
             if let Some(exponent) = rest[length..].strip_prefix(['e', 'E']) {
                 let digits = exponent.trim_start_matches(['+', '-']);
-                let count = digits.len() - digits.trim_start_matches(|letter: char| letter.is_ascii_digit()).len();
+                let count =
+                    digits.len() - digits.trim_start_matches(|letter: char| letter.is_ascii_digit()).len();
                 if count > 0 {
                     length += 1 + (exponent.len() - digits.len()) + count;
                 }
             }
             let number = rest[..length].parse().map_err(|_| {
-                error(at..at + length, format!("`{}` is not a number", &rest[..length]), "write a number, as 1.5")
+                error(
+                    at..at + length,
+                    format!("`{}` is not a number", &rest[..length]),
+                    "write a number, as 1.5",
+                )
             })?;
             (TokenKind::Number(number), length)
         } else if let Some(quote) = ['\'', '"', '`'].into_iter().find(|quote| *quote == first) {
             let Some(length) = rest[1..].find(quote) else {
-                return Err(error(at..text.len(), "the quote is not closed", format!("end the text with a {quote}")));
+                return Err(error(
+                    at..text.len(),
+                    "the quote is not closed",
+                    format!("end the text with a {quote}"),
+                ));
             };
             let inside = rest[1..=length].to_owned();
             // A column whose name is no word is written in backquotes.
@@ -359,12 +374,20 @@ fn tokens(text: &str) -> Result<Vec<Token>, CloudError> {
             (kind, length)
         } else if let Some(sign) = SIGNS.into_iter().find(|sign| rest.starts_with(sign)) {
             if let "=" | "&" = sign {
-                return Err(error(at..at + 1, format!("`{sign}` means nothing"), format!("write `{sign}{sign}`")));
+                return Err(error(
+                    at..at + 1,
+                    format!("`{sign}` means nothing"),
+                    format!("write `{sign}{sign}`"),
+                ));
             }
             (TokenKind::Sign(sign), sign.len())
         } else {
             let message = format!("`{}` is not part of a condition", first.escape_default());
-            return Err(error(at..at + first.len_utf8(), message, "compare columns, as `z > 0 and type == 2`"));
+            return Err(error(
+                at..at + first.len_utf8(),
+                message,
+                "compare columns, as `z > 0 and type == 2`",
+            ));
         };
         tokens.push(Token { kind, place: at..at + length });
         at += length;
@@ -474,7 +497,10 @@ impl Parser {
         let Some((_, place)) = self.take(&["^"]) else { return Ok(base) };
         self.nested(&place, |parser| {
             let sides = Box::new([base, parser.sign()?]);
-            Ok(Expression { kind: ExpressionKind::Arithmetic(Arithmetic::Power, sides), place: place.clone() })
+            Ok(Expression {
+                kind: ExpressionKind::Arithmetic(Arithmetic::Power, sides),
+                place: place.clone(),
+            })
         })
     }
 
@@ -510,7 +536,9 @@ impl Parser {
                     Ok(inside)
                 });
             }
-            TokenKind::Sign(sign) => return Err(error(place, format!("`{sign}` is not expected here"), MISSING)),
+            TokenKind::Sign(sign) => {
+                return Err(error(place, format!("`{sign}` is not expected here"), MISSING));
+            }
         };
         Ok(Expression { kind, place })
     }
@@ -532,7 +560,11 @@ impl Parser {
         };
         let Some((_, function, count)) = FUNCTIONS.into_iter().find(|(known, ..)| *known == name) else {
             let known = FUNCTIONS.map(|(known, ..)| format!("`{known}`")).join(", ");
-            return Err(error(place, format!("there is no function `{name}`"), format!("the functions are {known}")));
+            return Err(error(
+                place,
+                format!("there is no function `{name}`"),
+                format!("the functions are {known}"),
+            ));
         };
         self.nested(&place.clone(), |parser| {
             let mut arguments = vec![parser.or()?];
@@ -559,7 +591,10 @@ mod tests {
     use crate::trajectory::{Column, Snapshot, Values};
 
     fn snapshot() -> Snapshot {
-        let numbers = |name: &str, values: [f64; 4]| Column { name: name.to_owned(), values: Values::Numbers(values.to_vec()) };
+        let numbers = |name: &str, values: [f64; 4]| Column {
+            name: name.to_owned(),
+            values: Values::Numbers(values.to_vec()),
+        };
         let names = vec!["O".to_owned(), "H".to_owned()];
         let elements = Values::Labels { labels: vec![0, 1, 1, 0], names };
         let columns = vec![

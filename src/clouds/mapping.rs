@@ -90,7 +90,9 @@ fn by_element<T: Copy + Send + Sync>(
             labels.par_iter().map(of).collect()
         }
         ColumnValues::Numbers(numbers) => {
-            let of = |number: &f64| numbered(*number).map(&value).ok_or_else(|| unknown(format!("number {number}")));
+            let of = |number: &f64| {
+                numbered(*number).map(&value).ok_or_else(|| unknown(format!("number {number}")))
+            };
             numbers.par_iter().map(of).collect()
         }
     }
@@ -104,7 +106,8 @@ impl ColorBy {
             Self::Map { column, range, .. } => {
                 let numbers = columns.numbers(column, &CloudPart::ColorBy)?;
                 let finite = || numbers.iter().copied().filter(|number| number.is_finite());
-                let ends = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+                let ends =
+                    (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
                 first.range = range.unwrap_or(ends);
             }
             Self::Element => {
@@ -143,18 +146,24 @@ impl ColorBy {
                 (decoded(&colors), picked(rows, columns.count(), |row| elements[row]))
             }
             Self::Category(column) => {
-                let colors: Vec<[f64; 3]> = CATEGORIES.iter().filter_map(|color| hex_channels(color)).collect();
+                let colors: Vec<[f64; 3]> =
+                    CATEGORIES.iter().filter_map(|color| hex_channels(color)).collect();
                 let wrapped = |index: usize| u16::try_from(index % CATEGORIES.len()).unwrap_or(0);
                 let indices = match columns.column(column, part)? {
                     ColumnValues::Labels(labels, names) => {
                         // A label that the first frame lacks has a color by its letters, whichever frame brings it.
                         let letters = |name: &str| name.bytes().map(usize::from).sum();
-                        let of_name =
-                            |name: &String| wrapped(first.labels.get(name).copied().unwrap_or_else(|| letters(name)));
+                        let of_name = |name: &String| {
+                            wrapped(first.labels.get(name).copied().unwrap_or_else(|| letters(name)))
+                        };
                         let of_names: Vec<u16> = names.iter().map(of_name).collect();
-                        picked(rows, columns.count(), |row| of_names.get(labels[row] as usize).copied().unwrap_or(0))
+                        picked(rows, columns.count(), |row| {
+                            of_names.get(labels[row] as usize).copied().unwrap_or(0)
+                        })
                     }
-                    ColumnValues::Numbers(numbers) => picked(rows, columns.count(), |row| category(numbers[row])),
+                    ColumnValues::Numbers(numbers) => {
+                        picked(rows, columns.count(), |row| category(numbers[row]))
+                    }
                 };
                 (decoded(&colors), indices)
             }

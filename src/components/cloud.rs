@@ -62,6 +62,11 @@ pub struct CloudSource {
     pub place: Arc<str>,
 }
 
+/// The number of a particle: an entity with this component is at that particle of its parent, which is a cloud. Its translation is set
+/// before tracks are evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AtParticle(pub u64);
+
 /// Particles as a function of time.
 pub trait Particles: Send + Sync {
     /// Returns the particles at a moment. Clouds that share their columns with the previous ones are not read again.
@@ -90,6 +95,16 @@ impl Cloud {
         }
     }
 
+    /// Returns the position of the particle with a number.
+    #[must_use]
+    pub fn position(&self, number: u64) -> Option<DVec3> {
+        let particle = match &self.numbers {
+            Some(numbers) => numbers.iter().position(|known| *known == number)?,
+            None => usize::try_from(number).ok()?,
+        };
+        self.positions.get(particle).copied()
+    }
+
     /// Returns the number by which a particle is called.
     #[must_use]
     pub fn number(&self, particle: usize) -> u64 {
@@ -108,7 +123,11 @@ impl PartialEq for Cloud {
             (Some(own), Some(other)) => Arc::ptr_eq(&own.palette, &other.palette),
             (own, other) => own.is_none() && other.is_none(),
         };
-        numbers && palettes && self.shares_shapes(other) && self.shares_colors(other) && self.origin == other.origin
+        numbers
+            && palettes
+            && self.shares_shapes(other)
+            && self.shares_colors(other)
+            && self.origin == other.origin
     }
 }
 

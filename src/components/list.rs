@@ -20,6 +20,7 @@ macro_rules! with_components {
             Shape: shape,
             Cloud: kept,
             CloudSource: rewritten,
+            AtParticle: rewritten,
             Visibility: shape,
             Material: material,
             Specular: material,

@@ -36,7 +36,12 @@ pub struct Hit {
 
 impl Hit {
     /// Creates a hit from the kernel's ray and hit. `exponent` is the power of two by which the direction was scaled for the kernel.
-    pub(super) fn new(prepared: &Preparation, ray: &trace::CastRay, exponent: i32, surface: trace::CastHit) -> Self {
+    pub(super) fn new(
+        prepared: &Preparation,
+        ray: &trace::CastRay,
+        exponent: i32,
+        surface: trace::CastHit,
+    ) -> Self {
         // A hit at the origin has t = 0 for any scaling. Adding zero makes negative zeros positive.
         let t = if surface.t.rounded() == 0.0 { 0.0 } else { libm::ldexp(surface.t.rounded(), exponent) };
         let slot = surface.hit.id;

@@ -8,8 +8,8 @@ use super::cast::{Hit, IntoRay, Ray};
 use crate::color::Encoding;
 use crate::scene::{LoadError, Scene, SceneScripts, SceneWarning, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, CloudFailure, Context, EffectiveSettings, Fault, FrameReport, Interrupted, Preparation, RenderRequest,
-    RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
+    self, CloudFailure, Context, EffectiveSettings, Fault, FrameReport, Interrupted, Preparation,
+    RenderRequest, RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
 };
 use crate::time::{Time, Timeline};
 use crate::trace::{Film, PreparedRay, RayTree, RenderedImage, SampleMemory, SharedRoundPolicy, Signals};

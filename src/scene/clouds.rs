@@ -16,8 +16,8 @@ use super::spawn::transfer;
 use super::suggest_file::nearby;
 use super::validate::{At, Problems, frame_rate, start_time};
 use crate::clouds::{
-    Between, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, DataFile, End, FileParticles, FrameTimes,
-    ParticleFilter, ScaleBy,
+    Between, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End, FileParticles, FrameTimes,
+    ParticleFilter, ScaleBy, TrajectoryFile,
 };
 use crate::components::CloudSource;
 
@@ -27,7 +27,7 @@ use crate::components::CloudSource;
 pub(super) struct CloudFiles {
     /// True if the scene will be loaded again.
     is_kept: bool,
-    files: HashMap<PathBuf, Arc<DataFile>>,
+    files: HashMap<PathBuf, Arc<TrajectoryFile>>,
     particles: Vec<Arc<FileParticles>>,
 }
 
@@ -80,7 +80,8 @@ impl CloudFiles {
         let key = inputs.add(&path);
         let file = self.file(&path, key, &cloud.source, before)?;
         let settings = settings(cloud, film)?;
-        let known = before.particles.iter().chain(&self.particles).find(|known| known.is_same(&file, &settings));
+        let known =
+            before.particles.iter().chain(&self.particles).find(|known| known.is_same(&file, &settings));
         let particles = match known {
             Some(known) => Arc::clone(known),
             None => Arc::new(FileParticles::new(file, &cloud.source, settings)),
@@ -90,7 +91,13 @@ impl CloudFiles {
         Ok(particles)
     }
 
-    fn file(&mut self, path: &Path, key: PathBuf, written: &str, before: &Self) -> Result<Arc<DataFile>, CloudError> {
+    fn file(
+        &mut self,
+        path: &Path,
+        key: PathBuf,
+        written: &str,
+        before: &Self,
+    ) -> Result<Arc<TrajectoryFile>, CloudError> {
         if let Some(file) = self.files.get(&key) {
             return Ok(Arc::clone(file));
         }
@@ -115,7 +122,8 @@ impl CloudFiles {
                     }
                     _ => {}
                 }
-                DataFile::open(path, self.is_kept).map_err(|failure| error(failure.to_string(), None))?
+                TrajectoryFile::open(path, self.is_kept)
+                    .map_err(|failure| error(failure.to_string(), None))?
             }
         };
         self.files.insert(key, Arc::clone(&file));

@@ -22,9 +22,9 @@ mod tests {
         EntityDocument, FilmDocument, FogDocument, FramesDocument, IncludeDocument, LensDocument,
         LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument, QualityDocument,
         ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument,
-        StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument,
-        Triple,
+        ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument,
+        SpecularDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument,
+        TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::scene::reference::{self, FieldEntry, ManualSection, VariantEntry};

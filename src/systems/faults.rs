@@ -424,7 +424,10 @@ impl fmt::Display for FaultCause {
                 write!(formatter, "its {what} has a channel of {}, and 1 is white", brief((*value).into()))
             }
             Self::Particles { left_out, count } => {
-                write!(formatter, "{left_out} of its {count} particles have no finite position, or no scale above 0")
+                write!(
+                    formatter,
+                    "{left_out} of its {count} particles have no finite position, or no scale above 0"
+                )
             }
             Self::NotFinite(what) => write!(formatter, "its {what} is not finite"),
             Self::Overflow => {

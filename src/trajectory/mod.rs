@@ -109,7 +109,8 @@ impl Trajectory {
                     let edges = [0, 3, 6].map(|at| DVec3::new(edges[at], edges[at + 1], edges[at + 2]));
                     cell = Some(Cell { origin: DVec3::ZERO, edges, periodic: [true; 3] });
                 }
-                let parts: Vec<&str> = properties.split_whitespace().next().unwrap_or_default().split(':').collect();
+                let parts: Vec<&str> =
+                    properties.split_whitespace().next().unwrap_or_default().split(':').collect();
                 let names = parts.chunks(3).flat_map(|part| match part[0] {
                     "species" => vec!["element".to_owned()],
                     "pos" => ["x", "y", "z"].map(str::to_owned).to_vec(),
@@ -123,20 +124,23 @@ impl Trajectory {
         let rows: Vec<Vec<&str>> = rows.lines().map(|line| line.split(is_break).collect()).collect();
         let columns = names.iter().enumerate().map(|(at, name)| {
             let numbers: Option<Vec<f64>> = rows.iter().map(|row| row.get(at)?.parse().ok()).collect();
-            let values = numbers.map_or_else(|| {
-                let mut names: Vec<String> = Vec::new();
-                let labels = rows.iter().map(|row| {
-                    let name = row.get(at).copied().unwrap_or_default();
-                    let known = names.iter().position(|known| known == name);
-                    let known = known.unwrap_or_else(|| {
-                        names.push(name.to_owned());
-                        names.len() - 1
+            let values = numbers.map_or_else(
+                || {
+                    let mut names: Vec<String> = Vec::new();
+                    let labels = rows.iter().map(|row| {
+                        let name = row.get(at).copied().unwrap_or_default();
+                        let known = names.iter().position(|known| known == name);
+                        let known = known.unwrap_or_else(|| {
+                            names.push(name.to_owned());
+                            names.len() - 1
+                        });
+                        u32::try_from(known).unwrap_or(0)
                     });
-                    u32::try_from(known).unwrap_or(0)
-                });
-                let labels = labels.collect();
-                Values::Labels { labels, names }
-            }, Values::Numbers);
+                    let labels = labels.collect();
+                    Values::Labels { labels, names }
+                },
+                Values::Numbers,
+            );
             Column { name: name.clone(), values }
         });
         let columns = columns.collect();

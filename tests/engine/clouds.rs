@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use rayreel::components::{
-    Ambient, Camera, Cloud, CloudColors, CloudSource, FilmSettings, Material, Order, Shape, Transform, Visibility,
+    Ambient, Camera, Cloud, CloudColors, CloudSource, FilmSettings, Material, Order, Shape, Transform,
+    Visibility,
 };
 use rayreel::scene::Reader;
 use rayreel::time::Timeline;
@@ -76,7 +77,10 @@ fn particles_have_their_places_sizes_and_colours() {
     let settings = "scale_by: Column(\"r\"), color_by: Element, filter: \"element != 'C'\", frames: (fps: 1)";
     let mut engine = load(folder.path(), settings);
     let cloud = at(&mut engine, "0");
-    assert_eq!(*cloud.positions, [DVec3::new(1.0, 1.0, 1.0), DVec3::new(3.0, 1.0, 1.0), DVec3::new(5.0, 1.0, 1.0)]);
+    assert_eq!(
+        *cloud.positions,
+        [DVec3::new(1.0, 1.0, 1.0), DVec3::new(3.0, 1.0, 1.0), DVec3::new(5.0, 1.0, 1.0)]
+    );
     assert_eq!(**cloud.scales.as_ref().unwrap(), [0.5, 0.25, 0.25]);
     let transfer = engine.effective_settings().film.transfer;
     let color = |cloud: &Cloud, particle: usize| {
@@ -204,10 +208,12 @@ fn only_moving_particles_are_prepared_again() {
     let path = folder.path().join("scene.ron");
     fs::write(&path, text.strip_suffix(')').unwrap().to_owned() + animate).unwrap();
     let mut engine = Engine::load(&path).unwrap();
-    let builds: Vec<u32> = (0..9).map(|frame| {
-        engine.render_frame(frame).unwrap();
-        engine.report().bvh_builds
-    }).collect();
+    let builds: Vec<u32> = (0..9)
+        .map(|frame| {
+            engine.render_frame(frame).unwrap();
+            engine.report().bvh_builds
+        })
+        .collect();
     // Frames of the file begin with frames 0, 4 and 8 of the film; the camera moves all the time.
     assert_eq!(builds, [1, 0, 0, 0, 1, 0, 0, 0, 1]);
 }
@@ -227,13 +233,19 @@ fn world(cloud: Cloud, shape: Shape, transform: Transform) -> World {
 }
 
 fn cloud() -> Cloud {
-    let positions = (0..9).map(|index| DVec3::new(f64::from(index) * 0.7 - 3.0, f64::from(index % 3), 0.1)).collect();
+    let positions =
+        (0..9).map(|index| DVec3::new(f64::from(index) * 0.7 - 3.0, f64::from(index % 3), 0.1)).collect();
     let scales = (0..9).map(|index| 0.2 + f64::from(index) / 16.0).collect();
     let colors = CloudColors {
         palette: Arc::new(vec![Rgb::X, Rgb::Y, Rgb::new(0.2, 0.3, 0.9)]),
         indices: Arc::new((0..9).map(|index| index % 3).collect()),
     };
-    Cloud { positions: Arc::new(positions), scales: Some(Arc::new(scales)), colors: Some(colors), ..Cloud::default() }
+    Cloud {
+        positions: Arc::new(positions),
+        scales: Some(Arc::new(scales)),
+        colors: Some(colors),
+        ..Cloud::default()
+    }
 }
 
 #[test]
@@ -253,11 +265,22 @@ fn a_cloud_looks_like_an_entity_for_each_particle() {
                 cloud.positions.iter().zip(&**cloud.scales.as_ref().unwrap()).enumerate()
             {
                 let color = colors.palette[usize::from(colors.indices[particle])];
-                let own = Transform { translation: *position, scale: DVec3::splat(*scale), ..Transform::IDENTITY };
-                many.spawn((shape, Material::matte(color), own, rayreel::components::Parent(parent), Order(1)));
+                let own =
+                    Transform { translation: *position, scale: DVec3::splat(*scale), ..Transform::IDENTITY };
+                many.spawn((
+                    shape,
+                    Material::matte(color),
+                    own,
+                    rayreel::components::Parent(parent),
+                    Order(1),
+                ));
             }
             let film = Engine::new(many).render_frame(0).unwrap();
-            assert_eq!(Engine::new(world(cloud, shape, transform)).render_frame(0).unwrap(), film, "{shape:?}");
+            assert_eq!(
+                Engine::new(world(cloud, shape, transform)).render_frame(0).unwrap(),
+                film,
+                "{shape:?}"
+            );
         }
     }
 }
@@ -287,7 +310,10 @@ fn systems_move_and_hide_particles() {
     );
     // The slots of the others are still those of their particles.
     let prepared = engine.prepared().unwrap();
-    assert_eq!([1, 2, 8].map(|slot| prepared.particle(ShapeId(slot)).map(|(number, _)| number)), [Some(1), Some(2), Some(8)]);
+    assert_eq!(
+        [1, 2, 8].map(|slot| prepared.particle(ShapeId(slot)).map(|(number, _)| number)),
+        [Some(1), Some(2), Some(8)]
+    );
     assert_eq!((prepared.particle(ShapeId(0)), prepared.particle(ShapeId(9))), (None, None));
     for frame in [3, 0, 7] {
         assert_eq!(engine.render_frame(frame).unwrap(), films[frame as usize], "{frame}");
@@ -305,7 +331,11 @@ fn later_frames_report_their_errors() {
     let mut engine = load(folder.path(), "color_by: Element, frames: (fps: 1)");
     engine.seek(Time::ZERO).unwrap();
     let error = engine.seek("1.5".parse().unwrap()).unwrap_err().to_string();
-    assert!(error.contains("scene.ron:9: the cloud \"gas\" at t = 1.5: ") && error.contains("no chemical element \"Qq\""), "{error}");
+    assert!(
+        error.contains("scene.ron:9: the cloud \"gas\" at t = 1.5: ")
+            && error.contains("no chemical element \"Qq\""),
+        "{error}"
+    );
     // Other moments are shown as before.
     engine.seek("2".parse().unwrap()).unwrap();
     let _ = engine.world().query::<&CloudSource>().iter().count();
@@ -331,4 +361,38 @@ fn clouds_are_included_with_their_names_and_transforms() {
     assert!(line.ends_with("part.ron:9"), "{line}");
     let blended = engine.prepared().unwrap().scene().material(ShapeId(1)).diffuse;
     assert!(blended.x > 0.0 && blended.z > 0.0);
+}
+
+#[test]
+fn cameras_and_entities_follow_particles() {
+    let folder = folder();
+    let text =
+        scene("color_by: Element, frames: (fps: 1, between: Linear), transform: (translation: (0, 1, 0))");
+    let text = text
+        .replace(
+            "camera: (position: (5, 3, 20), target: (5, 3, 0)",
+            "camera: (position: (5, 3, 20), look_at: \"gas/8\"",
+        )
+        .replace(
+            "entities: [",
+            "entities: [(name: \"rider\", parent: \"gas/7\", transform: (translation: (0, 0, 2))),",
+        );
+    let path = folder.path().join("scene.ron");
+    fs::write(&path, &text).unwrap();
+    let mut engine = Engine::load(&path).unwrap();
+    for (seconds, z) in [("0", 1.0), ("0.5", 2.0), ("1.25", 3.5)] {
+        engine.seek(seconds.parse().unwrap()).unwrap();
+        let rider = named(&engine, "rider");
+        let placed =
+            engine.world().get::<&rayreel::components::WorldTransform>(rider).unwrap().affine.translation;
+        assert_eq!(placed, DVec3::new(1.0, 2.0, z + 2.0));
+    }
+    let view = engine.prepared().unwrap().camera().axes()[2];
+    let expected = (DVec3::new(3.0, 4.5, 1.0) - DVec3::new(5.0, 3.0, 20.0)).normalize();
+    assert!((view - expected).length() < 1e-12, "{view}");
+    fs::write(&path, text.replace("gas/8", "gas/8x")).unwrap();
+    assert!(Scene::load(&path).err().unwrap().to_string().contains("there is no entity \"gas/8x\""));
+    fs::write(&path, text.replace("gas/8", "gas/88")).unwrap();
+    let error = Engine::load(&path).unwrap().seek(Time::ZERO).unwrap_err().to_string();
+    assert!(error.contains("there is no particle 88"), "{error}");
 }

@@ -132,7 +132,8 @@ impl<'a> Terms<'a> {
         let entity = self.prepared.entity(lit.surface.hit.id);
         let is_enabled = |effect| !self.engine.settings.without.contains(effect);
         let world = self.engine.world();
-        let mut material = world.get::<&Material>(entity).map_or_else(|_| Material::default(), |found| *found);
+        let mut material =
+            world.get::<&Material>(entity).map_or_else(|_| Material::default(), |found| *found);
         material.color = self.prepared.particle_color(lit.surface.hit.id).unwrap_or(material.color);
         let second = lit.terms.pattern;
         let pattern = world.get::<&Pattern>(entity).ok();

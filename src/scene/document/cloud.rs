@@ -112,3 +112,10 @@ pub(crate) enum EndDocument {
     Hold,
     Loop,
 }
+
+/// Returns the cloud and the number in the name of a particle, as `gas/1234`.
+pub(crate) fn particle(name: &str) -> Option<(&str, u64)> {
+    let (cloud, number) = name.rsplit_once('/')?;
+    let is_number = number.bytes().all(|digit| digit.is_ascii_digit());
+    Some((cloud, number.parse().ok().filter(|_| is_number)?))
+}

@@ -18,7 +18,7 @@ pub(super) use animation::{
 pub(super) use channel::ChannelDocument;
 pub(super) use cloud::{
     BetweenDocument, CloudDocument, ColorByDocument, ColorMapDocument, EndDocument, FramesDocument,
-    ScaleByDocument,
+    ScaleByDocument, particle,
 };
 pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, RotationDocument, ShapeDocument, TransformDocument,

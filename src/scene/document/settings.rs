@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use super::{
-    AnimationDocument, BackgroundDocument, CloudDocument, ColorDocument, EntityDocument, Entries, IncludeDocument,
-    MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
+    AnimationDocument, BackgroundDocument, CloudDocument, ColorDocument, EntityDocument, Entries,
+    IncludeDocument, MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
 };
 use crate::components::{FilmSettings, Quality, Sampling, Stars};
 

@@ -141,9 +141,8 @@ mod tests {
     use super::*;
     use crate::scene::document::{
         AreaShapeDocument, BetweenDocument, ChannelDocument, ColorByDocument, ColorMapDocument,
-        EasingDocument, EndDocument, LightDocument, NoiseDocument, NormDocument,
-        PatternDocument, RepeatDocument, RotationDocument, ScaleByDocument, ScriptDocument, ShapeDocument,
-        SpaceDocument,
+        EasingDocument, EndDocument, LightDocument, NoiseDocument, NormDocument, PatternDocument,
+        RepeatDocument, RotationDocument, ScaleByDocument, ScriptDocument, ShapeDocument, SpaceDocument,
         TrackDocument, TransferDocument,
     };
     use crate::scene::parse::options;

@@ -9,9 +9,9 @@ use hecs::{ColumnBatchBuilder, ColumnBatchType, Component, Entity, World};
 use super::{radians, rgb, rotation, scale, single};
 use crate::color::Transfer;
 use crate::components::{
-    Animated, AreaShape, Channel, Cloud, CloudSource, Emission, Falloff, Light, LightKind, LookAt, Material, Name, Order, Parent,
-    Pattern, PatternKind, Property, Reflective, Refractive, Shape, Specular, Target, Transform, Visibility,
-    WorldTransform,
+    Animated, AreaShape, Channel, Cloud, CloudSource, Emission, Falloff, Light, LightKind, LookAt, Material,
+    Name, Order, Parent, Pattern, PatternKind, Property, Reflective, Refractive, Shape, Specular, Target,
+    Transform, Visibility, WorldTransform,
 };
 use crate::scene::document::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, PatternDocument, ShapeDocument,
@@ -108,7 +108,10 @@ pub(super) fn spawn(
                 fill(&batch, places().filter_map(|place| of(place).name.clone()).map(Name));
                 fill(&batch, places().map(|place| transform(&of(place).transform)));
                 fill(&batch, places().filter_map(|place| of(place).shape.as_ref()).map(shape));
-                fill(&batch, places().filter_map(|place| of(place).cloud.as_deref()).map(|_| Cloud::default()));
+                fill(
+                    &batch,
+                    places().filter_map(|place| of(place).cloud.as_deref()).map(|_| Cloud::default()),
+                );
                 fill(&batch, places().filter_map(|place| of(place).cloud.as_deref()).cloned());
                 fill(&batch, places().map(|place| visibility(of(place))));
                 fill(&batch, places().filter_map(|place| of(place).light.as_deref()).map(light));

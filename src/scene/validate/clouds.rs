@@ -25,7 +25,10 @@ fn look(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
     if let Some(ColorByDocument::Map { range: Some((least, greatest)), .. }) = cloud.color_by {
         let color_by = at.field("color_by");
         let range = color_by.field("range");
-        let is_good = [least, greatest].into_iter().zip(0..).all(|(end, index)| check::number(end, &range.index(index), problems));
+        let is_good = [least, greatest]
+            .into_iter()
+            .zip(0..)
+            .all(|(end, index)| check::number(end, &range.index(index), problems));
         if is_good && least == greatest {
             let help = "write the numbers of the first and the last colour, as (0, 3)";
             problems.add(&range, "a range of a single number", "empty", help);
@@ -40,7 +43,8 @@ fn frames(frames: &FramesDocument, at: &At<'_>, problems: &mut Problems) {
         problems.add(&start, message, "not exact", "write seconds, as 1.5");
     }
     if frame_rate(frames).is_none() {
-        let message = format!("frames per second are written with numbers from 1 to {}", FrameRate::LARGEST_PART);
+        let message =
+            format!("frames per second are written with numbers from 1 to {}", FrameRate::LARGEST_PART);
         let help = "write a whole number, as 24, or a ratio, as (30000, 1001)";
         problems.add(&at.field("fps"), message, "out of range", help);
     }

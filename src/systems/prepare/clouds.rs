@@ -77,7 +77,8 @@ impl DrawnCloud {
 
     /// Returns the index of the particle in a slot, if it is one of this cloud.
     pub(super) fn particle(&self, slot: ShapeId) -> Option<usize> {
-        let mut particle = slot.index().checked_sub(self.first.index()).filter(|index| *index < self.drawn)?;
+        let mut particle =
+            slot.index().checked_sub(self.first.index()).filter(|index| *index < self.drawn)?;
         // Every particle that is left out before it moves it on by one.
         for left_out in &self.left_out {
             if *left_out as usize > particle {

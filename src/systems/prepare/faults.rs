@@ -7,8 +7,8 @@ use glam::DVec3;
 use hecs::{Component, Entity, World};
 
 use super::Preparation;
-use super::clouds::DrawnCloud;
 use super::camera::{active_camera_entity, position_of};
+use super::clouds::DrawnCloud;
 use super::light::prepared_light;
 use super::material::Surfaced;
 use super::settings::first_entity;

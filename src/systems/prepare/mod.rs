@@ -174,7 +174,8 @@ impl Preparation {
         let materials: Vec<_> = materials.collect();
         let Self { scene, clouds, .. } = self;
         let repainted = clouds.iter_mut().filter_map(|cloud| cloud.repaint(world).then_some(&*cloud));
-        let materials = scene.replace_materials(materials.into_iter().chain(repainted.flat_map(DrawnCloud::surfaces)));
+        let materials =
+            scene.replace_materials(materials.into_iter().chain(repainted.flat_map(DrawnCloud::surfaces)));
         self.relies_on_declarations = true;
         SceneChanges { shapes, bvh, materials, ..self.read_settings(world) }
     }

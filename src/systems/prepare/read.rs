@@ -184,7 +184,8 @@ impl Batch {
         self.particles = Some((entity, range.clone()));
         let visibility = ray_visibility(visibility);
         for particle in range {
-            let scale = cloud.scales.as_ref().map_or(1.0, |scales| scales.get(particle).copied().unwrap_or(f64::NAN));
+            let scale =
+                cloud.scales.as_ref().map_or(1.0, |scales| scales.get(particle).copied().unwrap_or(f64::NAN));
             let shape = particle_shape(surface.0, surface.1, cloud.positions[particle], scale);
             match (shape, visibility) {
                 (Ok(shape), Some(visibility)) => {

@@ -10,7 +10,7 @@ use crate::trajectory::{Snapshot, Trajectory, TrajectoryError};
 
 /// A data file, with the frames in use.
 #[derive(Debug)]
-pub struct DataFile {
+pub struct TrajectoryFile {
     trajectory: Trajectory,
     stamp: Option<FileStamp>,
     /// True if frames stay in memory after use, since other settings may be applied to them.
@@ -32,7 +32,7 @@ struct Frames {
 /// The number of frames that are held: those before and after a moment.
 const HELD: usize = 2;
 
-impl DataFile {
+impl TrajectoryFile {
     /// Opens a file. With `is_kept`, the last frames stay in memory, so that other settings read no file.
     ///
     /// # Errors
