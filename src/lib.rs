@@ -94,6 +94,7 @@
 //! - `script`: scripts in scenes. Without it, each script of a scene is an error at its position.
 //! - `image`: GIF and Radiance HDR files, and [`Film::to_image`]. Without it, writing and reading these files is an error.
 //! - `exr`: OpenEXR files. Without it, writing and reading them is an error. Includes `image`.
+//! - `trajectories`: compressed data files of particles. Without it, reading these files is an error.
 //! - `live`: the module `live`, the preview with its file watching, server and page.
 //! - `cli`: the command `rayreel`; includes the other features.
 //!
@@ -146,6 +147,7 @@
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `animation` | values over time, pure | color, time | glam |
 //! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |
+//! | `trajectory` | data files of particles, read frame by frame | | glam, rayon, memchr, fast_float2, flate2, ruzstd, tempfile |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int, blake3 |
 //! | `components` | plain data of entities | color, time, animation | glam, hecs |
 //! | `scene` | RON to world, diagnostics, help for editors | components, animation, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
@@ -181,6 +183,7 @@ pub mod sequence;
 pub mod systems;
 pub mod time;
 pub mod trace;
+pub mod trajectory;
 
 pub use color::Rgb;
 pub use engine::{Engine, EngineError, FrameReport, Hit, Ray};
