@@ -94,6 +94,7 @@
 //! - `script`: scripts in scenes. Without it, each script of a scene is an error at its position.
 //! - `image`: GIF and Radiance HDR files, and [`Film::to_image`]. Without it, writing and reading these files is an error.
 //! - `exr`: OpenEXR files. Without it, writing and reading them is an error. Includes `image`.
+//! - `trajectories`: compressed data files of particles. Without it, reading these files is an error.
 //! - `live`: the module `live`, the preview with its file watching, server and page.
 //! - `cli`: the command `rayreel`; includes the other features.
 //!
@@ -147,9 +148,9 @@
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `animation` | values over time, pure | color, time | glam |
 //! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |
+//! | `trajectory` | data files of particles, read frame by frame | | glam, rayon, memchr, fast_float2, flate2, ruzstd, tempfile |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int, blake3 |
 //! | `components` | plain data of entities | color, time, animation | glam, hecs |
-//! | `trajectory` | files of particles, read frame by frame | | glam |
 //! | `clouds` | particles of data files at a moment: interpolation, filters, sizes, colours | color, time, components, trajectory | glam, rayon |
 //! | `scene` | RON to world, diagnostics, help for editors | components, animation, script, color, time, clouds, trajectory | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
 //! | `systems` | the work of each frame, `frame` to `trace`; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |

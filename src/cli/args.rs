@@ -180,7 +180,7 @@ pub(super) struct RenderArguments {
     pub(super) full: bool,
     /// Format of the files or of standard output [default: png for files, y4m for standard output]
     #[arg(long, value_enum)]
-    pub(super) format: Option<Format>,
+    pub(super) format: Option<FormatName>,
     /// Add passes to OpenEXR files: depth, distance, normal, id, albedo, position, separated by commas [default format with
     /// passes: exr]
     ///
@@ -276,7 +276,7 @@ impl From<OrderName> for RenderOrder {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Format {
+pub(super) enum FormatName {
     /// PNG: 8 bits per channel, lossless compression
     Png,
     /// PNG with 16 bits per channel, for grading

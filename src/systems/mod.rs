@@ -69,5 +69,5 @@ pub(crate) use schedule::Schedule;
 pub use schedule::Step;
 pub(crate) use scripts::Scripts;
 pub use snapshot::UnknownComponent;
-pub(crate) use snapshot::{Registry, Snapshot};
+pub(crate) use snapshot::{Registry, WorldSnapshot};
 pub(crate) use trace::{plan, render, trace_ray, trace_sample};

@@ -6,7 +6,7 @@ use hecs::World;
 
 use super::clouds::update_clouds;
 use super::order::order_newcomers;
-use super::{Changes, Context, Interrupted, Registry, Scripts, Snapshot, animate, propagate};
+use super::{Changes, Context, Interrupted, Registry, Scripts, WorldSnapshot, animate, propagate};
 use crate::time::Time;
 
 type System = Box<dyn Fn(&mut Context<'_>) + Send>;
@@ -51,11 +51,11 @@ pub(crate) struct Schedule {
     stepped: Vec<SteppedSystem>,
     registry: Registry,
     /// The world before any system ran.
-    start: Option<Snapshot>,
+    start: Option<WorldSnapshot>,
     /// The separate world in which steps run if there are pure systems.
     base: World,
     /// A copy of `base` after its last step.
-    state: Option<Snapshot>,
+    state: Option<WorldSnapshot>,
     /// The writes of tracks and pure systems to the copy of `state` for the last frame.
     written: Changes,
     scripts: Scripts,
@@ -129,7 +129,7 @@ impl Schedule {
         if self.start.is_none() {
             order_newcomers(world, &[]);
             propagate(world, &Changes::all());
-            let start = Snapshot::take(world, &self.registry)?;
+            let start = WorldSnapshot::take(world, &self.registry)?;
             // Restoring resets the allocation of ids, which then proceeds as after every later restart.
             start.restore(world);
             start.restore(&mut self.base);
@@ -151,7 +151,7 @@ impl Schedule {
         stepped?;
         let state = match self.state.take() {
             Some(state) => state,
-            None => Snapshot::take(&self.base, &self.registry)?,
+            None => WorldSnapshot::take(&self.base, &self.registry)?,
         };
         state.restore(world);
         self.state = Some(state);
