@@ -52,6 +52,12 @@ impl FileParticles {
         Arc::ptr_eq(&self.file, file) && self.settings == *settings
     }
 
+    /// Returns the warnings about the file.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        self.file.trajectory().warnings()
+    }
+
     /// Checks that the columns exist that the settings name, in the first frame.
     ///
     /// # Errors

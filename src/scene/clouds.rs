@@ -15,6 +15,7 @@ use super::source_text::SourceText;
 use super::spawn::transfer;
 use super::suggest_file::nearby;
 use super::validate::{At, Problems, frame_rate, start_time};
+use super::warning::DATA_LABEL;
 use crate::clouds::{
     Between, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End, FileParticles, FrameTimes,
     ParticleFilter, ScaleBy, TrajectoryFile,
@@ -61,6 +62,10 @@ impl CloudFiles {
             let at = list.index(index);
             let source = self.source(cloud, folder, film, before, inputs);
             let source = source.map_err(|error| add_error(error, &at, problems)).ok();
+            for warning in source.iter().flat_map(|particles| particles.warnings()) {
+                let help = "complete the file, or render what there is";
+                problems.warn(&at.field("source"), warning, DATA_LABEL, help);
+            }
             let place = || format!("{}: ", scene_text.line_of(&at.path())).into();
             let source = source.map(|particles| Box::new(CloudSource { particles, place: place() }));
             entities.push(Arc::new(entity(cloud, source)));

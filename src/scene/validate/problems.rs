@@ -152,7 +152,7 @@ impl Problems {
     }
 
     /// Adds a warning, which does not prevent the scene from loading.
-    pub(super) fn warn(
+    pub(in crate::scene) fn warn(
         &mut self,
         at: &At<'_>,
         message: impl Into<String>,
