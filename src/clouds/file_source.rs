@@ -175,6 +175,10 @@ impl Particles for FileParticles {
         }
         Ok(cloud)
     }
+
+    fn is_still(&self) -> bool {
+        self.file.trajectory().frames() == 1
+    }
 }
 
 fn picked<T: Copy>(values: Vec<T>, rows: Option<&[u32]>) -> Vec<T> {

@@ -75,6 +75,11 @@ pub trait Particles: Send + Sync {
     ///
     /// Returns the cause and the remedy if there are none, as for a file that cannot be read.
     fn at(&self, time: Time) -> Result<Cloud, String>;
+
+    /// Returns whether the particles are the same at all moments.
+    fn is_still(&self) -> bool {
+        false
+    }
 }
 
 impl Cloud {

@@ -268,6 +268,28 @@ fn new_writes_a_scene_that_renders_and_never_overwrites() {
 }
 
 #[test]
+fn new_from_data_writes_a_scene_that_shows_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("data")).unwrap();
+    let water = "3\nwater\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n";
+    fs::write(folder.path().join("data/water.xyz"), water.repeat(5)).unwrap();
+    let error = text(&rayreel(folder.path(), ["render", "data/water.xyz"]).stderr);
+    assert!(error.contains("`rayreel new --from DATA my.ron` writes a scene"), "{error}");
+    stdout_of(folder.path(), ["new", "--from", "data/water.xyz", "water.ron"]);
+    let checked = stdout_of(folder.path(), ["check", "water.ron"]);
+    assert_eq!(checked, "water.ron: ok, 96 frames\n");
+    // The oxygen is in the middle of the picture.
+    let probed = stdout_of(folder.path(), ["probe", "water.ron", "--pixel", "640,400"]);
+    assert!(
+        probed.contains("\"particles/0\" (water.ron:") && probed.contains("data/water.xyz, frame 0)"),
+        "{probed}"
+    );
+    let output = rayreel(folder.path(), ["new", "--from", "data/wine.xyz", "wine.ron"]);
+    assert!(!output.status.success() && text(&output.stderr).contains("data/wine.xyz"));
+    assert!(!folder.path().join("wine.ron").exists());
+}
+
+#[test]
 fn help_shows_examples_and_completions_are_scripts() {
     let folder = tempfile::tempdir().unwrap();
     for command in ["render", "check", "probe", "new", "completions"] {

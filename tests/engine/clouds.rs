@@ -141,6 +141,23 @@ fn frames_alone_equal_frames_of_the_sequence() {
 }
 
 #[test]
+fn moving_particles_are_blurred_while_the_shutter_is_open() {
+    let folder = folder();
+    let path = folder.path().join("scene.ron");
+    let text = scene("color_by: Element, frames: (fps: 1, between: Linear)")
+        .replace("orthographic: 10", "orthographic: 10, shutter: 1")
+        .replace("(\n    timeline", "(\n    sampling: (samples: 8), timeline");
+    fs::write(&path, &text).unwrap();
+    let blurred = Engine::load(&path).unwrap().render_frame(2).unwrap();
+    fs::write(&path, text.replace("Linear", "Hold")).unwrap();
+    let mut held = Engine::load(&path).unwrap();
+    assert_ne!(held.render_frame(2).unwrap(), blurred);
+    // Nothing moves between the frames of the file, until the last instants before the next one.
+    fs::write(&path, text.replace("Linear", "Hold").replace(", shutter: 1", "")).unwrap();
+    assert_eq!(Engine::load(&path).unwrap().render_frame(1).unwrap(), held.render_frame(1).unwrap());
+}
+
+#[test]
 fn reloads_equal_cold_starts_and_read_no_file() {
     let folder = folder();
     let (path, data) = (folder.path().join("scene.ron"), folder.path().join("gas.extxyz"));
