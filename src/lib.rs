@@ -152,7 +152,7 @@
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int, blake3 |
 //! | `components` | plain data of entities | color, time, animation | glam, hecs |
 //! | `clouds` | particles of data files at a moment: interpolation, filters, sizes, colours | color, time, components, trajectory | glam, rayon |
-//! | `scene` | RON to world, diagnostics, help for editors | components, animation, script, color, time, clouds, trajectory | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
+//! | `scene` | RON to world, diagnostics, help for editors | components, animation, script, color, time, clouds | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
 //! | `systems` | the work of each frame, `frame` to `trace`; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |

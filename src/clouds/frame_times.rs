@@ -11,13 +11,13 @@ pub struct FrameTimes {
     pub is_early: bool,
     /// The number of frames of the file per second.
     pub rate: FrameRate,
-    /// What is shown between two frames.
+    /// The choice of values between two frames.
     pub between: Between,
-    /// What is shown after the last frame.
+    /// The choice of frames before the first and after the last one.
     pub end: End,
 }
 
-/// What is shown between two frames of a file.
+/// The values between two frames of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
     /// The earlier frame.
@@ -27,7 +27,7 @@ pub enum Between {
     Linear,
 }
 
-/// What is shown before the first and after the last frame of a file.
+/// The frames before the first and after the last frame of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum End {
     /// The first, and the last frame.

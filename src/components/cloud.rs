@@ -56,7 +56,7 @@ pub struct CloudColors {
 /// The particles of a [`Cloud`] over time: before tracks are evaluated, the cloud of the same entity is set to those of the moment.
 #[derive(Clone)]
 pub struct CloudSource {
-    /// Where the particles come from.
+    /// The particles.
     pub particles: Arc<dyn Particles>,
     /// The place in a scene, for messages.
     pub place: Arc<str>,

@@ -15,12 +15,14 @@ use super::source_text::SourceText;
 use super::spawn::transfer;
 use super::suggest_file::nearby;
 use super::validate::{At, Problems, frame_rate, start_time};
-use super::warning::DATA_LABEL;
 use crate::clouds::{
     Between, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End, FileParticles, FrameTimes,
     ParticleFilter, ScaleBy, TrajectoryFile,
 };
 use crate::components::CloudSource;
+
+/// The label of warnings about data files.
+pub(super) const DATA_LABEL: &str = "shown as far as it can be";
 
 /// The data files of a scene, and the particles taken from them. Both are used again when the scene is loaded again, so that an edit of the
 /// scene reads no file.

@@ -1,5 +1,6 @@
 //! Warnings about the text of a scene.
 
+use super::clouds::DATA_LABEL;
 use super::error::original;
 use super::files::Files;
 use super::{Diagnostic, SourcePosition};
@@ -35,9 +36,6 @@ impl SceneWarning {
     /// The names of the warnings: about colours from 0 to 1, and about data files.
     pub const NAMES: [&str; 2] = ["dark-color", "data-file"];
 }
-
-/// The label of warnings about data files.
-pub(super) const DATA_LABEL: &str = "shown as far as it can be";
 
 /// Returns the warnings about all files, by file and position.
 pub(super) fn warnings_of(files: &mut Files) -> Vec<SceneWarning> {

@@ -2,19 +2,9 @@
 
 use hecs::{Entity, World};
 
-use super::{Changes, Interrupted};
+use super::{Changes, CloudFailure, Interrupted};
 use crate::components::{AtParticle, Cloud, CloudSource, Name, Parent, Transform};
 use crate::time::Time;
-
-/// A cloud without particles at a moment, as when its file cannot be read.
-#[derive(Clone, Debug)]
-pub(crate) struct CloudFailure {
-    /// The place of the cloud in a scene, and its name.
-    pub(crate) cloud: String,
-    /// The moment, in seconds.
-    pub(crate) seconds: f64,
-    pub(crate) message: String,
-}
 
 /// Sets every cloud with a source to its particles at `time`, and records the changes.
 pub(super) fn update_clouds(world: &mut World, time: Time, changes: &mut Changes) -> Result<(), Interrupted> {

@@ -1,6 +1,6 @@
 //! The reasons for which the systems of a frame stop early.
 
-use super::{CloudFailure, UnknownComponent};
+use super::UnknownComponent;
 use crate::components::ScriptId;
 use crate::script::ScriptError;
 
@@ -13,6 +13,16 @@ pub(crate) struct ScriptFailure {
     /// The moment, in seconds.
     pub(crate) seconds: f64,
     pub(crate) error: Box<ScriptError>,
+}
+
+/// A cloud without particles at a moment, as when its file cannot be read.
+#[derive(Clone, Debug)]
+pub(crate) struct CloudFailure {
+    /// The place of the cloud in a scene, and its name.
+    pub(crate) cloud: String,
+    /// The moment, in seconds.
+    pub(crate) seconds: f64,
+    pub(crate) message: String,
 }
 
 /// The reason why the world could not be advanced to a moment.

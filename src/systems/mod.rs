@@ -51,13 +51,12 @@ mod world_transform;
 
 pub use animate::animate;
 pub use changes::Changes;
-pub(crate) use clouds::CloudFailure;
 pub use context::Context;
 pub use effect::{Effect, EffectSet};
 pub use faults::{Consequence, Fallback, Fault, FaultCause, UndeclaredChange};
 pub(crate) use frame::{FrameInstants, NextInstants, PreparedInstant, Simulation};
 pub(crate) use image_faults::image_faults;
-pub(crate) use interrupted::{Interrupted, ScriptFailure};
+pub(crate) use interrupted::{CloudFailure, Interrupted, ScriptFailure};
 pub(crate) use order::{Unplaced, order_newcomers};
 pub use plan::{Need, Plan};
 pub use prepare::{ActiveCamera, EffectiveSettings, Preparation, RenderSettings, active_camera};

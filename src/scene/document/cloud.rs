@@ -97,7 +97,7 @@ impl Default for FramesDocument {
     }
 }
 
-/// What is shown between two frames.
+/// The values between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename = "Between")]
 pub(crate) enum BetweenDocument {
@@ -105,7 +105,7 @@ pub(crate) enum BetweenDocument {
     Linear,
 }
 
-/// What is shown after the last frame.
+/// The frames after the last one.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename = "End")]
 pub(crate) enum EndDocument {

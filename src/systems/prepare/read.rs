@@ -21,7 +21,7 @@ const BATCHES: usize = 32;
 /// The components that define a surface, and the rays that see it.
 type Seen<'a> = (Surfaced<'a>, Option<&'a Visibility>);
 
-/// What a thread reads at a time.
+/// The entities or particles that a thread reads at a time.
 enum Share<'a> {
     Entities(&'a [(Order, Entity)]),
     /// Some particles of a cloud.
