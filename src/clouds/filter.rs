@@ -663,6 +663,6 @@ mod tests {
         for deep in ["(".repeat(100_000), "-".repeat(100_000), "!".repeat(100_000), "x^".repeat(100_000)] {
             assert!(rows(&deep).unwrap_err().message.contains("deep"));
         }
-        assert!(rows(&("x".to_owned() + &"+x".repeat(100_000))).unwrap_err().message.contains("deep"));
+        assert!(rows(&format!("x{}", "+x".repeat(100_000))).unwrap_err().message.contains("deep"));
     }
 }

@@ -85,8 +85,8 @@ mod tests {
             end: End::Hold,
         };
         let at = |times: FrameTimes, seconds| {
-            let FramesAt { frame, next } = playback.frames_at(time(seconds), 3);
-            (frame, next.map(|(next, share)| (next, share)))
+            let FramesAt { frame, next } = times.frames_at(time(seconds), 3);
+            (frame, next)
         };
         for (seconds, frame) in [("0", 0), ("0.5", 0), ("0.599999999", 0), ("0.6", 1), ("0.7", 2), ("9", 2)] {
             assert_eq!(at(held, seconds), (frame, None), "{seconds}");
