@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::process::Child;
 
-use crate::{FIRST_LIGHT, files, pictures, rayreel, text};
+use crate::{FIRST_LIGHT, files, pictures, rayreel, stdout_of, text};
 #[cfg(unix)]
 use crate::{RAYREEL, command, signal, until};
 
