@@ -68,7 +68,7 @@ fn load(folder: &Path, cloud: &str) -> Engine {
 fn at(engine: &mut Engine, seconds: &str) -> Cloud {
     engine.seek(seconds.parse().unwrap()).unwrap();
     let gas = named(engine, "gas");
-    engine.world().get::<&Cloud>(gas).unwrap().as_ref().clone()
+    Cloud::clone(&engine.world().get::<&Cloud>(gas).unwrap())
 }
 
 #[test]
