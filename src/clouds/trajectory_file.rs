@@ -63,8 +63,10 @@ impl TrajectoryFile {
     /// If it cannot be read.
     pub fn frame(&self, index: usize) -> Result<Arc<Snapshot>, CloudError> {
         let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, held)) = frames.held.iter().find(|(held, _)| *held == index) {
-            return Ok(Arc::clone(held));
+        if let Some(place) = frames.held.iter().position(|(held, _)| *held == index) {
+            // The frame that was used least recently is the first.
+            frames.held[place..].rotate_left(1);
+            return Ok(Arc::clone(&frames.held[frames.held.len() - 1].1));
         }
         let ahead = match frames.ahead.take() {
             Some((ahead, reader)) if ahead == index => reader.join().ok(),
