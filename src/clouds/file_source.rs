@@ -163,14 +163,16 @@ impl FileParticles {
 impl Particles for FileParticles {
     fn at(&self, time: Time) -> Result<Cloud, String> {
         let at = self.settings.times.frames_at(time, self.file.trajectory().frames());
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((frames, cloud)) = last.as_ref()
+        // Nothing is locked while threads work, as in `TrajectoryFile`.
+        let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((frames, cloud)) = last().as_ref()
             && *frames == at
         {
             return Ok(cloud.clone());
         }
         let cloud = self.particles(at).map_err(|error| error.to_string())?;
-        if let Some((before, _)) = last.replace((at, cloud.clone())) {
+        let before = last().replace((at, cloud.clone()));
+        if let Some((before, _)) = before {
             self.read_ahead(before, at);
         }
         Ok(cloud)

@@ -1,7 +1,7 @@
 //! Reading of frames, ahead of their use.
 
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::SystemTime;
 
@@ -62,23 +62,23 @@ impl TrajectoryFile {
     ///
     /// If it cannot be read.
     pub fn frame(&self, index: usize) -> Result<Arc<Snapshot>, CloudError> {
-        let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(place) = frames.held.iter().position(|(held, _)| *held == index) {
-            // The frame that was used least recently is the first.
-            frames.held[place..].rotate_left(1);
-            return Ok(Arc::clone(&frames.held[frames.held.len() - 1].1));
-        }
-        let ahead = match frames.ahead.take() {
-            Some((ahead, reader)) if ahead == index => reader.join().ok(),
-            other => {
-                frames.ahead = other;
-                None
+        let ahead = {
+            let mut frames = self.lock();
+            if let Some(place) = frames.held.iter().position(|(held, _)| *held == index) {
+                // The frame that was used least recently is the first.
+                frames.held[place..].rotate_left(1);
+                return Ok(Arc::clone(&frames.held[frames.held.len() - 1].1));
             }
+            // A frame that was read ahead in vain is not needed soon.
+            frames.ahead.take().filter(|(ahead, _)| *ahead == index)
         };
+        // Nothing is locked while threads work: one that waits for others may take on work that needs the same file.
+        let ahead = ahead.and_then(|(_, reader)| reader.join().ok());
         let read = ahead.unwrap_or_else(|| self.trajectory.read(index));
         let help = "correct the file, or choose other times in `frames`";
         let read = read.map_err(|error| CloudError::new(CloudPart::Source, error.to_string(), help))?;
         let snapshot = Arc::new(read);
+        let mut frames = self.lock();
         if frames.held.len() == HELD {
             frames.held.remove(0);
         }
@@ -86,17 +86,20 @@ impl TrajectoryFile {
         Ok(snapshot)
     }
 
+    fn lock(&self) -> MutexGuard<'_, Frames> {
+        self.frames.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Releases all frames except these, unless frames are kept.
     pub(super) fn release(&self, kept: &[usize]) {
         if !self.is_kept {
-            let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
-            frames.held.retain(|(index, _)| kept.contains(index));
+            self.lock().held.retain(|(index, _)| kept.contains(index));
         }
     }
 
     /// Starts to read a frame that will be needed.
     pub(super) fn read_ahead(self: &Arc<Self>, index: usize) {
-        let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut frames = self.lock();
         let is_held = frames.held.iter().any(|(held, _)| *held == index);
         if index >= self.trajectory.frames() || is_held || frames.ahead.is_some() {
             return;
