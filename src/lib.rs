@@ -8,7 +8,7 @@
 //!
 //! ```text
 //! RON text -> scene::document -> scene::spawn -> hecs World
-//!    each frame: stepped systems -> animate(t) -> scripts -> pure systems -> propagate -> prepare -> trace -> Film
+//!    each frame: stepped systems -> clouds(t) -> animate(t) -> scripts -> pure systems -> propagate -> prepare -> trace -> Film
 //!    Film -> output (frame files; sequence selects the frames to render), or live (a preview in the browser)
 //! ```
 //!
@@ -94,6 +94,7 @@
 //! - `script`: scripts in scenes. Without it, each script of a scene is an error at its position.
 //! - `image`: GIF and Radiance HDR files, and [`Film::to_image`]. Without it, writing and reading these files is an error.
 //! - `exr`: OpenEXR files. Without it, writing and reading them is an error. Includes `image`.
+//! - `trajectories`: compressed data files of particles. Without it, reading these files is an error.
 //! - `live`: the module `live`, the preview with its file watching, server and page.
 //! - `cli`: the command `rayreel`; includes the other features.
 //!
@@ -121,6 +122,7 @@
 //!
 //! - *Transform*: [`components::Transform`], relative to the parent; [`systems::propagate`] derives the
 //!   [`WorldTransform`](components::WorldTransform).
+//! - *Cloud*: [`components::Cloud`], copies of a shape at the positions of particles; [`clouds`] takes them from data files.
 //! - *Shape*: [`components::Shape`], the sphere, plane or box of an entity; `src/trace/shapes` intersects it.
 //! - *Material*: [`components::Material`], the appearance of a shape; `src/trace/shading` shades it.
 //! - *Light*: [`components::Light`], a point, spot, directional or area light.
@@ -146,9 +148,11 @@
 //! | `time` | seconds, frame rates, frame lists | | |
 //! | `animation` | values over time, pure | color, time | glam |
 //! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |
+//! | `trajectory` | data files of particles, read frame by frame | | glam, rayon, memchr, fast_float2, flate2, ruzstd, tempfile |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int, blake3 |
 //! | `components` | plain data of entities | color, time, animation | glam, hecs |
-//! | `scene` | RON to world, diagnostics, help for editors | components, animation, script, color, time | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
+//! | `clouds` | particles of data files at a moment: interpolation, filters, sizes, colours | color, time, components, trajectory | glam, rayon |
+//! | `scene` | RON to world, diagnostics, help for editors | components, animation, script, color, time, clouds | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
 //! | `systems` | the work of each frame, `frame` to `trace`; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
@@ -165,6 +169,7 @@ pub mod accuracy;
 pub mod animation;
 #[cfg(any(doc, doctest))]
 pub mod book;
+pub mod clouds;
 pub mod color;
 pub mod components;
 pub mod engine;
@@ -181,6 +186,7 @@ pub mod sequence;
 pub mod systems;
 pub mod time;
 pub mod trace;
+pub mod trajectory;
 
 pub use color::Rgb;
 pub use engine::{Engine, EngineError, FrameReport, Hit, Ray};

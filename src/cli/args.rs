@@ -181,7 +181,7 @@ pub(super) struct RenderArguments {
     pub(super) full: bool,
     /// Format of the files or of standard output [default: png for files, y4m for standard output]
     #[arg(long, value_enum)]
-    pub(super) format: Option<Format>,
+    pub(super) format: Option<FormatName>,
     /// Add passes to OpenEXR files: depth, distance, normal, id, albedo, position, separated by commas [default format with
     /// passes: exr]
     ///
@@ -220,9 +220,9 @@ pub(super) struct RenderArguments {
 /// The warnings that are not given.
 #[derive(Clone, Debug, Args)]
 pub(super) struct AllowArguments {
-    /// Do not warn of these, as in --allow one-color,idle-light: dark-color, not-drawn, no-light, nothing-seen, passed-target,
+    /// Do not warn of these, as in --allow one-color,idle-light: dark-color, data-file, not-drawn, no-light, nothing-seen, passed-target,
     /// short-turn, distorted, replaced-value, one-color, cut-off, idle-light, too-bright, black-surface, default-view, at-origin,
-    /// out-of-date [can be repeated]
+    /// out-of-date, incomplete [can be repeated]
     #[arg(long = "allow", value_name = "WARNINGS", value_parser = parse_warning, value_delimiter = ',')]
     pub(super) warnings: Vec<&'static str>,
 }
@@ -277,7 +277,7 @@ impl From<OrderName> for RenderOrder {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Format {
+pub(super) enum FormatName {
     /// PNG: 8 bits per channel, lossless compression
     Png,
     /// PNG with 16 bits per channel, for grading
@@ -531,11 +531,15 @@ pub(super) enum SchedulerName {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
-  rayreel new ball.ron && rayreel render ball.ron")]
+#[command(after_help = "Examples:
+  rayreel new ball.ron && rayreel render ball.ron
+  rayreel new --from water.xyz water.ron && rayreel watch water.ron")]
 pub(super) struct NewArguments {
     /// The file to write; it must not exist
     pub(super) file: PathBuf,
+    /// Write a scene that shows the particles of this data file: a turntable over its frames, with the colours of its elements
+    #[arg(long, value_name = "DATA")]
+    pub(super) from: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

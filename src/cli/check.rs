@@ -48,6 +48,12 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
                 "mistakes": [script_mistake(&mistake)],
                 "unlisted": 0,
             })),
+            Err(CheckFailed::Cloud(message)) if arguments.json => results.push(json!({
+                "scene": file,
+                "ok": false,
+                "mistakes": [{ "message": message }],
+                "unlisted": 0,
+            })),
             Err(wrong) => {
                 let count = match wrong {
                     CheckFailed::Scene(error) => {
@@ -56,6 +62,10 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
                     }
                     CheckFailed::Script(mistake) => {
                         print::mistakes(|color| mistake.render(color) + "\n");
+                        1
+                    }
+                    CheckFailed::Cloud(message) => {
+                        print::error(&message);
                         1
                     }
                 };
@@ -86,6 +96,8 @@ pub(super) struct CheckPassed {
 pub(super) enum CheckFailed {
     Scene(LoadError),
     Script(Box<ScriptMistake>),
+    /// A cloud without particles.
+    Cloud(String),
 }
 
 /// Renders the first, the middle and the last frame of a loaded scene small, and counts the frames. If the signals cancel it, warnings are
@@ -104,6 +116,7 @@ pub(super) fn check(
         match render(&mut engine, timeline.time_of(frame), signals) {
             Err(EngineError::Script(mistake)) => return Err(CheckFailed::Script(mistake.into())),
             Err(EngineError::Scene(error)) => return Err(CheckFailed::Scene(error)),
+            Err(EngineError::Cloud(message)) => return Err(CheckFailed::Cloud(message)),
             Ok(()) | Err(EngineError::UnknownComponent(_) | EngineError::Cancelled) => {
                 warnings.collect(&engine, &format!("frame {frame}"));
             }

@@ -62,7 +62,9 @@ impl From<EngineError> for Failure {
         match error {
             EngineError::Scene(error) => Self::Scene(error),
             EngineError::Script(mistake) => Self::Script(mistake.into()),
-            error @ (EngineError::UnknownComponent(_) | EngineError::Cancelled) => Self::Other(error.into()),
+            error @ (EngineError::UnknownComponent(_) | EngineError::Cloud(_) | EngineError::Cancelled) => {
+                Self::Other(error.into())
+            }
         }
     }
 }

@@ -23,6 +23,7 @@ mod manifest;
 mod measure_progress;
 mod movie;
 mod new;
+mod new_from;
 mod overrides;
 mod print;
 mod probe;

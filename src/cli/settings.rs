@@ -12,7 +12,7 @@ use rayreel::sequence::{Existing, FrameRequest, RenderOrder};
 use rayreel::time::{FrameList, Timeline};
 use rayreel::{Effect, Time};
 
-use super::args::{Format, ProgressName, RenderArguments};
+use super::args::{FormatName, ProgressName, RenderArguments};
 use super::values::effect_name;
 
 /// The pictures to render.
@@ -188,13 +188,13 @@ fn format_of_files(arguments: &RenderArguments) -> anyhow::Result<FrameFormat> {
     let channels = if arguments.alpha { Channels::Rgba } else { Channels::Rgb };
     let format = match arguments.format {
         None if !passes.is_empty() => FrameFormat::Exr(channels, passes),
-        None | Some(Format::Png) => FrameFormat::Png(channels),
-        Some(Format::Png16) => FrameFormat::Png16(channels),
-        Some(Format::Ppm) => FrameFormat::Ppm,
-        Some(Format::Pfm) => FrameFormat::Pfm,
-        Some(Format::Exr) => FrameFormat::Exr(channels, passes),
-        Some(Format::Hdr) => FrameFormat::Hdr,
-        Some(Format::Y4m | Format::Raw) => bail!("y4m and raw are for standard output: add --out -"),
+        None | Some(FormatName::Png) => FrameFormat::Png(channels),
+        Some(FormatName::Png16) => FrameFormat::Png16(channels),
+        Some(FormatName::Ppm) => FrameFormat::Ppm,
+        Some(FormatName::Pfm) => FrameFormat::Pfm,
+        Some(FormatName::Exr) => FrameFormat::Exr(channels, passes),
+        Some(FormatName::Hdr) => FrameFormat::Hdr,
+        Some(FormatName::Y4m | FormatName::Raw) => bail!("y4m and raw are for standard output: add --out -"),
     };
     ensure!(format.passes() == passes, "--passes are for --format exr: other files have no room for them");
     ensure!(
@@ -228,9 +228,16 @@ fn format_of_stream(arguments: &RenderArguments) -> anyhow::Result<(FrameFormat,
         bail!("frames cannot go to standard output: {reason}; name a folder with --out");
     }
     match arguments.format {
-        None | Some(Format::Y4m) => Ok((FrameFormat::default(), Some(VideoFormat::Y4m))),
-        Some(Format::Raw) => Ok((FrameFormat::default(), Some(VideoFormat::Raw))),
-        Some(Format::Png | Format::Png16 | Format::Ppm | Format::Pfm | Format::Exr | Format::Hdr) => {
+        None | Some(FormatName::Y4m) => Ok((FrameFormat::default(), Some(VideoFormat::Y4m))),
+        Some(FormatName::Raw) => Ok((FrameFormat::default(), Some(VideoFormat::Raw))),
+        Some(
+            FormatName::Png
+            | FormatName::Png16
+            | FormatName::Ppm
+            | FormatName::Pfm
+            | FormatName::Exr
+            | FormatName::Hdr,
+        ) => {
             bail!(
                 "png, ppm, pfm, exr and hdr are files: standard output takes --format y4m or raw; `--out ./-` is a folder of that name"
             )

@@ -47,9 +47,8 @@ impl Warnings {
     /// Collects the faults at the engine's current moment, which is reported as `moment`.
     pub(super) fn collect(&mut self, engine: &Engine, moment: &str) {
         let is_allowed = |name: &str| self.allowed.contains(&name);
-        if !is_allowed(SceneWarning::NAME) {
-            self.files = engine.scene_warnings().to_vec();
-        }
+        let of_files = engine.scene_warnings().iter();
+        self.files = of_files.filter(|warning| !is_allowed(warning.name)).cloned().collect();
         let index = u32::try_from(self.moments).unwrap_or(u32::MAX);
         let is_wanted = |fault: &Fault| !is_allowed(fault.consequence.name());
         let others = SequenceFault::collect(&mut self.listed, MOST, engine, index, is_wanted);
@@ -83,7 +82,7 @@ impl Warnings {
 
     /// Prints the warnings, with line numbers for entities found in `sources`.
     pub(super) fn print(&self, sources: Option<&Sources>) {
-        for SceneWarning { file, position, message, help } in &self.files {
+        for SceneWarning { file, position, message, help, .. } in &self.files {
             let about = [format!(" --> {file}:{position}"), format!("  = help: {help}")];
             print::warning(message, &about);
         }
@@ -130,9 +129,9 @@ impl Warnings {
                 "more": found.frames - 1,
             })
         };
-        let of_file = |SceneWarning { file, position, message, help }: &SceneWarning| {
+        let of_file = |SceneWarning { name, file, position, message, help }: &SceneWarning| {
             json!({
-                "name": SceneWarning::NAME,
+                "name": name,
                 "entity": null,
                 "file": file,
                 "line": position.line,

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`Transform`], [`Parent`] | the position of an entity and the entity it is relative to |
 //! | [`Shape`] with [`Material`] | a visible object |
+//! | [`Cloud`], [`CloudSource`] | many copies of a shape, and where they come from over time |
+//! | [`AtParticle`] | the particle of a cloud that an entity is at |
 //! | [`Visibility`] | the kinds of rays that see a shape |
 //! | [`Specular`] | a surface with highlights |
 //! | [`Reflective`] | a surface that reflects |
@@ -21,6 +23,7 @@
 
 mod animated;
 mod camera;
+mod cloud;
 mod identity;
 mod light;
 mod list;
@@ -36,6 +39,7 @@ mod visibility;
 
 pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn, Way};
 pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, View};
+pub use cloud::{AtParticle, Cloud, CloudColors, CloudSource, Particles};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub(crate) use list::with_components;

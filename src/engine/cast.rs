@@ -3,6 +3,7 @@
 use glam::DVec3;
 use hecs::Entity;
 
+use crate::systems::Preparation;
 use crate::trace;
 
 /// A ray from any point: `origin + t direction`, t >= 0. The direction may have any nonzero length.
@@ -19,6 +20,8 @@ pub struct Ray {
 pub struct Hit {
     /// The entity whose shape is hit.
     pub entity: Entity,
+    /// The number of the particle that is hit, if the entity is a [`Cloud`](crate::components::Cloud).
+    pub particle: Option<u64>,
     /// The ray parameter for the direction as given: the point is origin + t direction. `None` if no `f64` can represent it, because the
     /// direction is so short that the distance is more than 1.8e308 times its length; [`Hit::distance`] is correct in that case too.
     pub t: Option<f64>,
@@ -33,11 +36,18 @@ pub struct Hit {
 
 impl Hit {
     /// Creates a hit from the kernel's ray and hit. `exponent` is the power of two by which the direction was scaled for the kernel.
-    pub(super) fn new(entity: Entity, ray: &trace::CastRay, exponent: i32, surface: trace::CastHit) -> Self {
+    pub(super) fn new(
+        prepared: &Preparation,
+        ray: &trace::CastRay,
+        exponent: i32,
+        surface: trace::CastHit,
+    ) -> Self {
         // A hit at the origin has t = 0 for any scaling. Adding zero makes negative zeros positive.
         let t = if surface.t.rounded() == 0.0 { 0.0 } else { libm::ldexp(surface.t.rounded(), exponent) };
+        let slot = surface.hit.id;
         Self {
-            entity,
+            entity: prepared.entity(slot),
+            particle: prepared.particle(slot).map(|(number, _)| number),
             t: t.is_finite().then_some(t),
             distance: surface.distance(ray) + 0.0,
             point: surface.point,

@@ -8,8 +8,8 @@ use super::cast::{Hit, IntoRay, Ray};
 use crate::color::Encoding;
 use crate::scene::{LoadError, Scene, SceneScripts, SceneWarning, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, Context, EffectiveSettings, Fault, FrameReport, Interrupted, Preparation, RenderRequest,
-    RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
+    self, CloudFailure, Context, EffectiveSettings, Fault, FrameReport, Interrupted, Preparation,
+    RenderRequest, RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
 };
 use crate::time::{Time, Timeline};
 use crate::trace::{Film, PreparedRay, RayTree, RenderedImage, SampleMemory, SharedRoundPolicy, Signals};
@@ -67,6 +67,9 @@ pub enum EngineError {
     /// A script failed to return a value.
     #[error(transparent)]
     Script(#[from] ScriptMistake),
+    /// A cloud has no particles at a moment, because its file cannot be read or does not fit its settings.
+    #[error("{0}")]
+    Cloud(String),
     /// The image was cancelled, or stopped at a pause: see [`RenderRequest::signals`].
     #[error("rendering was cancelled")]
     Cancelled,
@@ -264,7 +267,7 @@ impl Engine {
         let preparation = self.prepared()?;
         let (ray, exponent) = ray.into_ray()?;
         let surface = preparation.scene().cast(&ray)?;
-        Some(Hit::new(preparation.entity(surface.hit.id), &ray, exponent, surface))
+        Some(Hit::new(preparation, &ray, exponent, surface))
     }
 
     /// Casts many rays like [`cast`](Engine::cast), on the threads of the current rayon pool. The hits are in the order of the rays.
@@ -286,7 +289,7 @@ impl Engine {
             .zip(rays.iter().zip(exponents))
             .map(|(surface, (ray, exponent))| {
                 let surface = surface?;
-                Some(Hit::new(preparation.entity(surface.hit.id), ray.as_ref()?, exponent, surface))
+                Some(Hit::new(preparation, ray.as_ref()?, exponent, surface))
             })
             .collect()
     }
@@ -400,6 +403,10 @@ impl Engine {
         match interrupted {
             Interrupted::Cancelled => EngineError::Cancelled,
             Interrupted::UnknownComponent(unknown) => EngineError::UnknownComponent(unknown),
+            Interrupted::Cloud(failure) => {
+                let CloudFailure { cloud, seconds, message } = *failure;
+                EngineError::Cloud(format!("{cloud} at t = {seconds}: {message}"))
+            }
             Interrupted::Script(failure) => {
                 let ScriptFailure { script, channel, seconds, error } = *failure;
                 let about = format!("{channel} at t = {seconds}");

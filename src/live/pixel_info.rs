@@ -75,7 +75,12 @@ impl PixelInfo {
 impl SurfaceInfo {
     fn of(engine: &Engine, sources: &Sources, surface: &SurfacePoint, distance: f64) -> Option<Self> {
         let (world, id) = (engine.world(), engine.prepared()?.entity(surface.hit.id));
-        let (entity, place) = name_and_place(world, sources, id);
+        let prepared = engine.prepared()?;
+        let (mut entity, mut place) = name_and_place(world, sources, id);
+        if let Some((number, origin)) = prepared.particle(surface.hit.id) {
+            entity = format!("{entity}/{number}");
+            place = Some(place.into_iter().chain(origin.map(str::to_owned)).collect::<Vec<_>>().join(", "));
+        }
         Some(Self {
             entity,
             material: order_of(world, id).and_then(|order| sources.material(order)),

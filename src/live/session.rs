@@ -28,7 +28,7 @@ pub struct SessionSettings {
     /// Effects that are disabled even if the scene needs them.
     pub without: EffectSet,
     /// Names of warnings that are not given: of [consequences](crate::systems::Consequence::NAMES), or
-    /// [`SceneWarning::NAME`](crate::scene::SceneWarning::NAME).
+    /// [`SceneWarning::NAMES`](crate::scene::SceneWarning::NAMES).
     pub allowed: Vec<&'static str>,
     /// Index of the first frame to be shown.
     pub frame: u32,

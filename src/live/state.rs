@@ -141,7 +141,10 @@ impl Mistakes {
     pub(super) fn of_frame(error: &EngineError) -> Self {
         let place = match error {
             EngineError::Script(mistake) => place_of(mistake),
-            EngineError::Scene(_) | EngineError::UnknownComponent(_) | EngineError::Cancelled => None,
+            EngineError::Scene(_)
+            | EngineError::UnknownComponent(_)
+            | EngineError::Cloud(_)
+            | EngineError::Cancelled => None,
         };
         Self { count: 1, text: error.to_string(), place }
     }

@@ -33,13 +33,13 @@ pub struct PictureWarning {
 impl PictureWarnings {
     /// Returns the warnings about the engine's files and its last picture, except those whose names are `allowed`.
     pub(super) fn of(engine: &Engine, sources: &Sources, allowed: &[&str]) -> Self {
-        let of_file = |SceneWarning { file, position, message, help }: &SceneWarning| PictureWarning {
-            name: SceneWarning::NAME,
+        let of_file = |SceneWarning { name, file, position, message, help }: &SceneWarning| PictureWarning {
+            name,
             message: message.clone(),
             help: help.clone(),
             place: Some(format!("{file}:{position}")),
         };
-        let files = engine.scene_warnings().iter().filter(|_| !allowed.contains(&SceneWarning::NAME));
+        let files = engine.scene_warnings().iter().filter(|warning| !allowed.contains(&warning.name));
         let mut list: Vec<PictureWarning> = files.map(of_file).collect();
         let mut faults = engine.faults();
         faults.retain(|fault| !allowed.contains(&fault.consequence.name()));

@@ -229,16 +229,16 @@ impl<'de> Deserializer<'de> for DataDeserializer {
 /// Visits a list. Returns an error if the visitor leaves values unread.
 fn read_list<'de, V: Visitor<'de>>(list: Vec<Data>, visitor: V) -> Result<V::Value, DataError> {
     let length = list.len();
-    let mut values = Values(list.into_iter());
+    let mut values = ListElements(list.into_iter());
     // `visit_seq` consumes the visitor.
     let expected = (&visitor as &dyn Expected).to_string();
     let value = visitor.visit_seq(&mut values)?;
     if values.0.len() == 0 { Ok(value) } else { Err(DataError::invalid_length(length, &expected.as_str())) }
 }
 
-struct Values(std::vec::IntoIter<Data>);
+struct ListElements(std::vec::IntoIter<Data>);
 
-impl<'de> SeqAccess<'de> for &mut Values {
+impl<'de> SeqAccess<'de> for &mut ListElements {
     type Error = DataError;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, DataError> {

@@ -61,7 +61,7 @@ impl CompositionRule {
     /// Returns the rule for a field of the scene.
     fn of_field(name: &str) -> Self {
         match name {
-            "include" | "entities" => Self::Named,
+            "include" | "entities" | "clouds" => Self::Named,
             "cameras" => Self::Cameras,
             "animate" => Self::Animations,
             "spawn" => Self::Continued,

@@ -17,13 +17,14 @@ mod tests {
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
     use crate::components::{Property, Quantity};
     use crate::scene::document::{
-        AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
-        EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument, LensDocument,
+        AnimationDocument, AreaShapeDocument, BackgroundDocument, BetweenDocument, CameraDocument,
+        ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument, EasingDocument, EndDocument,
+        EntityDocument, FilmDocument, FogDocument, FramesDocument, IncludeDocument, LensDocument,
         LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument, QualityDocument,
         ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument,
-        StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument,
-        Triple,
+        ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument,
+        SpecularDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument,
+        TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::scene::reference::{self, FieldEntry, ManualSection, VariantEntry};
@@ -119,12 +120,18 @@ mod tests {
         check_fields::<ReflectiveDocument>("Reflective", all);
         check_fields::<RefractiveDocument>("Refractive", all);
         check_fields::<EntityDocument>("Entity", all);
+        check_fields::<CloudDocument>("Cloud", all);
+        check_fields::<FramesDocument>("Frames", all);
         check_fields::<TransformDocument>("Transform", all);
         check_fields::<AnimationDocument>("Animation", all);
         check_variants::<TransferDocument>("Transfer", all);
         check_variants::<SpaceDocument>("Space", all);
         check_variants::<NormDocument>("Norm", all);
         check_variants::<NoiseDocument>("Noise", all);
+        check_variants::<ScaleByDocument>("ScaleBy", all);
+        check_variants::<ColorMapDocument>("ColorMap", all);
+        check_variants::<BetweenDocument>("Between", all);
+        check_variants::<EndDocument>("End", all);
         check_variants::<RotationDocument>("Rotation", all);
         check_variants::<ChannelDocument>("Channel", all);
         check_variants::<EasingDocument>("Easing", all);
@@ -148,6 +155,8 @@ mod tests {
         {
             assert_eq!(*inside, known::<PatternDocument>(&format!("{variant}(nobody_knows: 0)")).join(", "));
         }
+        let color_by = check_variants::<ColorByDocument>("ColorBy", all);
+        assert_eq!(color_by.variants[2].inside, known::<ColorByDocument>("Map(nobody_knows: 0)").join(", "));
         for VariantEntry { name: variant, inside, .. } in
             &check_variants::<LightDocument>("Light", all).variants
         {
@@ -248,6 +257,7 @@ mod tests {
         let this = include_str!("manual.rs");
         for source in [
             include_str!("document/animation.rs"),
+            include_str!("document/cloud.rs"),
             include_str!("document/entity.rs"),
             include_str!("document/include.rs"),
             include_str!("document/material.rs"),

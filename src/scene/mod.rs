@@ -20,6 +20,7 @@
 //! The types in `document` mirror the file format and serve no other purpose; components do not depend on them.
 
 pub mod assist;
+mod clouds;
 mod data;
 mod diagnostic;
 mod document;

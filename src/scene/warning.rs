@@ -1,10 +1,12 @@
 //! Warnings about the text of a scene.
 
+use super::clouds::DATA_LABEL;
 use super::error::original;
 use super::files::Files;
 use super::{Diagnostic, SourcePosition};
 
-/// A value of a scene that is valid and surely not meant, such as a colour with channels from 0 to 1.
+/// A value of a scene that is valid and surely not meant, such as a colour with channels from 0 to 1, or a data file whose last frame is cut
+/// off.
 ///
 /// ```
 /// use rayreel::Scene;
@@ -18,6 +20,8 @@ use super::{Diagnostic, SourcePosition};
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneWarning {
+    /// The name, as in `--allow` of the command: one of [`SceneWarning::NAMES`].
+    pub name: &'static str,
     /// The file, as named by the caller or by the include.
     pub file: String,
     /// The position in the file.
@@ -29,8 +33,8 @@ pub struct SceneWarning {
 }
 
 impl SceneWarning {
-    /// The name of the warning about colours from 0 to 1, the only one, as in `--allow` of the command.
-    pub const NAME: &str = "dark-color";
+    /// The names of the warnings: about colours from 0 to 1, and about data files.
+    pub const NAMES: [&str; 2] = ["dark-color", "data-file"];
 }
 
 /// Returns the warnings about all files, by file and position.
@@ -47,7 +51,10 @@ pub(super) fn warnings_of(files: &mut Files) -> Vec<SceneWarning> {
                 .map_or((&of_file.name, &*of_file.text), |source| (&source.file, &source.text));
             let start = span.map_or(0, |span| span.start);
             let is_hexadecimal = text.as_bytes().get(start) == Some(&b'"');
-            (!is_hexadecimal).then(|| SceneWarning {
+            let is_of_data = label == DATA_LABEL;
+            let warning = SceneWarning::NAMES[usize::from(is_of_data)];
+            (is_of_data || !is_hexadecimal).then(|| SceneWarning {
+                name: warning,
                 file: name.clone(),
                 position: SourcePosition::of(text, start),
                 message: format!("{message}: {label}"),

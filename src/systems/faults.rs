@@ -27,6 +27,8 @@ pub struct Fault {
 pub enum Consequence {
     /// The entity's shape is not drawn.
     NotDrawn,
+    /// Only some particles of the entity's cloud are drawn.
+    Incomplete,
     /// The entity's light gives no light.
     NoLight,
     /// The image shows only the background.
@@ -92,6 +94,13 @@ pub enum FaultCause {
         what: &'static str,
         /// The channel.
         value: f32,
+    },
+    /// Particles have a position that is not finite or out of range, or a scale that is not greater than 0.
+    Particles {
+        /// The number of these particles.
+        left_out: usize,
+        /// The number of all particles of the cloud.
+        count: usize,
     },
     /// A number in the named part is not finite.
     NotFinite(&'static str),
@@ -174,7 +183,7 @@ pub enum FaultCause {
 
 impl Consequence {
     /// The names of all consequences, as in `--allow` of the command.
-    pub const NAMES: [&str; 15] = [
+    pub const NAMES: [&str; 16] = [
         "not-drawn",
         "no-light",
         "nothing-seen",
@@ -190,6 +199,7 @@ impl Consequence {
         "default-view",
         "at-origin",
         "out-of-date",
+        "incomplete",
     ];
 
     /// Returns the name of the consequence.
@@ -211,6 +221,7 @@ impl Consequence {
             Self::DefaultView => 12,
             Self::AtOrigin => 13,
             Self::OutOfDate => 14,
+            Self::Incomplete => 15,
         };
         Self::NAMES[index]
     }
@@ -276,6 +287,9 @@ impl Fault {
             FaultCause::NotFinite(_) => {
                 "look for a division by zero or an overflow in what sets it: a track, a script or a system"
                     .to_owned()
+            }
+            FaultCause::Particles { .. } => {
+                "correct their data, or leave them out by a `filter`, as \"r > 0\"".to_owned()
             }
             FaultCause::Overflow => "let its parents move and scale it less".to_owned(),
             FaultCause::NoScale => "write factors other than 0".to_owned(),
@@ -348,6 +362,7 @@ impl fmt::Display for Fault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.consequence {
             Consequence::NotDrawn => write!(formatter, "is not drawn: {}", self.cause),
+            Consequence::Incomplete => write!(formatter, "is drawn in part: {}", self.cause),
             Consequence::NoLight => write!(formatter, "gives no light: {}", self.cause),
             Consequence::NothingSeen => write!(formatter, "sees nothing: {}", self.cause),
             Consequence::FixedTarget => write!(formatter, "moves on past a fixed target: {}", self.cause),
@@ -407,6 +422,12 @@ impl fmt::Display for FaultCause {
             }
             Self::AboveWhite { what, value } => {
                 write!(formatter, "its {what} has a channel of {}, and 1 is white", brief((*value).into()))
+            }
+            Self::Particles { left_out, count } => {
+                write!(
+                    formatter,
+                    "{left_out} of its {count} particles have no finite position, or no scale above 0"
+                )
             }
             Self::NotFinite(what) => write!(formatter, "its {what} is not finite"),
             Self::Overflow => {

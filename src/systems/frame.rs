@@ -14,7 +14,7 @@ use super::{
     Changes, Effect, FrameReport, Interrupted, Need, Plan, Preparation, RenderSettings, Schedule, Scripts,
     order_newcomers, propagate,
 };
-use crate::components::{Animated, FilmSettings, Sampling};
+use crate::components::{Animated, CloudSource, FilmSettings, Sampling};
 use crate::time::{Time, Timeline};
 use crate::trace::{BvhUpdate, Effects, InstantOrder, Lighting, SamplePlan, SceneChanges};
 
@@ -107,7 +107,8 @@ impl Simulation {
     /// Returns whether any entity can move.
     fn may_move(&self) -> bool {
         let animated = |archetype: &hecs::Archetype| !archetype.is_empty() && archetype.has::<Animated>();
-        !self.schedule.is_empty() || self.world.archetypes().any(animated)
+        let sources = || self.world.query::<&CloudSource>().iter().any(|source| !source.particles.is_still());
+        !self.schedule.is_empty() || self.world.archetypes().any(animated) || sources()
     }
 
     /// Visits instants of a frame, given by their indices, and calls `each` with the prepared data of each instant; its result determines

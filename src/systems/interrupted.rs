@@ -15,6 +15,16 @@ pub(crate) struct ScriptFailure {
     pub(crate) error: Box<ScriptError>,
 }
 
+/// A cloud without particles at a moment, as when its file cannot be read.
+#[derive(Clone, Debug)]
+pub(crate) struct CloudFailure {
+    /// The place of the cloud in a scene, and its name.
+    pub(crate) cloud: String,
+    /// The moment, in seconds.
+    pub(crate) seconds: f64,
+    pub(crate) message: String,
+}
+
 /// The reason why the world could not be advanced to a moment.
 #[derive(Clone, Debug)]
 pub(crate) enum Interrupted {
@@ -22,6 +32,8 @@ pub(crate) enum Interrupted {
     UnknownComponent(UnknownComponent),
     /// A script failed to return a value.
     Script(Box<ScriptFailure>),
+    /// A cloud has no particles.
+    Cloud(Box<CloudFailure>),
     /// The request was cancelled.
     Cancelled,
 }

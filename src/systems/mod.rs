@@ -1,12 +1,13 @@
 //! The systems that run for each frame, in this order:
 //!
 //! ```text
-//! stepped systems up to this moment -> animate -> scripts -> pure systems -> propagate -> prepare -> plan -> trace
+//! stepped systems up to this moment -> clouds -> animate -> scripts -> pure systems -> propagate -> prepare -> plan -> trace
 //! ```
 //!
 //! - Custom systems are pure or stepped: [`Engine::add_system`](crate::Engine::add_system) and
 //!   [`Engine::add_stepped_system`](crate::Engine::add_stepped_system). Tracks and scripts run before each step and again after the steps,
 //!   so a step cannot permanently change a value that a track or a script drives.
+//! - Clouds get the particles of this moment from their [sources](crate::components::CloudSource).
 //! - [`animate()`] writes the values of motions at this moment.
 //! - Scripts write their values after all tracks.
 //! - [`propagate()`] derives world transforms from transforms, parents first.
@@ -24,6 +25,7 @@ mod aim;
 mod animate;
 mod batches;
 mod changes;
+mod clouds;
 mod context;
 mod disabled_effects;
 mod effect;
@@ -54,7 +56,7 @@ pub use effect::{Effect, EffectSet};
 pub use faults::{Consequence, Fallback, Fault, FaultCause, UndeclaredChange};
 pub(crate) use frame::{FrameInstants, NextInstants, PreparedInstant, Simulation};
 pub(crate) use image_faults::image_faults;
-pub(crate) use interrupted::{Interrupted, ScriptFailure};
+pub(crate) use interrupted::{CloudFailure, Interrupted, ScriptFailure};
 pub(crate) use order::{Unplaced, order_newcomers};
 pub use plan::{Need, Plan};
 pub use prepare::{ActiveCamera, EffectiveSettings, Preparation, RenderSettings, active_camera};
@@ -66,5 +68,5 @@ pub(crate) use schedule::Schedule;
 pub use schedule::Step;
 pub(crate) use scripts::Scripts;
 pub use snapshot::UnknownComponent;
-pub(crate) use snapshot::{Registry, Snapshot};
+pub(crate) use snapshot::{Registry, WorldSnapshot};
 pub(crate) use trace::{plan, render, trace_ray, trace_sample};

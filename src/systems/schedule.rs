@@ -4,8 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use hecs::World;
 
+use super::clouds::update_clouds;
 use super::order::order_newcomers;
-use super::{Changes, Context, Interrupted, Registry, Scripts, Snapshot, animate, propagate};
+use super::{Changes, Context, Interrupted, Registry, Scripts, WorldSnapshot, animate, propagate};
 use crate::time::Time;
 
 type System = Box<dyn Fn(&mut Context<'_>) + Send>;
@@ -50,11 +51,11 @@ pub(crate) struct Schedule {
     stepped: Vec<SteppedSystem>,
     registry: Registry,
     /// The world before any system ran.
-    start: Option<Snapshot>,
+    start: Option<WorldSnapshot>,
     /// The separate world in which steps run if there are pure systems.
     base: World,
     /// A copy of `base` after its last step.
-    state: Option<Snapshot>,
+    state: Option<WorldSnapshot>,
     /// The writes of tracks and pure systems to the copy of `state` for the last frame.
     written: Changes,
     scripts: Scripts,
@@ -128,7 +129,7 @@ impl Schedule {
         if self.start.is_none() {
             order_newcomers(world, &[]);
             propagate(world, &Changes::all());
-            let start = Snapshot::take(world, &self.registry)?;
+            let start = WorldSnapshot::take(world, &self.registry)?;
             // Restoring resets the allocation of ids, which then proceeds as after every later restart.
             start.restore(world);
             start.restore(&mut self.base);
@@ -150,7 +151,7 @@ impl Schedule {
         stepped?;
         let state = match self.state.take() {
             Some(state) => state,
-            None => Snapshot::take(&self.base, &self.registry)?,
+            None => WorldSnapshot::take(&self.base, &self.registry)?,
         };
         state.restore(world);
         self.state = Some(state);
@@ -220,7 +221,7 @@ impl Schedule {
     }
 }
 
-/// Runs tracks, then scripts.
+/// Updates clouds, then runs tracks, then scripts.
 fn animate_all(
     scripts: &mut Scripts,
     world: &mut World,
@@ -229,6 +230,7 @@ fn animate_all(
     changes: &mut Changes,
     cancelled: &AtomicBool,
 ) -> Result<(), Interrupted> {
+    update_clouds(world, time, changes)?;
     scripts.look_up(world);
     animate(world, time, changes);
     scripts.run(world, time, has_steps, changes, cancelled)

@@ -88,12 +88,12 @@ impl Registry {
 }
 
 /// A copy of all entities, with their ids.
-pub(crate) struct Snapshot {
+pub(crate) struct WorldSnapshot {
     /// The entities with their components, ascending by id.
     entities: Vec<(Entity, BuiltEntityClone)>,
 }
 
-impl Snapshot {
+impl WorldSnapshot {
     /// Copies a world.
     ///
     /// # Errors

@@ -115,8 +115,8 @@ pub use scene::{
     Attenuation, BackgroundTerms, GradientTerms, PassageTerms, Precision, PreparedCamera, SkyLight,
 };
 pub(crate) use scene::{
-    Cone, FogLayer, MaterialTable, PatternFunction, PatternLayout, PatternedSurface, PreparedFalloff,
-    PreparedFog, PreparedPattern, PreparedSky, PreparedStars, PreparedSun,
+    Cone, FogLayer, MaterialPalette, MaterialTable, PatternFunction, PatternLayout, PatternedSurface,
+    PreparedFalloff, PreparedFog, PreparedPattern, PreparedSky, PreparedStars, PreparedSun,
 };
 pub use shading::{LightTerms, RefractionTerms, SecondaryTerms, Unlit};
 pub use shapes::{Equation, Interval};

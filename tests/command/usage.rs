@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::process::Child;
 
-use crate::{FIRST_LIGHT, files, pictures, rayreel, text};
+use crate::{FIRST_LIGHT, files, pictures, rayreel, stdout_of, text};
 #[cfg(unix)]
 use crate::{RAYREEL, command, signal, until};
 
@@ -274,6 +274,28 @@ fn new_writes_a_scene_that_renders_and_never_overwrites() {
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("exists already, and is left as it is"));
     assert_eq!(fs::read_to_string(folder.path().join("mine.ron")).unwrap(), "precious");
+}
+
+#[test]
+fn new_from_data_writes_a_scene_that_shows_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("data")).unwrap();
+    let water = "3\nwater\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n";
+    fs::write(folder.path().join("data/water.xyz"), water.repeat(5)).unwrap();
+    let error = text(&rayreel(folder.path(), ["render", "data/water.xyz"]).stderr);
+    assert!(error.contains("`rayreel new --from DATA my.ron` writes a scene"), "{error}");
+    stdout_of(folder.path(), ["new", "--from", "data/water.xyz", "water.ron"]);
+    let checked = stdout_of(folder.path(), ["check", "water.ron"]);
+    assert_eq!(checked, "water.ron: ok, 96 frames\n");
+    // The oxygen is in the middle of the picture.
+    let probed = stdout_of(folder.path(), ["probe", "water.ron", "--pixel", "640,400"]);
+    assert!(
+        probed.contains("\"particles/0\" (water.ron:") && probed.contains("data/water.xyz, frame 0)"),
+        "{probed}"
+    );
+    let output = rayreel(folder.path(), ["new", "--from", "data/wine.xyz", "wine.ron"]);
+    assert!(!output.status.success() && text(&output.stderr).contains("data/wine.xyz"));
+    assert!(!folder.path().join("wine.ron").exists());
 }
 
 #[test]

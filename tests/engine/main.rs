@@ -6,6 +6,7 @@ mod aiming;
 mod alpha;
 mod camera_paths;
 mod cameras;
+mod clouds;
 mod coded_worlds;
 mod crowds;
 mod custom_systems;

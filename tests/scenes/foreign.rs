@@ -46,7 +46,10 @@ fn files_of_other_programs_are_recognized() {
         message("a.GLTF", b"{ \"asset\": { \"version\": \"2.0\" } }").contains("is a model of triangles")
     );
     let xyz = message("water.xyz", b"3\nwater\nO 0 0 0\nH 0 0 1\nH 0 1 0\n");
-    assert!(xyz.contains("is a trajectory") && xyz.contains("`spawn`"), "{xyz}");
+    assert!(
+        xyz.contains("is a trajectory") && xyz.contains("`rayreel new --from DATA my.ron` writes a scene"),
+        "{xyz}"
+    );
     let program = message("row.py", b"from manim import *\n\nclass Row(ThreeDScene):\n    pass\n");
     assert!(
         program.contains("row.py` is a program, not a scene") && program.contains("write a scene in RON")

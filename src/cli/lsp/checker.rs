@@ -108,6 +108,9 @@ impl Shared {
             let diagnostics = match check(loaded, allowed, Signals::unless(&self.cancelled)) {
                 Ok(CheckPassed { warnings, sources, .. }) => own.warnings(&warnings.to_json(Some(&sources))),
                 Err(CheckFailed::Scene(error)) => own.mistakes(&error),
+                Err(CheckFailed::Cloud(message)) => {
+                    vec![own.diagnostic(ERROR, &line_span(&text, 1), &message, None)]
+                }
                 Err(CheckFailed::Script(mistake)) => {
                     let diagnostic = mistake.diagnostic();
                     let file = diagnostic.source.as_ref().map_or("", |source| &source.file);

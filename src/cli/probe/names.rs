@@ -6,8 +6,9 @@ use serde_json::{Value, json};
 
 use rayreel::components::{Name, Order};
 use rayreel::scene::{SourceLine, Sources};
-use rayreel::trace::RayKind;
-use rayreel::{Entity, World};
+use rayreel::systems::Preparation;
+use rayreel::trace::{RayKind, ShapeId};
+use rayreel::{Entity, Hit, World};
 
 /// Returns an entity's name or, without one, its index in document order, as `#17`.
 pub(super) fn label(world: &World, entity: Entity) -> String {
@@ -17,6 +18,14 @@ pub(super) fn label(world: &World, entity: Entity) -> String {
             Some(order) => format!("#{order}"),
             None => "#".to_owned(),
         },
+    }
+}
+
+/// Returns the label of a hit: that of the entity, with the number of the particle, as `gas/1234`.
+pub(super) fn hit_label(world: &World, hit: &Hit) -> String {
+    match hit.particle {
+        Some(number) => format!("{}/{number}", label(world, hit.entity)),
+        None => label(world, hit.entity),
     }
 }
 
@@ -59,6 +68,30 @@ impl<'a> EntityLines<'a> {
             Some(line) => format!("{name} ({line})"),
             None => name,
         }
+    }
+
+    /// Formats the name and line of the entity in a slot. A particle has its number, and the file and frame of its cloud, as
+    /// `"gas/1234" (gas.ron:8, gas.xyz, frame 17)`.
+    pub(super) fn slot_text(&self, prepared: &Preparation, slot: ShapeId) -> String {
+        let entity = prepared.entity(slot);
+        let Some((number, origin)) = prepared.particle(slot) else { return self.text(entity) };
+        let name = match self.world.get::<&Name>(entity) {
+            Ok(name) => format!("{:?}", format!("{}/{number}", name.0)),
+            Err(_) => format!("{}/{number}", label(self.world, entity)),
+        };
+        let line = self.lines.get(&entity).map(ToString::to_string);
+        let places: Vec<String> = line.into_iter().chain(origin.map(str::to_owned)).collect();
+        if places.is_empty() { name } else { format!("{name} ({})", places.join(", ")) }
+    }
+
+    /// Returns the same as [`json`](Self::json) for the entity in a slot, and for a particle its number and where its cloud is from.
+    pub(super) fn slot_json(&self, prepared: &Preparation, slot: ShapeId) -> Value {
+        let mut object = self.json(prepared.entity(slot));
+        if let Some((number, origin)) = prepared.particle(slot) {
+            object["particle"] = number.into();
+            object["data"] = origin.into();
+        }
+        object
     }
 
     /// Returns the name (or null), the index in document order, the file and the line of an entity.

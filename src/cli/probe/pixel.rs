@@ -270,14 +270,14 @@ impl RayExplanation<'_> {
                     ("normal", vector(surface.facing_normal())),
                 ]);
                 for slot in lit.coincident.iter().copied() {
-                    facts.push(("also there", format!(" {}", self.lines.text(self.prepared.entity(slot)))));
+                    facts.push(("also there", format!(" {}", self.lines.slot_text(self.prepared, slot))));
                 }
-                let entity = self.lines.text(self.prepared.entity(surface.hit.id));
+                let entity = self.lines.slot_text(self.prepared, surface.hit.id);
                 (format!("meets {entity} from {side}"), self.contributions(index, lit))
             }
         };
         for slot in &traced.inside {
-            facts.push(("inside", format!(" {}", self.lines.text(self.prepared.entity(*slot)))));
+            facts.push(("inside", format!(" {}", self.lines.slot_text(self.prepared, *slot))));
         }
         facts.push(("light", color(light)));
         if self.terms.is_some() {
@@ -318,7 +318,7 @@ impl RayExplanation<'_> {
                         format!("no shadow ray: {}", self.reason(*reason, lit))
                     }
                     LightReach::Occluded(slot) => {
-                        format!("hidden by {}", self.lines.text(self.prepared.entity(*slot)))
+                        format!("hidden by {}", self.lines.slot_text(self.prepared, *slot))
                     }
                     LightReach::Absorbed => ABSORBED.to_owned(),
                 };
@@ -389,7 +389,7 @@ impl RayExplanation<'_> {
 
     fn ray_json(&self, index: usize) -> Value {
         let traced = &self.tree.rays[index];
-        let entity = |slot: &_| self.lines.json(self.prepared.entity(*slot));
+        let entity = |slot: &_| self.lines.slot_json(self.prepared, *slot);
         let (found, surface) = match &traced.end {
             RayEnd::Background(_) => ("background", Value::Null),
             RayEnd::BeyondDepth(_) => ("depth limit", Value::Null),
@@ -424,7 +424,7 @@ impl RayExplanation<'_> {
 
     fn surface_json(&self, index: usize, lit: &LitSurface) -> Value {
         let (surface, traced) = (&lit.surface, &self.tree.rays[index]);
-        let entity = |slot| self.lines.json(self.prepared.entity(slot));
+        let entity = |slot| self.lines.slot_json(self.prepared, slot);
         let lights =
             self.prepared.lights().iter().zip(&lit.lights).enumerate().map(|(index, (light, reach))| {
                 let (outcome, adds, hidden_samples, hidden_by, reason) = match reach {

@@ -10,7 +10,7 @@ use rayreel::{Engine, Hit, World};
 
 use super::super::exit::Failure;
 use super::super::print;
-use super::names::label;
+use super::names::hit_label;
 use super::numbers::Shortest;
 use super::read::RayReader;
 
@@ -57,7 +57,7 @@ fn csv_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
             continue;
         };
         writer.write_field("1")?;
-        writer.write_field(label(world, hit.entity))?;
+        writer.write_field(hit_label(world, hit))?;
         let point_and_normal = hit.point.to_array().into_iter().chain(hit.normal.to_array());
         for number in [hit.t].into_iter().chain(point_and_normal.map(Some)) {
             text.clear();
@@ -81,7 +81,7 @@ fn json_lines(world: &World, hits: &[Option<Hit>]) -> anyhow::Result<Vec<u8>> {
             None => lines.extend_from_slice(b"{\"hit\":false"),
             Some(hit) => {
                 lines.extend_from_slice(b"{\"hit\":true,\"entity\":");
-                serde_json::to_writer(&mut lines, &label(world, hit.entity))?;
+                serde_json::to_writer(&mut lines, &hit_label(world, hit))?;
                 lines.extend_from_slice(b",\"t\":");
                 serde_json::to_writer(&mut lines, &hit.t)?;
                 lines.extend_from_slice(b",\"point\":");

@@ -132,7 +132,9 @@ impl<'a> Terms<'a> {
         let entity = self.prepared.entity(lit.surface.hit.id);
         let is_enabled = |effect| !self.engine.settings.without.contains(effect);
         let world = self.engine.world();
-        let material = world.get::<&Material>(entity).map_or_else(|_| Material::default(), |found| *found);
+        let mut material =
+            world.get::<&Material>(entity).map_or_else(|_| Material::default(), |found| *found);
+        material.color = self.prepared.particle_color(lit.surface.hit.id).unwrap_or(material.color);
         let second = lit.terms.pattern;
         let pattern = world.get::<&Pattern>(entity).ok();
         let color = pattern.map_or(material.color, |pattern| blend(material.color, pattern.color, second));
@@ -196,8 +198,7 @@ impl<'a> Terms<'a> {
         }
         facts.push(("V", color(*visibility)));
         if let Some(slot) = occluder {
-            let entity = self.prepared.entity(*slot);
-            facts.push(("hidden by", format!(" {}", self.lines.text(entity))));
+            facts.push(("hidden by", format!(" {}", self.lines.slot_text(self.prepared, *slot))));
         }
         facts
     }

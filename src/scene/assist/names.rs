@@ -67,7 +67,7 @@ fn symbol(text: &str, open: &[OpenBracket<'_>], part: &BracketPart) -> Option<Sc
     let (kind, name_span) = match (list, &part.name) {
         ("materials", Some(key)) => (SymbolKind::Material, Some(key.clone())),
         ("cameras", Some(_)) => camera(),
-        ("entities", None) => (SymbolKind::Entity, None),
+        ("entities" | "clouds", None) => (SymbolKind::Entity, None),
         ("include", None) => (SymbolKind::Include, None),
         ("animate", None) => (SymbolKind::Animation, None),
         _ => return None,

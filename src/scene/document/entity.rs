@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::{ColorDocument, MaterialDocument, ScaleDocument, SurfaceDocument, Triple, whole};
-use crate::components::AreaShape;
+use crate::components::{AreaShape, CloudSource};
 
 /// An entity of the scene.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -28,6 +28,9 @@ pub(crate) struct EntityDocument {
     pub(crate) casts_shadow: bool,
     #[serde(default = "yes")]
     pub(crate) in_reflections: bool,
+    /// The particles of a cloud.
+    #[serde(skip)]
+    pub(crate) cloud: Option<Box<CloudSource>>,
 }
 
 impl Default for EntityDocument {
@@ -45,6 +48,7 @@ impl Default for EntityDocument {
             visible: true,
             casts_shadow: true,
             in_reflections: true,
+            cloud: None,
         }
     }
 }

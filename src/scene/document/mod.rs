@@ -3,6 +3,7 @@
 
 mod animation;
 mod channel;
+mod cloud;
 mod entity;
 mod include;
 mod material;
@@ -15,6 +16,10 @@ pub(super) use animation::{
     TracksDocument,
 };
 pub(super) use channel::ChannelDocument;
+pub(super) use cloud::{
+    BetweenDocument, CloudDocument, ColorByDocument, ColorMapDocument, EndDocument, FramesDocument,
+    ScaleByDocument, particle,
+};
 pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, RotationDocument, ShapeDocument, TransformDocument,
 };

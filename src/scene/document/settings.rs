@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use super::{
-    AnimationDocument, BackgroundDocument, ColorDocument, EntityDocument, Entries, IncludeDocument,
-    MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
+    AnimationDocument, BackgroundDocument, CloudDocument, ColorDocument, EntityDocument, Entries,
+    IncludeDocument, MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
 };
 use crate::components::{FilmSettings, Quality, Sampling, Stars};
 
@@ -32,6 +32,7 @@ pub(crate) struct SceneDocument {
     pub(crate) materials: Entries<MaterialDocument>,
     /// Shared between successive loads of an edited file.
     pub(crate) entities: Vec<Arc<EntityDocument>>,
+    pub(crate) clouds: Vec<CloudDocument>,
     pub(crate) spawn: Vec<ScriptDocument>,
     pub(crate) animate: Vec<AnimationDocument>,
     pub(crate) extends: Option<String>,
@@ -45,10 +46,20 @@ impl SceneDocument {
     pub(crate) const SCENE: &'static str = "scene";
     /// The name of the field with the entities.
     pub(crate) const ENTITIES: &'static str = "entities";
+    /// The name of the field with the clouds.
+    pub(crate) const CLOUDS: &'static str = "clouds";
 
     /// Returns the paths of the includes as written.
     pub(crate) fn included_files(&self) -> impl Iterator<Item = String> {
         self.include.iter().map(|include| include.file.clone())
+    }
+
+    /// Returns where an entity is written: the list, and the index in it. The entities of clouds follow all others, once they are there.
+    pub(crate) fn place_of(&self, entity: usize) -> (&'static str, usize) {
+        match entity.checked_sub(self.entities.len().saturating_sub(self.clouds.len())) {
+            Some(cloud) if !self.clouds.is_empty() => (Self::CLOUDS, cloud),
+            _ => (Self::ENTITIES, entity),
+        }
     }
 
     /// Returns all cameras with their names, starting with the field `camera`.

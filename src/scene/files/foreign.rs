@@ -10,12 +10,18 @@ const SCENE: &str = "write the scene in RON, the notation of rayreel: `rayreel n
 const PROGRAM: &str =
     "let the program write a scene in RON: `rayreel new FILE.ron` writes a small one to start from";
 /// The remedy for data.
-const DATA: &str = "let a script in the scene's list `spawn` make an entity of each line, or let a program write the entities";
+const DATA: &str = "`rayreel new --from DATA my.ron` writes a scene that shows the particles of the file, and `rayreel render my.ron` renders it";
+
+/// The remedy for data that no scene can show.
+const OTHER_DATA: &str = "convert it to a format that scenes show, such as extended XYZ, XTC, CSV or NPY: `rayreel new --from DATA my.ron` writes a scene for it";
 
 /// Returns the diagnostic for a file that is not a scene, but known to be a file of another program by its extension.
 pub(super) fn foreign_file(path: &Path) -> Option<Diagnostic> {
-    let extension = path.extension()?.to_str()?.to_lowercase();
-    let (what, help) = match extension.as_str() {
+    let name = path.file_name()?.to_str()?.to_lowercase();
+    // Data is often compressed.
+    let name = [".gz", ".zst"].into_iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
+    let (_, extension) = name.rsplit_once('.')?;
+    let (what, help) = match extension {
         "pov" | "inc" => (
             "a scene of POV-Ray",
             "`Coming from POV-Ray`, a chapter of the book, has what to write for each of its words; `rayreel new FILE.ron` writes a small scene to start from",
@@ -26,10 +32,10 @@ pub(super) fn foreign_file(path: &Path) -> Option<Diagnostic> {
         }
         "pbrt" => ("a scene of pbrt", SCENE),
         "py" | "tcl" | "vmd" | "lua" => ("a program", PROGRAM),
-        "xyz" | "extxyz" | "pdb" | "cif" | "gro" | "dump" | "lammpstrj" | "xtc" | "trr" | "dcd" => {
-            ("a trajectory", DATA)
-        }
-        "csv" | "tsv" | "npy" | "npz" | "json" => ("a file of data", DATA),
+        "xyz" | "extxyz" | "pdb" | "ent" | "dump" | "lammpstrj" | "xtc" => ("a trajectory", DATA),
+        "cif" | "gro" | "trr" | "dcd" => ("a trajectory", OTHER_DATA),
+        "csv" | "tsv" | "npy" | "npz" => ("a file of data", DATA),
+        "json" => ("a file of data", OTHER_DATA),
         _ => return None,
     };
     let message = format!("`{}` is {what}, not a scene of rayreel", path.display());

@@ -11,6 +11,7 @@ use super::names;
 use super::read::{DEEPEST, FileContent, ReadFailure, read, read_included};
 use super::{Files, Origin, SceneFile, Scope};
 use crate::scene::Diagnostic;
+use crate::scene::clouds::CloudFiles;
 use crate::scene::document::SceneDocument;
 use crate::scene::extend::EXTENDS;
 use crate::scene::overrides::{Override, Unplaced};
@@ -30,13 +31,15 @@ impl Files {
     /// Reads a scene file like [`read`](Self::read), and reuses documents from earlier loads.
     pub(in crate::scene) fn read_again(path: &Path, overrides: &[Override], before: &mut Texts) -> Self {
         let texts = Some(mem::take(before));
-        let mut loader = Loader { texts, overrides: Unplaced::new(overrides), ..Loader::default() };
+        let clouds = CloudFiles::kept();
+        let mut loader = Loader { texts, clouds, overrides: Unplaced::new(overrides), ..Loader::default() };
         let loaded = loader.read(path);
         *before = loader.texts.unwrap_or_default();
+        before.clouds = loader.clouds;
         let is_complete =
             |file: &SceneFile| file.document.is_some() && file.includes.iter().all(Option::is_some);
         if loaded.files.iter().all(is_complete) {
-            before.retain(|path, _| loader.known.contains_key(path));
+            before.parsed.retain(|path, _| loader.known.contains_key(path));
         }
         loaded
     }
@@ -79,8 +82,12 @@ impl Files {
     }
 }
 
-/// The entities of the texts that could be parsed, by the canonical paths of their files.
-pub(in crate::scene) type Texts = HashMap<PathBuf, ParsedEntities>;
+/// The entities of the texts that could be parsed, by the canonical paths of their files, and the data files of clouds.
+#[derive(Debug, Default)]
+pub(in crate::scene) struct Texts {
+    parsed: HashMap<PathBuf, ParsedEntities>,
+    clouds: CloudFiles,
+}
 
 #[derive(Debug, Default)]
 struct Loader {
@@ -94,6 +101,8 @@ struct Loader {
     /// The remaining budget of spawning scripts.
     budget: SpawnBudget,
     overrides: Unplaced,
+    /// The data files of clouds.
+    clouds: CloudFiles,
     /// The number of bytes of all extended scenes.
     extended_bytes: u64,
 }
@@ -141,9 +150,13 @@ impl Loader {
         self.known.insert(key, index);
         let own = self.loaded.files.first().unwrap_or(&file);
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
+        let film = own.document.as_ref().map_or_else(Default::default, |document| document.film.transfer);
         if let Some(document) = &mut file.document {
             let Self { loaded: Files { inputs, .. }, budget, .. } = self;
             scripts::spawn(document, &file.source, seed, budget, inputs, &mut file.problems);
+            let none = CloudFiles::default();
+            let before = self.texts.as_ref().map_or(&none, |texts| &texts.clouds);
+            self.clouds.open(document, &file.source, film, before, inputs, &mut file.problems);
         }
         let wanted = file.included_files();
         self.loaded.files.push(file);
@@ -187,7 +200,7 @@ impl Loader {
     /// Parses a text. If it differs little from the previous text of the file, only the difference is parsed.
     fn parse(&mut self, key: &Path, text: &Arc<String>) -> Result<SceneDocument, Vec<Diagnostic>> {
         match &mut self.texts {
-            Some(texts) => parse(text, texts.entry(key.to_owned()).or_default()),
+            Some(texts) => parse(text, texts.parsed.entry(key.to_owned()).or_default()),
             None => parse(text, &mut ParsedEntities::default()),
         }
     }

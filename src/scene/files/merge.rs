@@ -83,6 +83,7 @@ impl<'a> Merger<'a> {
     fn merge(mut self, mut scene: SceneDocument, includes: &[usize]) -> (Merged, Vec<Run>) {
         self.add_includes(0, &scene.include, includes, "", None);
         self.start_run(0, "entities", 0);
+        self.start_clouds(0, &scene);
         if !includes.is_empty() {
             self.materials.append(&mut scene.materials.0);
             self.entities.append(&mut scene.entities);
@@ -138,6 +139,7 @@ impl<'a> Merger<'a> {
             }
         }
         self.start_run(file, "entities", 0);
+        self.start_clouds(file, part);
         for entity in &part.entities {
             let renamed = EntityDocument {
                 name: prefixed(&entity.name),
@@ -182,6 +184,15 @@ impl<'a> Merger<'a> {
 
     fn start_run(&mut self, file: usize, list: &'static str, index: usize) {
         self.runs.push(Run { first: self.entities.len(), origin: Origin { file, list, index } });
+    }
+
+    /// Starts the run of a document's clouds, which follow its other entities.
+    fn start_clouds(&mut self, file: usize, document: &SceneDocument) {
+        let others = document.entities.len().checked_sub(document.clouds.len());
+        if let Some(others) = others.filter(|_| !document.clouds.is_empty()) {
+            let origin = Origin { file, list: SceneDocument::CLOUDS, index: 0 };
+            self.runs.push(Run { first: self.entities.len() + others, origin });
+        }
     }
 }
 

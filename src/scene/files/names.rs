@@ -139,7 +139,8 @@ impl<'a> Names<'a> {
         }
         for (place, entity) in document.entities.iter().enumerate() {
             if let Some(name) = &entity.name {
-                let origin = Origin { file: index, list: "entities", index: place };
+                let (list, place) = document.place_of(place);
+                let origin = Origin { file: index, list, index: place };
                 names.add_entity(name, origin, Meaning::Entity(entity, index), None);
             }
         }

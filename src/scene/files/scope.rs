@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::names::{Clashes, Meaning, Names};
 use super::{Origin, SceneFile};
 use crate::scene::document::{
-    LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument,
+    EntityDocument, LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument, particle,
 };
 
 /// The result of looking up a name.
@@ -84,8 +84,19 @@ impl<'a> Scope<'a> {
                 Lookup::Found(KnownEntity { shape, light, material, has_target, looks_at })
             }
             Some(Meaning::Part(_)) => Lookup::Found(KnownEntity::default()),
-            None => self.in_part(name, Self::entity),
+            None => match particle(name).and_then(|(cloud, _)| self.own().entities.get(cloud)) {
+                Some(Meaning::Entity(entity, file)) if self.of(*file).is_cloud(entity) => {
+                    Lookup::Found(KnownEntity::default())
+                }
+                _ => self.in_part(name, Self::entity),
+            },
         }
+    }
+
+    /// Returns whether an entity of the file is a cloud, whose particles have names.
+    fn is_cloud(self, entity: &EntityDocument) -> bool {
+        let clouds = self.files[self.file].document.iter().flat_map(|document| &document.clouds);
+        clouds.into_iter().any(|cloud| cloud.name.is_some() && cloud.name == entity.name)
     }
 
     pub(in crate::scene) fn material(self, name: &str) -> Lookup<&'a MaterialDocument> {

@@ -76,7 +76,8 @@ impl Override {
 }
 
 /// The fields of a scene that hold named elements, each with the noun for one element.
-const NAMED: [(&str, &str); 3] = [("materials", "material"), ("cameras", "camera"), ("entities", "entity")];
+const NAMED: [(&str, &str); 4] =
+    [("materials", "material"), ("cameras", "camera"), ("entities", "entity"), ("clouds", "cloud")];
 
 impl FromStr for Override {
     type Err = OverrideError;

@@ -10,7 +10,7 @@ pub(super) struct Example {
     pub(super) forms: &'static [&'static str],
 }
 
-const EXAMPLES: [Example; 13] = [
+const EXAMPLES: [Example; 18] = [
     Example {
         name: "Rotation",
         noun: "a rotation",
@@ -76,6 +76,19 @@ const EXAMPLES: [Example; 13] = [
     Example { name: "Repeat", noun: "a way to repeat", forms: &["Clamp", "Loop", "PingPong"] },
     Example { name: "Transfer", noun: "a transfer", forms: &["Classic", "Srgb"] },
     Example { name: "Space", noun: "a space", forms: &["LeftHanded", "RightHanded"] },
+    Example {
+        name: "ScaleBy",
+        noun: "a scale of particles",
+        forms: &["Column(\"r\")", "VanDerWaals", "Covalent"],
+    },
+    Example {
+        name: "ColorBy",
+        noun: "a colouring",
+        forms: &["Element", "Category(\"type\")", "Map(column: \"speed\", map: Viridis, range: (0, 3))"],
+    },
+    Example { name: "ColorMap", noun: "a colour map", forms: &["Viridis", "Inferno", "Turbo", "CoolWarm"] },
+    Example { name: "Between", noun: "a way between frames", forms: &["Hold", "Linear"] },
+    Example { name: "End", noun: "an end", forms: &["Hold", "Loop"] },
     Example { name: "Norm", noun: "a norm of errors", forms: &["Rms", "Max", "P99"] },
     Example { name: "Noise", noun: "a kind of noise", forms: &["Fixed", "PerFrame"] },
 ];
@@ -127,8 +140,9 @@ mod tests {
 
     use super::*;
     use crate::scene::document::{
-        AreaShapeDocument, ChannelDocument, EasingDocument, LightDocument, NoiseDocument, NormDocument,
-        PatternDocument, RepeatDocument, RotationDocument, ScriptDocument, ShapeDocument, SpaceDocument,
+        AreaShapeDocument, BetweenDocument, ChannelDocument, ColorByDocument, ColorMapDocument,
+        EasingDocument, EndDocument, LightDocument, NoiseDocument, NormDocument, PatternDocument,
+        RepeatDocument, RotationDocument, ScaleByDocument, ScriptDocument, ShapeDocument, SpaceDocument,
         TrackDocument, TransferDocument,
     };
     use crate::scene::parse::options;
@@ -164,6 +178,11 @@ mod tests {
         check::<RepeatDocument>("Repeat");
         check::<TransferDocument>("Transfer");
         check::<SpaceDocument>("Space");
+        check::<ScaleByDocument>("ScaleBy");
+        check::<ColorByDocument>("ColorBy");
+        check::<ColorMapDocument>("ColorMap");
+        check::<BetweenDocument>("Between");
+        check::<EndDocument>("End");
         check::<NormDocument>("Norm");
         check::<NoiseDocument>("Noise");
         check::<ChannelDocument>("Channel");

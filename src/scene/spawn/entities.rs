@@ -9,9 +9,9 @@ use hecs::{ColumnBatchBuilder, ColumnBatchType, Component, Entity, World};
 use super::{radians, rgb, rotation, scale, single};
 use crate::color::Transfer;
 use crate::components::{
-    Animated, AreaShape, Channel, Emission, Falloff, Light, LightKind, LookAt, Material, Name, Order, Parent,
-    Pattern, PatternKind, Property, Reflective, Refractive, Shape, Specular, Target, Transform, Visibility,
-    WorldTransform,
+    Animated, AreaShape, Channel, Cloud, CloudSource, Emission, Falloff, Light, LightKind, LookAt, Material,
+    Name, Order, Parent, Pattern, PatternKind, Property, Reflective, Refractive, Shape, Specular, Target,
+    Transform, Visibility, WorldTransform,
 };
 use crate::scene::document::{
     AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, PatternDocument, ShapeDocument,
@@ -57,6 +57,7 @@ struct Types {
     target: bool,
     animated: bool,
     shape: bool,
+    cloud: bool,
     visibility: bool,
     light: bool,
     material: bool,
@@ -89,6 +90,7 @@ pub(super) fn spawn(
             target: document.target.is_some(),
             animated: channels.contains_key(&entities[place]),
             shape: document.shape.is_some(),
+            cloud: document.cloud.is_some(),
             visibility: has_visibility(document, channels.get(&entities[place])),
             light: document.light.is_some(),
             ..Types::of_surface(surface)
@@ -106,6 +108,11 @@ pub(super) fn spawn(
                 fill(&batch, places().filter_map(|place| of(place).name.clone()).map(Name));
                 fill(&batch, places().map(|place| transform(&of(place).transform)));
                 fill(&batch, places().filter_map(|place| of(place).shape.as_ref()).map(shape));
+                fill(
+                    &batch,
+                    places().filter_map(|place| of(place).cloud.as_deref()).map(|_| Cloud::default()),
+                );
+                fill(&batch, places().filter_map(|place| of(place).cloud.as_deref()).cloned());
                 fill(&batch, places().map(|place| visibility(of(place))));
                 fill(&batch, places().filter_map(|place| of(place).light.as_deref()).map(light));
             },
@@ -169,6 +176,8 @@ impl Types {
         add(self.target, ColumnBatchType::add::<Target>);
         add(self.animated, ColumnBatchType::add::<Animated>);
         add(self.shape, ColumnBatchType::add::<Shape>);
+        add(self.cloud, ColumnBatchType::add::<Cloud>);
+        add(self.cloud, ColumnBatchType::add::<CloudSource>);
         add(self.visibility, ColumnBatchType::add::<Visibility>);
         add(self.light, ColumnBatchType::add::<Light>);
         add(self.material, ColumnBatchType::add::<Material>);

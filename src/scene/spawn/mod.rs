@@ -10,6 +10,7 @@ use hecs::{Entity, EntityBuilder, World};
 use rayon::prelude::*;
 
 use self::entities::{Links, MaterialComponents, surface};
+use super::document::particle;
 use super::document::{
     AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, EntityDocument, FilmDocument,
     FogDocument, KeyDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument,
@@ -22,9 +23,9 @@ use super::playback::{ValueDocument, keys, playback};
 use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ColorRamp, ErrorNorm, Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt, Motion, Name,
-    Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars,
-    Sun, Transform, View, Way, WorldTransform,
+    Ambient, Animated, AtParticle, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt,
+    Motion, Name, Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots,
+    Space, Stars, Sun, Transform, View, Way, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -43,7 +44,11 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
         .collect();
     let settings = spawn_settings(&mut world, document, transfer);
 
-    let mut names = referred_to(document, &entities);
+    let (mut names, riders) = referred_to(document, &entities);
+    for (name, cloud, number) in riders {
+        let placed = (Parent(cloud), Transform::IDENTITY, WorldTransform::default());
+        names.insert(name, world.spawn((AtParticle(number), placed.0, placed.1, placed.2)));
+    }
     names.extend(cameras.iter().copied());
     names.insert(SceneDocument::SCENE, settings);
     for ((_, entity), (_, camera)) in cameras.iter().zip(document.named_cameras()) {
@@ -95,8 +100,14 @@ fn own_surfaces(
     own.map(|material| surface(&material, transfer)).collect()
 }
 
-/// Returns the entities that are referred to by name.
-fn referred_to<'a>(document: &'a SceneDocument, entities: &[Entity]) -> HashMap<&'a str, Entity> {
+/// The name of a particle, its cloud and its number.
+type Rider<'a> = (&'a str, Entity, u64);
+
+/// Returns the entities that are referred to by name, and the particles: their names, clouds and numbers.
+fn referred_to<'a>(
+    document: &'a SceneDocument,
+    entities: &[Entity],
+) -> (HashMap<&'a str, Entity>, Vec<Rider<'a>>) {
     let links =
         |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at].map(Option::as_ref);
     let parents =
@@ -106,11 +117,24 @@ fn referred_to<'a>(document: &'a SceneDocument, entities: &[Entity]) -> HashMap<
     let names = parents.chain(targets).chain(cameras).flatten();
     let wanted: HashSet<&str> = names.map(String::as_str).collect();
     if wanted.is_empty() {
-        return HashMap::new();
+        return (HashMap::new(), Vec::new());
     }
     let named = document.entities.iter().zip(entities);
     let named = named.filter_map(|(entity, id)| Some((entity.name.as_deref()?, *id)));
-    named.filter(|(name, _)| wanted.contains(name)).collect()
+    let clouds = wanted.iter().filter_map(|name| particle(name)).map(|(cloud, _)| cloud);
+    let clouds: HashSet<&str> = clouds.collect();
+    let named: HashMap<&str, Entity> =
+        named.filter(|(name, _)| wanted.contains(name) || clouds.contains(name)).collect();
+    let mut riders: Vec<Rider<'_>> = wanted
+        .into_iter()
+        .filter(|name| !named.contains_key(name))
+        .filter_map(|name| {
+            particle(name).and_then(|(cloud, number)| Some((name, *named.get(cloud)?, number)))
+        })
+        .collect();
+    // The set has no order, and ids are given in turn.
+    riders.sort_unstable();
+    (named, riders)
 }
 
 /// Links a camera to the entities that it names.

@@ -3,6 +3,7 @@
 mod animation;
 mod cameras;
 mod channels;
+mod clouds;
 mod easing;
 mod entities;
 mod extends;
@@ -15,6 +16,7 @@ mod settings;
 
 use super::document::SceneDocument;
 use super::files::Scope;
+pub(super) use clouds::{frame_rate, start_time};
 pub(super) use extends::add_misplaced_extends;
 pub(super) use problems::{At, ProblemList, Problems, help_for};
 use problems::{Named, check};
@@ -28,5 +30,6 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, problems: &mu
     cameras::validate(document, scope, &scene, problems);
     materials::validate(document, &scene, problems);
     entities::validate(document, scope, &scene, problems);
+    clouds::validate(document, &scene, problems);
     animation::validate(document, scope, &scene, problems);
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::scene::document::SceneDocument;
 use crate::scene::quote::short;
 use crate::scene::spans::{PathStep, inside_text, locate};
 use crate::scene::suggest::remedy;
@@ -41,6 +42,8 @@ struct SpawnCall {
 /// The origins of the entities that scripts spawned, which are not in the file.
 #[derive(Debug, Default)]
 struct SpawnCalls {
+    /// The document index of the first entity that is a cloud, if there is one.
+    clouds_from: Option<usize>,
     /// The document index of the first spawned entity.
     first: usize,
     /// The call that spawned each entity.
@@ -149,7 +152,7 @@ impl Problems {
     }
 
     /// Adds a warning, which does not prevent the scene from loading.
-    pub(super) fn warn(
+    pub(in crate::scene) fn warn(
         &mut self,
         at: &At<'_>,
         message: impl Into<String>,
@@ -189,6 +192,25 @@ impl Problems {
     /// Sets the document index of the first entity spawned by a script.
     pub(in crate::scene) fn spawned_from(&mut self, first: usize) {
         self.spawned.first = first;
+    }
+
+    /// Sets the document index of the first entity that is a cloud.
+    pub(in crate::scene) fn clouds_from(&mut self, first: usize) {
+        self.spawned.clouds_from = Some(first);
+    }
+
+    /// Adds an error at a part of a text.
+    pub(in crate::scene) fn add_inside(
+        &mut self,
+        at: &At<'_>,
+        span: Range<usize>,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let inside = Some(Inside { source: None, span });
+        let problem = Problem::new(at.path(), message.into(), label.into(), Some(help.into()));
+        self.errors.push(Problem { inside, ..problem });
     }
 
     /// Records the call that spawned the next entity: the script's index in the list, and the byte offset of the call in its text.
@@ -258,7 +280,7 @@ impl ProblemList {
     const EQUAL: usize = 3;
 
     fn add(&mut self, spawned: &SpawnCalls, at: &At<'_>, message: String, label: String, help: String) {
-        let path = at.path();
+        let path = spawned.written(at.path());
         let repeatable = spawned.repeatable(&path, &label);
         let (path, inside) = match &repeatable {
             Some(Repeatable { call, .. }) => (call.path(), Some(spawned.inside(*call))),
@@ -342,6 +364,18 @@ impl SpawnCall {
 }
 
 impl SpawnCalls {
+    /// Returns the path at which the value of an entity is written: clouds are in a list of their own.
+    fn written(&self, mut path: Vec<PathStep>) -> Vec<PathStep> {
+        if let ([PathStep::Field(SceneDocument::ENTITIES), PathStep::Index(index), ..], Some(first)) =
+            (&path[..], self.clouds_from)
+            && let Some(cloud) = index.checked_sub(first)
+        {
+            path[0] = PathStep::Field(SceneDocument::CLOUDS);
+            path[1] = PathStep::Index(cloud);
+        }
+        path
+    }
+
     /// Returns the identity of an error, given its path; `None` if it is not in a spawned entity.
     fn repeatable(&self, path: &[PathStep], label: &str) -> Option<Repeatable> {
         let [PathStep::Field("entities"), PathStep::Index(index), value @ ..] = path else { return None };

@@ -8,6 +8,7 @@ use hecs::{Component, Entity, World};
 
 use super::Preparation;
 use super::camera::{active_camera_entity, position_of};
+use super::clouds::DrawnCloud;
 use super::light::prepared_light;
 use super::material::Surfaced;
 use super::settings::first_entity;
@@ -75,7 +76,16 @@ impl Preparation {
     fn shape_faults(&self, world: &World, faults: &mut Vec<Fault>) {
         let with_shape = world.archetypes().filter(|archetype| archetype.has::<Shape>());
         let shapes: u32 = with_shape.map(hecs::Archetype::len).sum();
-        if shapes as usize == self.entities.len() {
+        for DrawnCloud { entity, drawn, left_out, cloud, .. } in &self.clouds {
+            let is_hidden = world.get::<&Visibility>(*entity).is_ok_and(|seen| *seen == Visibility::NONE);
+            if !left_out.is_empty() && !is_hidden {
+                let consequence = if *drawn == 0 { Consequence::NotDrawn } else { Consequence::Incomplete };
+                let cause = FaultCause::Particles { left_out: left_out.len(), count: cloud.positions.len() };
+                faults.push(Fault { entity: *entity, consequence, cause });
+            }
+        }
+        let particles: usize = self.clouds.iter().map(|cloud| cloud.drawn).sum();
+        if shapes as usize - self.clouds.len() == self.entities.len() - particles {
             return;
         }
         let mut query = world.query::<(
@@ -87,7 +97,8 @@ impl Preparation {
             Option<&Visibility>,
         )>();
         for (entity, shape, own, transform, has_material, visibility) in &mut query {
-            if self.slots.get(entity).is_some() || visibility == Some(&Visibility::NONE) {
+            let is_cloud = self.clouds.iter().any(|cloud| cloud.entity == entity);
+            if is_cloud || self.slots.get(entity).is_some() || visibility == Some(&Visibility::NONE) {
                 continue;
             }
             let cause = match transform {

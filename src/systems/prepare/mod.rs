@@ -1,6 +1,7 @@
 //! The only bridge from the world to the kernel.
 
 mod camera;
+mod clouds;
 mod faults;
 mod idle_lights;
 mod light;
@@ -17,6 +18,7 @@ use hecs::{Entity, World};
 
 use super::order::order_newcomers;
 use super::{Changes, Plan};
+use crate::color::Rgb;
 use crate::components::{
     Ambient, FilmSettings, Light, Noise, Order, Pattern, Quality, Sampling, WorldTransform,
 };
@@ -26,6 +28,7 @@ use crate::trace::{
     ShapeId, SimdLevel,
 };
 use camera::prepared_camera;
+use clouds::DrawnCloud;
 use faults::surface_fault;
 use light::prepared_light;
 use material::{Surfaced, surface_material};
@@ -58,13 +61,15 @@ pub struct Preparation {
     entities: Vec<Entity>,
     lights: Vec<Entity>,
     slots: SlotTable,
+    /// The clouds, whose particles have slots that follow each other.
+    clouds: Vec<DrawnCloud>,
     /// Entities whose surfaces have out-of-range numbers.
     unsound: BTreeSet<Entity>,
     /// True if only declared changes have been read.
     pub(super) relies_on_declarations: bool,
 }
 
-/// Slots by entity. Entity ids are small and dense, so a list suffices.
+/// Slots by entity, except for clouds. Entity ids are small and dense, so a list suffices.
 #[derive(Clone, Debug, Default)]
 struct SlotTable(Vec<Option<(Entity, ShapeId)>>);
 
@@ -76,6 +81,12 @@ impl SlotTable {
         self.0.resize(largest.map_or(0, |id| id as usize + 1), None);
         for (slot, entity) in (0..).map(ShapeId).zip(entities) {
             self.0[entity.id() as usize] = Some((*entity, slot));
+        }
+    }
+
+    fn remove(&mut self, entity: Entity) {
+        if let Some(slot) = self.0.get_mut(entity.id() as usize) {
+            *slot = None;
         }
     }
 
@@ -99,6 +110,7 @@ impl Preparation {
             entities: Vec::new(),
             lights: Vec::new(),
             slots: SlotTable::default(),
+            clouds: Vec::new(),
             unsound: BTreeSet::new(),
             relies_on_declarations: false,
         };
@@ -112,6 +124,8 @@ impl Preparation {
         let mut drawn = VisibleShapes::default();
         self.scene.remake(|geometry, materials| drawn = read_all(world, geometry, materials));
         self.slots.fill(&drawn.entities);
+        drawn.clouds.iter().for_each(|cloud| self.slots.remove(cloud.entity));
+        self.clouds = drawn.clouds;
         self.entities = drawn.entities;
         self.unsound = drawn.unsound.into_iter().collect();
         self.relies_on_declarations = false;
@@ -128,7 +142,8 @@ impl Preparation {
         moved: &[Entity],
     ) -> SceneChanges {
         self.moment = moment;
-        if changes.is_all() || self.moved_most(moved) {
+        let has_same_clouds = |world: &World| self.clouds.iter().all(|cloud| cloud.has_same_shapes(world));
+        if changes.is_all() || self.moved_most(moved) || !has_same_clouds(world) {
             return self.start_over(world);
         }
         let reshaped = || [moved, changes.shapes()].into_iter().filter(|entities| !entities.is_empty());
@@ -156,7 +171,11 @@ impl Preparation {
             }
             Some((slot, surface_material(surface)))
         });
-        let materials = self.scene.replace_materials(materials);
+        let materials: Vec<_> = materials.collect();
+        let Self { scene, clouds, .. } = self;
+        let repainted = clouds.iter_mut().filter_map(|cloud| cloud.repaint(world).then_some(&*cloud));
+        let materials =
+            scene.replace_materials(materials.into_iter().chain(repainted.flat_map(DrawnCloud::surfaces)));
         self.relies_on_declarations = true;
         SceneChanges { shapes, bvh, materials, ..self.read_settings(world) }
     }
@@ -221,7 +240,7 @@ impl Preparation {
         })
     }
 
-    /// Returns the entities whose shapes are in the kernel's arrays, in document order.
+    /// Returns the entities whose shapes are in the kernel's arrays, in document order. A cloud is there once for each of its particles.
     #[must_use]
     pub fn drawn(&self) -> &[Entity] {
         &self.entities
@@ -231,6 +250,27 @@ impl Preparation {
     #[must_use]
     pub fn entity(&self, slot: ShapeId) -> Entity {
         self.entities[slot.index()]
+    }
+
+    /// Returns the number by which the particle in a slot is called, and where its cloud is from; `None` if the slot's entity is no
+    /// [`Cloud`](crate::components::Cloud).
+    #[must_use]
+    pub fn particle(&self, slot: ShapeId) -> Option<(u64, Option<&str>)> {
+        let (DrawnCloud { cloud, .. }, particle) = self.cloud_at(slot)?;
+        Some((cloud.number(particle), cloud.origin.as_deref()))
+    }
+
+    /// Returns the colour of the particle in a slot; `None` if it is that of its entity's material.
+    #[must_use]
+    pub fn particle_color(&self, slot: ShapeId) -> Option<Rgb> {
+        let (DrawnCloud { cloud, .. }, particle) = self.cloud_at(slot)?;
+        cloud.colors.as_ref()?.palette.get(clouds::color_index(cloud, particle)).copied()
+    }
+
+    /// Returns the cloud of a slot, and the index of the particle.
+    fn cloud_at(&self, slot: ShapeId) -> Option<(&DrawnCloud, usize)> {
+        let next = self.clouds.partition_point(|cloud| cloud.first.0 <= slot.0);
+        self.clouds[..next].iter().rev().find_map(|cloud| Some((cloud, cloud.particle(slot)?)))
     }
 
     /// Returns the entities of the scene's lights, in the order of the lights.

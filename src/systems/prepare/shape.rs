@@ -4,9 +4,9 @@ use std::cmp::Ordering::Less;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::components::{Shape, ValidRange, Visibility, WorldTransform};
+use crate::components::{Shape, Transform, ValidRange, Visibility, WorldTransform};
 use crate::systems::FaultCause;
-use crate::systems::world_transform::ExactAffine;
+use crate::systems::world_transform::{self, ExactAffine};
 use crate::trace::math::{Double, Double3};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
 use crate::trace::{PreparedShape, RayVisibility};
@@ -23,6 +23,29 @@ pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Resul
         Shape::Plane { normal } => map.plane(normal),
         Shape::Box { size } => map.cuboid(size),
     }
+}
+
+/// Returns the shape of a particle of a cloud with this transform: that of an entity at `position`, with the factor `scale` of its size, whose
+/// parent is the cloud.
+pub(super) fn particle_shape(
+    shape: &Shape,
+    cloud: &WorldTransform,
+    position: DVec3,
+    scale: f64,
+) -> Result<PreparedShape, FaultCause> {
+    if let (Shape::Sphere { radius }, true) = (*shape, *cloud == WorldTransform::IDENTITY) {
+        // The most frequent shape by far needs no product of transforms.
+        let radius = radius * scale;
+        let is_near = position.abs().max_element() < LARGEST && position.is_finite();
+        if is_near && measurable(scale) && measurable(radius) {
+            return Ok(PreparedShape::Sphere(Sphere { center: position, radius }));
+        }
+    }
+    if scale.is_nan() || scale <= 0.0 {
+        return Err(FaultCause::OutOfRange { what: "scale", error: ValidRange::Positive.violated_by(scale) });
+    }
+    let own = Transform { translation: position, scale: DVec3::splat(scale), ..Transform::IDENTITY };
+    prepared_shape(shape, &world_transform::child(cloud, &own))
 }
 
 /// Returns the classes of rays that see an entity's shape. `None` if no ray sees it, so that it is not drawn.

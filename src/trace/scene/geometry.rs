@@ -95,6 +95,12 @@ impl Geometry {
         id
     }
 
+    /// Reserves memory for `count` more spheres.
+    pub fn reserve_spheres(&mut self, count: usize) {
+        self.locations.reserve_exact(count);
+        self.spheres.reserve_exact(count);
+    }
+
     /// Sets the classes of rays that see a shape.
     pub fn set_visibility(&mut self, id: ShapeId, visibility: RayVisibility) {
         if id.index() >= self.visibilities.len() {

@@ -23,6 +23,28 @@ pub struct MaterialTable {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct MaterialId(u32);
 
+/// Materials that many shapes share, as those of particles that differ in colour alone. Each is looked up once.
+#[derive(Clone, Debug)]
+pub struct MaterialPalette {
+    materials: Vec<SurfaceMaterial>,
+    /// The ids in the table, of those that have been added.
+    ids: Vec<Option<MaterialId>>,
+}
+
+impl MaterialPalette {
+    /// Creates a palette of materials that are in no table yet.
+    #[must_use]
+    pub fn new(materials: Vec<SurfaceMaterial>) -> Self {
+        Self { ids: vec![None; materials.len()], materials }
+    }
+
+    /// Returns the materials.
+    #[must_use]
+    pub fn materials(&self) -> &[SurfaceMaterial] {
+        &self.materials
+    }
+}
+
 impl MaterialId {
     fn index(self) -> usize {
         self.0 as usize
@@ -42,6 +64,19 @@ impl MaterialTable {
         let id = last.unwrap_or_else(|| self.find_or_add(material));
         self.users[id.index()] += shapes;
         self.of_shapes.extend((0..shapes).map(|_| id));
+    }
+
+    /// Adds material `index` of a palette as that of the next shape. All materials of one palette must be added to one table, between which
+    /// none is removed.
+    ///
+    /// # Panics
+    ///
+    /// If the palette has no such material.
+    pub fn push_of(&mut self, palette: &mut MaterialPalette, index: usize) {
+        let MaterialPalette { materials, ids } = palette;
+        let id = *ids[index].get_or_insert_with(|| self.find_or_add(materials[index].clone()));
+        self.users[id.index()] += 1;
+        self.of_shapes.push(id);
     }
 
     /// Removes all materials, and keeps the memory.

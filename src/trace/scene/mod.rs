@@ -36,7 +36,7 @@ pub use light::{LightSource, PreparedLight};
 pub(crate) use light::{on_rectangle, on_sphere};
 pub(crate) use material::PreparedPattern;
 pub use material::{Refraction, SurfaceMaterial};
-pub(crate) use material_table::MaterialTable;
+pub(crate) use material_table::{MaterialPalette, MaterialTable};
 pub(crate) use pattern::{PatternLayout, PatternedSurface};
 pub(crate) use pattern_function::PatternFunction;
 pub use precision::Precision;

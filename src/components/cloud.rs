@@ -1,0 +1,150 @@
+//! Many copies of one shape.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::color::Rgb;
+use crate::time::Time;
+
+/// Copies of an entity's [`Shape`](super::Shape), one for each particle, in columns of equal length.
+///
+/// An entity with this component, a shape, a material and a transform is drawn once for each position. The entity's transform, parent and
+/// visibility apply to all copies. Declare writes with [`Changes::mark_shape`](crate::Changes::mark_shape).
+///
+/// ```
+/// use std::sync::Arc;
+/// use rayreel::components::{Cloud, Material, Shape, Transform};
+/// use rayreel::glam::DVec3;
+/// use rayreel::{Engine, Ray, Rgb, Time, World};
+///
+/// let positions = (0..1000).map(|index| DVec3::X * f64::from(index)).collect();
+/// let cloud = Cloud { positions: Arc::new(positions), ..Cloud::default() };
+/// let mut world = World::new();
+/// let row = world.spawn((Shape::Sphere { radius: 0.25 }, Material::matte(Rgb::ONE), Transform::IDENTITY, cloud));
+/// let mut engine = Engine::new(world);
+/// engine.seek(Time::ZERO)?;
+/// let hit = engine.cast(Ray { origin: DVec3::new(17.0, 0.0, -1.0), direction: DVec3::Z }).unwrap();
+/// assert_eq!((hit.entity, hit.distance), (row, 0.75));
+/// # Ok::<(), rayreel::EngineError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Cloud {
+    /// The places of the copies, in the entity's own space.
+    pub positions: Arc<Vec<DVec3>>,
+    /// The factors of the shape's size; `None` if all are 1. Particles with a factor that is not greater than 0 are not drawn.
+    pub scales: Option<Arc<Vec<f64>>>,
+    /// The colours; `None` if all copies have the colours of the entity's material.
+    pub colors: Option<CloudColors>,
+    /// The numbers by which the particles are called; `None` if these are their indices.
+    pub numbers: Option<Arc<Vec<u64>>>,
+    /// The file and the frame that the particles are from, for messages.
+    pub origin: Option<Arc<str>>,
+}
+
+/// The colours of the particles of a [`Cloud`], which replace the colour of the entity's material. They are shared by many particles, so that a
+/// million of them have few materials.
+#[derive(Clone, Debug, Default)]
+pub struct CloudColors {
+    /// The colours, at most 65 536.
+    pub palette: Arc<Vec<Rgb>>,
+    /// The index of each particle's colour. Particles with an index beyond the palette have the last colour.
+    pub indices: Arc<Vec<u16>>,
+}
+
+/// The particles of a [`Cloud`] over time: before tracks are evaluated, the cloud of the same entity is set to those of the moment.
+#[derive(Clone)]
+pub struct CloudSource {
+    /// The particles.
+    pub particles: Arc<dyn Particles>,
+    /// The place in a scene, for messages.
+    pub place: Arc<str>,
+}
+
+/// The number of a particle: an entity with this component is at that particle of its parent, which is a cloud. Its translation is set
+/// before tracks are evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AtParticle(pub u64);
+
+/// Particles as a function of time.
+pub trait Particles: Send + Sync {
+    /// Returns the particles at a moment. Clouds that share their columns with the previous ones are not read again.
+    ///
+    /// # Errors
+    ///
+    /// Returns the cause and the remedy if there are none, as for a file that cannot be read.
+    fn at(&self, time: Time) -> Result<Cloud, String>;
+
+    /// Returns whether the particles are the same at all moments.
+    fn is_still(&self) -> bool {
+        false
+    }
+}
+
+impl Cloud {
+    /// Returns whether both share all columns that determine the shapes.
+    pub(crate) fn shares_shapes(&self, other: &Self) -> bool {
+        let scales = match (&self.scales, &other.scales) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        scales && Arc::ptr_eq(&self.positions, &other.positions)
+    }
+
+    /// Returns whether both share the column of colours. The palettes may differ.
+    pub(crate) fn shares_colors(&self, other: &Self) -> bool {
+        match (&self.colors, &other.colors) {
+            (Some(own), Some(other)) => Arc::ptr_eq(&own.indices, &other.indices),
+            (own, other) => own.is_none() && other.is_none(),
+        }
+    }
+
+    /// Returns the position of the particle with a number.
+    #[must_use]
+    pub fn position(&self, number: u64) -> Option<DVec3> {
+        let particle = match &self.numbers {
+            Some(numbers) => numbers.iter().position(|known| *known == number)?,
+            None => usize::try_from(number).ok()?,
+        };
+        self.positions.get(particle).copied()
+    }
+
+    /// Returns the number by which a particle is called.
+    #[must_use]
+    pub fn number(&self, particle: usize) -> u64 {
+        self.numbers.as_ref().and_then(|numbers| numbers.get(particle).copied()).unwrap_or(particle as u64)
+    }
+}
+
+impl PartialEq for Cloud {
+    /// Compares the columns as shared memory, not their values.
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = match (&self.numbers, &other.numbers) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        let palettes = match (&self.colors, &other.colors) {
+            (Some(own), Some(other)) => Arc::ptr_eq(&own.palette, &other.palette),
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        numbers
+            && palettes
+            && self.shares_shapes(other)
+            && self.shares_colors(other)
+            && self.origin == other.origin
+    }
+}
+
+impl PartialEq for CloudSource {
+    /// Compares the particles as shared memory.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.particles, &other.particles) && self.place == other.place
+    }
+}
+
+impl fmt::Debug for CloudSource {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("CloudSource").field("place", &self.place).finish_non_exhaustive()
+    }
+}

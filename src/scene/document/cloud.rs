@@ -1,0 +1,121 @@
+//! Clouds of particles from data files.
+
+use serde::Deserialize;
+
+use super::{ColorDocument, RateDocument, ShapeDocument, SurfaceDocument, TransformDocument};
+
+/// A cloud of particles.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Cloud")]
+pub(crate) struct CloudDocument {
+    pub(crate) source: String,
+    pub(crate) name: Option<String>,
+    pub(crate) parent: Option<String>,
+    #[serde(default)]
+    pub(crate) transform: TransformDocument,
+    #[serde(default = "unit_sphere")]
+    pub(crate) shape: ShapeDocument,
+    pub(crate) scale_by: Option<ScaleByDocument>,
+    pub(crate) material: Option<SurfaceDocument>,
+    pub(crate) color: Option<ColorDocument>,
+    pub(crate) color_by: Option<ColorByDocument>,
+    pub(crate) filter: Option<String>,
+    #[serde(default)]
+    pub(crate) frames: FramesDocument,
+    #[serde(default = "yes")]
+    pub(crate) visible: bool,
+    #[serde(default = "yes")]
+    pub(crate) casts_shadow: bool,
+    #[serde(default = "yes")]
+    pub(crate) in_reflections: bool,
+}
+
+fn unit_sphere() -> ShapeDocument {
+    ShapeDocument::Sphere { radius: 1.0 }
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// The sizes of particles.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename = "ScaleBy")]
+pub(crate) enum ScaleByDocument {
+    Column(String),
+    VanDerWaals,
+    Covalent,
+}
+
+/// The colours of particles.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "ColorBy")]
+pub(crate) enum ColorByDocument {
+    Element,
+    Category(String),
+    Map {
+        column: String,
+        #[serde(default)]
+        map: ColorMapDocument,
+        #[serde(default)]
+        range: Option<(f64, f64)>,
+    },
+}
+
+/// A colour map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename = "ColorMap")]
+pub(crate) enum ColorMapDocument {
+    #[default]
+    Viridis,
+    Magma,
+    Inferno,
+    Plasma,
+    Cividis,
+    Turbo,
+    CoolWarm,
+}
+
+/// The times of the frames of a data file.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Frames")]
+pub(crate) struct FramesDocument {
+    pub(crate) start: f64,
+    pub(crate) fps: RateDocument,
+    pub(crate) between: BetweenDocument,
+    pub(crate) end: EndDocument,
+}
+
+impl Default for FramesDocument {
+    fn default() -> Self {
+        Self {
+            start: 0.0,
+            fps: RateDocument { numerator: 24, denominator: 1 },
+            between: BetweenDocument::Hold,
+            end: EndDocument::Hold,
+        }
+    }
+}
+
+/// The values between two frames.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Between")]
+pub(crate) enum BetweenDocument {
+    Hold,
+    Linear,
+}
+
+/// The frames after the last one.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "End")]
+pub(crate) enum EndDocument {
+    Hold,
+    Loop,
+}
+
+/// Returns the cloud and the number in the name of a particle, as `gas/1234`.
+pub(crate) fn particle(name: &str) -> Option<(&str, u64)> {
+    let (cloud, number) = name.rsplit_once('/')?;
+    let is_number = number.bytes().all(|digit| digit.is_ascii_digit());
+    Some((cloud, number.parse().ok().filter(|_| is_number)?))
+}

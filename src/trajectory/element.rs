@@ -1,0 +1,45 @@
+//! Symbols of the chemical elements.
+
+/// Symbols by atomic number, from 1.
+pub(super) const SYMBOLS: [&str; 118] = [
+    "H", "He", "Li", "Be", "B", "C", "N", "O", "F", "Ne", "Na", "Mg", "Al", "Si", "P", "S", "Cl", "Ar", "K",
+    "Ca", "Sc", "Ti", "V", "Cr", "Mn", "Fe", "Co", "Ni", "Cu", "Zn", "Ga", "Ge", "As", "Se", "Br", "Kr",
+    "Rb", "Sr", "Y", "Zr", "Nb", "Mo", "Tc", "Ru", "Rh", "Pd", "Ag", "Cd", "In", "Sn", "Sb", "Te", "I", "Xe",
+    "Cs", "Ba", "La", "Ce", "Pr", "Nd", "Pm", "Sm", "Eu", "Gd", "Tb", "Dy", "Ho", "Er", "Tm", "Yb", "Lu",
+    "Hf", "Ta", "W", "Re", "Os", "Ir", "Pt", "Au", "Hg", "Tl", "Pb", "Bi", "Po", "At", "Rn", "Fr", "Ra",
+    "Ac", "Th", "Pa", "U", "Np", "Pu", "Am", "Cm", "Bk", "Cf", "Es", "Fm", "Md", "No", "Lr", "Rf", "Db",
+    "Sg", "Bh", "Hs", "Mt", "Ds", "Rg", "Cn", "Nh", "Fl", "Mc", "Lv", "Ts", "Og",
+];
+
+/// Returns the symbol that a text stands for in any case of its letters.
+pub(super) fn symbol(text: &str) -> Option<&'static str> {
+    SYMBOLS.into_iter().find(|symbol| symbol.eq_ignore_ascii_case(text))
+}
+
+/// Gives symbols of elements their usual case; other texts stay as they are.
+pub(super) fn normalize_elements(names: &mut [String]) {
+    for name in names {
+        if let Some(symbol) = symbol(name) {
+            symbol.clone_into(name);
+        }
+    }
+}
+
+/// Returns the element of an atom from its name in a PDB file, which has four columns: elements of one letter begin in the second.
+pub(super) fn element_of_atom(name: &[u8; 4], residue: &str) -> &'static str {
+    let letters: String =
+        name.iter().filter(|byte| byte.is_ascii_alphabetic()).map(|byte| char::from(*byte)).collect();
+    let first = |length: usize| letters.get(..length).and_then(symbol);
+    let trimmed = name.trim_ascii();
+    // An ion is a residue of one atom, whose name is that of both: `CA` in the residue `CA` is calcium.
+    let is_ion = residue.trim().eq_ignore_ascii_case(&String::from_utf8_lossy(trimmed));
+    let two =
+        if name[0].is_ascii_alphabetic() && !is_hydrogen_or_carbon(name) || is_ion { first(2) } else { None };
+    two.or_else(|| first(1)).unwrap_or("")
+}
+
+/// Returns `true` for names of four letters such as `HG11`, which begin in the first column for lack of space.
+fn is_hydrogen_or_carbon(name: &[u8; 4]) -> bool {
+    let is_full = !name[3].is_ascii_whitespace();
+    matches!(name[0], b'H' | b'C' | b'N' | b'O' | b'S' | b'P') && is_full
+}

@@ -1,0 +1,196 @@
+//! Opening, reading and refreshing of data files.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use super::data_file::DataFile;
+use super::error::{DataPlace, Faults, TrajectoryError};
+use super::format::Format;
+use super::snapshot::Snapshot;
+use super::{csv, lammps, npy, npz, pdb, xtc, xyz};
+
+/// A file of particles: an index of its frames, which are read on demand.
+///
+/// Opening a text file passes over it once to find its frames, at the speed of memory. Frames are then read in any order, and from
+/// several threads; memory is that of one frame. Compressed files are decompressed once, when they are opened, into up to 256 MiB of
+/// memory, and beyond that into a temporary file, which has no name and goes with the process.
+pub struct Trajectory {
+    path: PathBuf,
+    format: Format,
+    file: DataFile,
+    frames: Box<dyn FrameReader>,
+    warnings: Vec<String>,
+    /// Size and time of the file when it was last read.
+    stamp: Stamp,
+    /// The meaning of the file's end when it was last read.
+    end: FileEnd,
+    /// The first bytes, which tell a file that has grown from another.
+    head: Vec<u8>,
+}
+
+/// Size and time of a file.
+type Stamp = (u64, Option<std::time::SystemTime>);
+
+/// Number of bytes by which a grown file is recognized.
+const HEAD: u64 = 1 << 10;
+
+/// The frames of a format.
+pub(super) trait FrameReader: fmt::Debug + Send + Sync {
+    /// Finds the frames of a file that has grown, or of one that was not read before. Returns warnings. After an error, the frames are as
+    /// before.
+    fn index(&mut self, file: &DataFile, end: FileEnd) -> Result<Vec<Faults>, Faults>;
+
+    /// Returns the number of frames.
+    fn frames(&self) -> usize;
+
+    /// Returns the position after the last frame, by which a longer one is recognized.
+    fn extent(&self) -> (usize, u64);
+
+    /// Reads a frame, which exists.
+    fn read(&self, file: &DataFile, frame: usize) -> Result<Snapshot, Faults>;
+}
+
+/// The meaning of a last line without a line end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FileEnd {
+    /// It is whole.
+    Final,
+    /// It may still be written.
+    Growing,
+}
+
+impl fmt::Debug for Trajectory {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { path, format, warnings, .. } = self;
+        let mut debug = formatter.debug_struct("Trajectory");
+        debug.field("path", path).field("format", format).field("frames", &self.frames());
+        debug.field("warnings", warnings).finish_non_exhaustive()
+    }
+}
+
+impl Trajectory {
+    /// Opens a file and finds its frames. Without a format, the name decides: see [`Format::extensions`].
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the file cannot be read, if its format is unknown, or if it has no whole frame.
+    pub fn open(path: &Path, format: Option<Format>) -> Result<Self, TrajectoryError> {
+        let fail = |faults| TrajectoryError::new(path, faults);
+        // The stamp comes first: what is written from now on counts as new.
+        let stamp = stamp(path).map_err(|error| fail(Faults::io(&error)))?;
+        let format = format.or_else(|| Format::of_name(path)).ok_or_else(|| fail(unknown_format(path)))?;
+        let (file, warning) = DataFile::open(path).map_err(fail)?;
+        let mut frames = reader(format);
+        let mut faults = warning.into_iter().collect::<Vec<_>>();
+        faults.extend(frames.index(&file, FileEnd::Final).map_err(fail)?);
+        let warnings = faults.iter().map(|fault| fault.warning(path)).collect();
+        let head = head(&file).map_err(|error| fail(Faults::io(&error)))?;
+        Ok(Self { path: path.to_owned(), format, file, frames, warnings, stamp, end: FileEnd::Final, head })
+    }
+
+    /// Returns the path of the file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the format.
+    #[must_use]
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// Returns the number of frames, which is at least 1.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.frames.frames()
+    }
+
+    /// Reads a frame, counted from 0.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if there is no such frame, or if it is not as the format requires.
+    pub fn read(&self, frame: usize) -> Result<Snapshot, TrajectoryError> {
+        let fail = |faults| TrajectoryError::new(&self.path, faults);
+        if frame >= self.frames() {
+            let cause = format!("there is no such frame: the file has {}, counted from 0", self.frames());
+            return Err(fail(Faults::one(DataPlace::Frame(frame), cause, "read another frame")));
+        }
+        self.frames.read(&self.file, frame).map_err(fail)
+    }
+
+    /// Finds frames that were appended to the file since it was last read. Returns `true` if frames have been added or have changed.
+    ///
+    /// An incomplete last frame is omitted; one whose last line has no end counts as incomplete until the file stays the same between two
+    /// calls. A file that was replaced is read anew.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the file cannot be read, or has no whole frame any more; the trajectory is then as before.
+    pub fn refresh(&mut self) -> Result<bool, TrajectoryError> {
+        let fail = |faults| TrajectoryError::new(&self.path, faults);
+        let stamp = stamp(&self.path).map_err(|error| fail(Faults::io(&error)))?;
+        let is_settled = stamp == self.stamp;
+        if is_settled && self.end == FileEnd::Final {
+            return Ok(false);
+        }
+        let (file, warning) = DataFile::open(&self.path).map_err(fail)?;
+        let new_head = head(&file).map_err(|error| fail(Faults::io(&error)))?;
+        let grown = file.length() >= self.file.length() && new_head.starts_with(&self.head);
+        let end = if is_settled || !grown { FileEnd::Final } else { FileEnd::Growing };
+        let before = self.frames.extent();
+        let mut faults = warning.into_iter().collect::<Vec<_>>();
+        let mut frames = reader(self.format);
+        // Frames of a file that only grew need no second search.
+        let known = if grown { &mut self.frames } else { &mut frames };
+        faults.extend(known.index(&file, end).map_err(fail)?);
+        if !grown {
+            self.frames = frames;
+        }
+        self.warnings = faults.iter().map(|fault| fault.warning(&self.path)).collect();
+        (self.file, self.stamp, self.head, self.end) = (file, stamp, new_head, end);
+        Ok(!grown || self.frames.extent() != before)
+    }
+
+    /// Returns the warnings of opening, such as a truncated last frame.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+fn reader(format: Format) -> Box<dyn FrameReader> {
+    match format {
+        Format::Csv => Box::<csv::CsvFile>::default(),
+        Format::Xyz => Box::<xyz::XyzFrames>::default(),
+        Format::Lammps => Box::<lammps::DumpFrames>::default(),
+        Format::Pdb => Box::<pdb::PdbFrames>::default(),
+        Format::Npy => Box::<npy::NpyFrames>::default(),
+        Format::Npz => Box::<npz::NpzFrames>::default(),
+        Format::Xtc => Box::<xtc::XtcFrames>::default(),
+    }
+}
+
+fn stamp(path: &Path) -> std::io::Result<Stamp> {
+    let metadata = std::fs::metadata(path)?;
+    Ok((metadata.len(), metadata.modified().ok()))
+}
+
+fn head(file: &DataFile) -> std::io::Result<Vec<u8>> {
+    file.read(0..file.length().min(HEAD)).map(std::borrow::Cow::into_owned)
+}
+
+fn unknown_format(path: &Path) -> Faults {
+    let extensions =
+        Format::ALL.iter().flat_map(|format| format.extensions()).map(|name| format!("`.{name}`"));
+    let extensions = extensions.collect::<Vec<_>>().join(", ");
+    let cause = match path.extension() {
+        Some(extension) => format!("the format `.{}` is unknown", extension.to_string_lossy()),
+        None => "the name has no extension that tells the format".to_owned(),
+    };
+    let remedy = format!(
+        "name the format, or rename the file to one of {extensions}, each with or without `.gz` or `.zst`"
+    );
+    Faults::one(DataPlace::Whole, cause, remedy)
+}
