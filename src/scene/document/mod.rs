@@ -16,7 +16,8 @@ pub(super) use animation::{
 };
 pub(super) use channel::ChannelDocument;
 pub(super) use entity::{
-    AreaShapeDocument, EntityDocument, LightDocument, RotationDocument, ShapeDocument, TransformDocument,
+    AreaShapeDocument, EntityDocument, LightDocument, RodDocument, RotationDocument, ShapeDocument,
+    TransformDocument,
 };
 pub(super) use include::IncludeDocument;
 pub(super) use material::{MaterialDocument, PatternDocument};
