@@ -63,8 +63,13 @@ fn prepared_refraction(refractive: &Refractive) -> Option<Refraction> {
 /// Returns the layout of a pattern. `None` for values without a use, as a size of 0.
 fn pattern_layout(pattern: &Pattern, shape: &Shape, transform: &WorldTransform) -> Option<PatternLayout> {
     let surface = match *shape {
-        Shape::Sphere { .. } | Shape::Capsule { .. } => PatternedSurface::Sphere,
-        Shape::Cylinder { from, to, .. } => PatternedSurface::Cylinder([from, to]),
+        Shape::Sphere { .. } => PatternedSurface::Sphere,
+        Shape::Cylinder { radius, from, to } => {
+            PatternedSurface::Rod { ends: [from, to], radius, is_flat: true }
+        }
+        Shape::Capsule { radius, from, to } => {
+            PatternedSurface::Rod { ends: [from, to], radius, is_flat: false }
+        }
         Shape::Plane { normal } => PatternedSurface::plane(normal),
         Shape::Box { size } => PatternedSurface::Box(size * 0.5),
     };

@@ -168,10 +168,10 @@ impl<R: Real> Crossing<R> {
         Intersections { root: self.exit, hit, undecided: !hit }
     }
 
-    /// Returns the faces that rays hit at `t`, or through which they leave if they are `inside`.
+    /// Returns the faces that rays hit near `t`, or through which they leave if they are `inside`.
     #[inline(always)]
     fn face(&self, t: R, inside: R::Mask) -> FaceMasks<R> {
-        let enters = !inside & t.less_or_equal(self.entry.latest());
+        let enters = !inside & (t + t).less(self.entry.t() + self.exit.t());
         let (entry, exit) = (self.entry_face, self.exit_face);
         let either = |one: R::Mask, other: R::Mask| (enters & one) | (!enters & other);
         let at = [0, 1, 2].map(|axis: usize| either(entry.at[axis], exit.at[axis]));
