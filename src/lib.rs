@@ -1,4 +1,5 @@
-//! rayreel renders animated frame sequences of scenes made of spheres, planes and boxes, by recursive ray tracing on the CPU.
+//! rayreel renders animated frame sequences of scenes made of spheres, planes, boxes, cylinders and capsules, by recursive ray
+//! tracing on the CPU.
 //!
 //! rayreel is an entity-component-system engine with a timeline. Entities of a [hecs](hecs::World) world carry [components], [systems]
 //! advance the world to a moment in time, and the [trace] kernel renders the image. A frame is a pure function of the scene and its index:
@@ -123,7 +124,7 @@
 //! - *Transform*: [`components::Transform`], relative to the parent; [`systems::propagate`] derives the
 //!   [`WorldTransform`](components::WorldTransform).
 //! - *Cloud*: [`components::Cloud`], copies of a shape at the positions of particles; [`clouds`] takes them from data files.
-//! - *Shape*: [`components::Shape`], the sphere, plane or box of an entity; `src/trace/shapes` intersects it.
+//! - *Shape*: [`components::Shape`], the sphere, plane, box, cylinder or capsule of an entity; `src/trace/shapes` intersects it.
 //! - *Material*: [`components::Material`], the appearance of a shape; `src/trace/shading` shades it.
 //! - *Light*: [`components::Light`], a point, spot, directional or area light.
 //! - *Systems*: [`systems`], the functions that run for each frame; [`Engine::add_system`] adds custom ones.

@@ -20,8 +20,8 @@ pub(crate) enum Requirement {
     Transform,
     /// An entity that points neither to an entity ([`LookAt`](super::LookAt)) nor to a point ([`Target`](super::Target)).
     Rotation,
-    /// A shape that is a sphere.
-    Sphere,
+    /// A shape that is a sphere, a cylinder or a capsule.
+    Radius,
     /// A shape that is a box.
     Box,
     /// A shape that is a plane.
@@ -109,8 +109,8 @@ table! {
         Rotation => (Requirement::Rotation, Quantity::Rotation),
         /// [`Transform::scale`](super::Transform::scale).
         Scale => (Requirement::Transform, Quantity::Factors),
-        /// The radius of a [`Shape::Sphere`](super::Shape).
-        Radius => (Requirement::Sphere, Quantity::Length),
+        /// The radius of a [`Shape::Sphere`](super::Shape), a `Cylinder` or a `Capsule`.
+        Radius => (Requirement::Radius, Quantity::Length),
         /// The edges of a [`Shape::Box`](super::Shape).
         Size => (Requirement::Box, Quantity::Edges),
         /// The normal of a [`Shape::Plane`](super::Shape).

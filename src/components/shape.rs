@@ -21,4 +21,22 @@ pub enum Shape {
         /// The full edge lengths in scene units, greater than 0.
         size: DVec3,
     },
+    /// A solid cylinder with flat ends: the points within `radius` of an axis.
+    Cylinder {
+        /// The radius in scene units, greater than 0.
+        radius: f64,
+        /// The centre of one end.
+        from: DVec3,
+        /// The centre of the other end.
+        to: DVec3,
+    },
+    /// A solid capsule, with round ends: the points within `radius` of the segment between two points.
+    Capsule {
+        /// The radius in scene units, greater than 0.
+        radius: f64,
+        /// One end of the segment.
+        from: DVec3,
+        /// The other end of the segment.
+        to: DVec3,
+    },
 }

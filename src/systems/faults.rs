@@ -114,11 +114,14 @@ pub enum FaultCause {
     BeyondMeasure,
     /// The named vector, which must have a direction, has none.
     NoDirection(&'static str),
-    /// An edge of a box is so short, and the box so far from the origin, that both ends round to the same number.
+    /// An edge of a box, or the length of a cylinder or a capsule, is so short, and the shape so far from the origin, that both ends round to
+    /// the same number.
     Lost {
-        /// The length of the edge in the world.
-        edge: f64,
-        /// The coordinate of the edge's centre.
+        /// The edge or the length.
+        what: &'static str,
+        /// Its length in the world.
+        length: f64,
+        /// The coordinate of its centre or of an end.
         coordinate: f64,
     },
     /// A number is out of its range.
@@ -438,10 +441,10 @@ impl fmt::Display for FaultCause {
             Self::BeyondMeasure => write!(formatter, "it is too large, too small or too far away"),
             Self::OutOfRange { what, error } => write!(formatter, "its {what} is {}", brief(error.value)),
             Self::NoDirection(what) => write!(formatter, "its {what} has no direction"),
-            Self::Lost { edge, coordinate } => write!(
+            Self::Lost { what, length, coordinate } => write!(
                 formatter,
-                "its edge of {} is lost at {}, where numbers are {} apart",
-                brief(*edge),
+                "its {what} of {} is lost at {}, where numbers are {} apart",
+                brief(*length),
                 brief(*coordinate),
                 brief(coordinate.abs().next_up() - coordinate.abs())
             ),

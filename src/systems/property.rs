@@ -84,7 +84,7 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
     match property.part() {
         Requirement::Transform | Requirement::Rotation => changes.mark_transform(entity),
         Requirement::Target if !has_camera => changes.mark_transform(entity),
-        Requirement::Sphere | Requirement::Box | Requirement::Plane | Requirement::Shape => {
+        Requirement::Radius | Requirement::Box | Requirement::Plane | Requirement::Shape => {
             changes.mark_shape(entity);
         }
         Requirement::Material

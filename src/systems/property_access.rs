@@ -192,7 +192,10 @@ impl Parts<'_> {
             Property::Translation => Vector(&mut self.transform.as_mut()?.translation),
             Property::Rotation => Rotation(&mut self.transform.as_mut()?.rotation),
             Property::Scale => Vector(&mut self.transform.as_mut()?.scale),
-            Property::Radius => within!(self.shape.as_mut()?, Shape::Sphere { radius } => Number(radius)),
+            Property::Radius => within!(
+                self.shape.as_mut()?,
+                Shape::Sphere { radius } | Shape::Cylinder { radius, .. } | Shape::Capsule { radius, .. } => Number(radius)
+            ),
             Property::Size => within!(self.shape.as_mut()?, Shape::Box { size } => Vector(size)),
             Property::Normal => within!(self.shape.as_mut()?, Shape::Plane { normal } => Vector(normal)),
             Property::Visible => Flag(&mut self.visibility.as_mut()?.camera),

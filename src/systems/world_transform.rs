@@ -47,9 +47,14 @@ impl ExactAffine {
     }
 
     /// Returns the image of a vector under the linear part of the map.
-    fn linear(&self, vector: Double3) -> Double3 {
+    pub(super) fn linear(&self, vector: Double3) -> Double3 {
         let [a, b, c] = self.columns;
         a.scaled(vector.x) + b.scaled(vector.y) + c.scaled(vector.z)
+    }
+
+    /// Returns the image of a point.
+    pub(super) fn point(&self, point: Double3) -> Double3 {
+        self.linear(point) + self.translation
     }
 
     /// Returns the composition that applies `other` first, then this map.

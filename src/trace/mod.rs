@@ -119,7 +119,7 @@ pub(crate) use scene::{
     PreparedFalloff, PreparedFog, PreparedPattern, PreparedSky, PreparedStars, PreparedSun,
 };
 pub use shading::{LightTerms, RefractionTerms, SecondaryTerms, Unlit};
-pub use shapes::{Equation, Interval};
+pub use shapes::{Equation, Interval, RodEnds};
 
 // The kernel's arrays, for tests and benchmarks; not part of the library's interface.
 #[doc(hidden)]

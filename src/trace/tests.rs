@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use crate::color::Rgb;
 use crate::trace::math::SimdLevel;
 use crate::trace::scene::{Cone, FogLayer, PreparedFalloff, PreparedFog, PreparedStars, PreparedSun};
-use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 use crate::trace::{
     Effects, Film, Geometry, LightSource, PixelSampling, PreparedCamera, PreparedLight, PreparedScene,
     PreparedShape, Refraction, RenderJob, ShapeId, Signals, SurfaceMaterial, reference,
@@ -54,6 +54,22 @@ fn shapes() -> Vec<(PreparedShape, SurfaceMaterial)> {
             shiny,
         ),
         (sphere(-2.5, 3.5, -2.0, 0.2), clay(Rgb::ONE)),
+        (
+            PreparedShape::Rod(
+                Rod::cylinder(DVec3::new(-1.2, 0.0, -1.6), DVec3::new(-0.8, 1.1, -1.4), 0.3).unwrap(),
+            ),
+            glass(1.4, Rgb::new(0.5, 0.3, 0.1), true),
+        ),
+        (
+            PreparedShape::Rod(
+                Rod::capsule(DVec3::new(-0.4, 2.2, 0.5), DVec3::new(1.4, 2.4, 0.2), 0.15).unwrap(),
+            ),
+            clay(Rgb::new(0.4, 0.7, 0.4)),
+        ),
+        (
+            PreparedShape::RodImage(RodImage::capsule(map(0.3), DVec3::new(0.3, 1.0, 0.2), 0.5).unwrap()),
+            glass(1.2, Rgb::new(0.2, 0.3, 0.1), false),
+        ),
     ]
 }
 
@@ -156,11 +172,14 @@ fn glass_scene(places: &[(u8, [f64; 3], f64)], glass: Glass) -> PreparedScene {
             matrix3: DMat3::from_rotation_y(0.7) * DMat3::from_diagonal(half),
             translation: center,
         };
-        let _ = geometry.push(match kind % 4 {
+        let _ = geometry.push(match kind % 7 {
             0 => PreparedShape::Sphere(Sphere { center, radius: *size }),
             1 => PreparedShape::AlignedBox(AlignedBox { min: center - half, max: center + half }),
             2 => PreparedShape::SphereImage(SphereImage::new(map, 1.0)),
-            _ => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE).unwrap()),
+            3 => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE).unwrap()),
+            4 => PreparedShape::Rod(Rod::cylinder(center - half, center + half, *size).unwrap()),
+            5 => PreparedShape::Rod(Rod::capsule(center, center + half, *size).unwrap()),
+            _ => PreparedShape::RodImage(RodImage::cylinder(map, DVec3::ONE, 0.7).unwrap()),
         });
         let absorption = if glass.absorbs && kind % 3 != 0 { Rgb::new(0.2, 0.0, 0.9) } else { Rgb::ZERO };
         let ior = if glass.bends { 1.4 } else { 1.0 };

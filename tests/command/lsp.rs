@@ -159,7 +159,7 @@ fn completions_are_what_is_missing() {
     assert_eq!(session.labels(URI, "Sc|"), ["Scene"]);
     let labels = session.labels(URI, &SCENE.replace("    camera", "    |\n    camera"));
     assert!(labels.contains(&"film".to_owned()) && !labels.contains(&"camera".to_owned()), "{labels:?}");
-    assert_eq!(session.labels(URI, &with("(shape: |")), ["Sphere", "Plane", "Box"]);
+    assert_eq!(session.labels(URI, &with("(shape: |")), ["Sphere", "Plane", "Box", "Cylinder", "Capsule"]);
     assert_eq!(session.labels(URI, &with("(shape: Box(|")), ["size"]);
     assert_eq!(
         session.labels(URI, &with("(light: Area(intensity: (1, 1, 1), sh|")),

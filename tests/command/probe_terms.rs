@@ -265,6 +265,37 @@ fn equations_have_the_distance_of_the_hit_as_a_root() {
 }
 
 #[test]
+fn equations_of_rods_are_those_of_their_sides_and_ends() {
+    let equation = |ray: &str| {
+        let report = json_of(&["rods.ron", "--ray", ray, "--terms"]);
+        let surface = &report["rays"][0]["surface"];
+        let equation = surface["terms"]["equation"].clone();
+        assert!(numbers(&equation["t"]).contains(&surface["distance"].as_f64().unwrap()), "{equation}");
+        equation
+    };
+    let near = |found: &Value, expected: &[f64]| {
+        let found = numbers(found);
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {expected:?}");
+    };
+    let root = 0.75_f64.sqrt();
+    let column = equation("-3,1,0.5,1,0,0");
+    let coefficients = ["A", "B", "C", "D"].map(|name| column[name].as_f64().unwrap());
+    assert_eq!((&column["shape"], coefficients), (&json!("cylinder"), [1.0, -6.0, 8.25, 3.0]));
+    assert_eq!((&column["direction"], &column["ends"]), (&Value::Null, &json!("all")));
+    near(&column["side"], &[3.0 - root, 3.0 + root]);
+    let pill = equation("5.5,9,0,0,-1,0");
+    assert_eq!((&pill["shape"], &pill["A"], &pill["side"]), (&json!("capsule"), &json!(0.0), &json!("all")));
+    near(&pill["t"], &[7.0 - root, 9.0 + root]);
+    near(&pill["ends"][0], &[9.0 - root, 9.0 + root]);
+    near(&pill["ends"][1], &[7.0 - root, 7.0 + root]);
+    let wide = equation("5,1,0,2,0,0");
+    assert_eq!((&wide["direction"], &wide["t"]), (&json!([0.5, 0.0, 0.0]), &json!([4.0, 6.0])));
+    let output = probe(&["rods.ron", "--ray", "-3,1,0.5,1,0,0", "--terms"], "");
+    let title = "cylinder: A t^2 + B t + C = 0 on its side, and t between its ends";
+    assert!(String::from_utf8_lossy(&output.stdout).contains(title), "{output:?}");
+}
+
+#[test]
 fn worked_examples_of_the_textbook_are_readable() {
     let report = json_of(&["seed.ron", "--ray", "0,-2,0,1,2,1", "--terms"]);
     let surface = &report["rays"][0]["surface"];

@@ -44,8 +44,11 @@ fn crowd(seed: u64) -> (World, Vec<Entity>) {
     let crowd: Vec<Entity> = (0..COUNT)
         .map(|index| {
             let size = 0.1 + 0.5 * number(&mut random);
-            let shape = match index % 2 {
+            let rod = (DVec3::ZERO, DVec3::new(0.3, size, 0.1));
+            let shape = match index % 4 {
                 0 => Shape::Sphere { radius: 0.5 * size },
+                1 => Shape::Cylinder { radius: 0.3 * size, from: rod.0, to: rod.1 },
+                2 => Shape::Capsule { radius: 0.2 * size, from: rod.0, to: rod.1 },
                 _ => Shape::Box { size: DVec3::new(size, 0.5, size) },
             };
             let mut transform = Transform::from_translation(place(&mut random));

@@ -83,6 +83,8 @@ fn shape() -> impl Strategy<Value = Shape> {
         number().prop_map(|radius| Shape::Sphere { radius }),
         vector().prop_map(|size| Shape::Box { size }),
         vector().prop_map(|normal| Shape::Plane { normal }),
+        (number(), vector(), vector()).prop_map(|(radius, from, to)| Shape::Cylinder { radius, from, to }),
+        (number(), vector(), vector()).prop_map(|(radius, from, to)| Shape::Capsule { radius, from, to }),
     ]
 }
 

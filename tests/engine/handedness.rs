@@ -23,6 +23,8 @@ const SCENE: &str = r##"Scene(
         (name: "arm", transform: (translation: (1, 0, @0.3), rotation: AxisAngle((#1, #2, 3), 40), scale: (1, 2, 1))),
         (shape: Box(size: (0.8, 0.5, 0.7)), material: "glass", parent: "arm", transform: (translation: (0.4, 0.1, @1.1), rotation: Quat(#0.1, #0.2, 0.3, 0.9))),
         (shape: Box(size: (0.3, 3, 0.3)), material: "clay", transform: (translation: (-2, 0, @-1))),
+        (shape: Cylinder(radius: 0.3, from: (1, 1, @0.5), to: (1.6, 2, @-0.4)), material: "clay"),
+        (shape: Capsule(radius: 0.2, from: (0, 0, @0.3), to: (0.3, 0.6, @0)), material: "glass", parent: "arm"),
         (light: Point(intensity: (0.8, 0.7, 0.6)), transform: (translation: (3, 4, @3))),
         (light: Directional(intensity: (0.2, 0.2, 0.3), direction: (0.3, -1, @0.4))),
         (light: Spot(intensity: (0.9, 0.6, 0.9), angle: 40), transform: (translation: (-3, 3, @2)), look_at: "ball"),

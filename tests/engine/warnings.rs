@@ -40,7 +40,8 @@ fn world(random: &mut Random) -> World {
     let mut world = World::new();
     let clay = Material { k_a: 0.25, k_d: if random.once_in(8) { 0.0 } else { 0.75 }, ..Material::default() };
     for _ in 0..random.index(6) {
-        let shape = match random.index(4) {
+        let shape = match random.index(5) {
+            4 => Shape::Capsule { radius: 0.5, from: DVec3::ZERO, to: direction(random) },
             0 => Shape::Plane { normal: direction(random) },
             1 => Shape::Box { size: DVec3::splat(0.5 + random.index(30) as f64) },
             _ => Shape::Sphere { radius: 0.125 * (1 + random.index(30)) as f64 },

@@ -72,6 +72,14 @@ fn shape() -> impl Strategy<Value = Shape> {
     prop_oneof![
         3 => length().prop_map(|radius| Shape::Sphere { radius }),
         3 => (length(), length(), length()).prop_map(|size| Shape::Box { size: size.into() }),
+        2 => (length(), prop_oneof![Just(DVec3::Y), Just(DVec3::Z), point()]).prop_map(|(radius, to)| {
+            let to = if to == DVec3::ZERO { DVec3::Z } else { to };
+            Shape::Cylinder { radius, from: DVec3::ZERO, to }
+        }),
+        2 => (length(), prop_oneof![Just(DVec3::Y), Just(DVec3::Z), point()]).prop_map(|(radius, to)| {
+            let to = if to == DVec3::ZERO { DVec3::Z } else { to };
+            Shape::Capsule { radius, from: -to, to }
+        }),
         1 => prop_oneof![Just(DVec3::Y), Just(DVec3::X), point()].prop_map(|normal| Shape::Plane {
             normal: if normal == DVec3::ZERO { DVec3::Z } else { normal },
         }),

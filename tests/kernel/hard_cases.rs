@@ -320,11 +320,16 @@ fn light_without_a_direction_is_off_for_that_moment() {
 #[test]
 fn shapes_of_any_size_look_alike() {
     let rotation = DQuat::from_xyzw(0.1, 0.2, 0.3, 0.9).normalize();
+    let way = DVec3::new(0.3, 1.0, -0.2);
     let things = [
         (Shape::Sphere { radius: 1.5 }, DVec3::ONE, DQuat::IDENTITY),
         (Shape::Sphere { radius: 1.0 }, DVec3::new(1.5, 0.5, -1.0), rotation),
         (Shape::Box { size: DVec3::new(2.0, 1.0, 3.0) }, DVec3::ONE, DQuat::IDENTITY),
         (Shape::Box { size: DVec3::new(2.0, 1.0, 3.0) }, DVec3::new(1.0, 2.0, 1.0), rotation),
+        (Shape::Cylinder { radius: 0.8, from: -way, to: way }, DVec3::ONE, rotation),
+        (Shape::Cylinder { radius: 0.8, from: -way, to: way }, DVec3::new(1.0, 2.0, 1.0), rotation),
+        (Shape::Capsule { radius: 0.8, from: -way, to: way }, DVec3::ONE, rotation),
+        (Shape::Capsule { radius: 0.8, from: -way, to: way }, DVec3::new(1.5, 0.5, -1.0), rotation),
     ];
     for (shape, scale, rotation) in things {
         // The size is in the shape, in the scale, or half in one and half in the other.
@@ -335,6 +340,12 @@ fn shapes_of_any_size_look_alike() {
                 Shape::Sphere { radius } => Shape::Sphere { radius: radius * inner },
                 Shape::Box { size } => Shape::Box { size: size * inner },
                 Shape::Plane { normal } => Shape::Plane { normal },
+                Shape::Cylinder { radius, from, to } => {
+                    Shape::Cylinder { radius: radius * inner, from: from * inner, to: to * inner }
+                }
+                Shape::Capsule { radius, from, to } => {
+                    Shape::Capsule { radius: radius * inner, from: from * inner, to: to * inner }
+                }
             };
             let transform =
                 Transform { translation: DVec3::ZERO, rotation, scale: scale * power(exponent - of_shape) };
@@ -408,7 +419,12 @@ fn tiny_shapes_are_hit_before_huge_ones() {
 #[test]
 fn paths_agree_on_maps_that_lose_all_digits() {
     for ratio in ["1e6", "1e8", "1e12", "1e16", "1e17", "7.149242111760633e18", "1e30"] {
-        for shape in ["Sphere(radius: 0.01)", "Box(size: (0.01, 0.02, 0.03))"] {
+        for shape in [
+            "Sphere(radius: 0.01)",
+            "Box(size: (0.01, 0.02, 0.03))",
+            "Cylinder(radius: 0.01, height: 0.03)",
+            "Capsule(radius: 0.01, from: (0.01, 0, 0), to: (0, 0.03, 0))",
+        ] {
             let text = format!(
                 r#"Scene(film: (width: 32, height: 18, transfer: Classic), camera: (position: (0, -2, 0), target: (0, 0, -1)), ambient: (1, 1, 1),
                 materials: {{ "m": (k_a: 1) }}, entities: [(name: "p", transform: (translation: (4.579567336728584e54, 0, 0),

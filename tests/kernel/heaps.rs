@@ -50,6 +50,8 @@ fn heap() -> impl Strategy<Value = Heap> {
     let shape = prop_oneof![
         3 => size().prop_map(|radius| Shape::Sphere { radius }),
         3 => (size(), size(), size()).prop_map(|size| Shape::Box { size: size.into() }),
+        2 => (size(), size()).prop_map(|(radius, size)| Shape::Cylinder { radius, from: DVec3::ZERO, to: DVec3::Y * size }),
+        2 => (size(), size()).prop_map(|(radius, size)| Shape::Capsule { radius, from: DVec3::ZERO, to: DVec3::Y * size }),
         1 => prop_oneof![Just(DVec3::Y), Just(DVec3::new(1.0, 2.0, 3.0))].prop_map(|normal| Shape::Plane { normal }),
     ];
     let rotation = prop_oneof![3 => Just(DQuat::IDENTITY), 1 => Just(DQuat::from_rotation_y(0.3))];
@@ -163,6 +165,8 @@ fn rays_test_coincident_shapes_once() {
         Shape::Sphere { radius: 1.0 },
         Shape::Box { size: DVec3::ONE },
         Shape::Plane { normal: DVec3::new(0.1, 0.2, -1.0) },
+        Shape::Cylinder { radius: 0.5, from: DVec3::NEG_Y, to: DVec3::Y },
+        Shape::Capsule { radius: 0.5, from: DVec3::NEG_X, to: DVec3::Y },
     ];
     let maps = [
         Transform::IDENTITY,

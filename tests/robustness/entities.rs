@@ -81,6 +81,12 @@ pub(crate) fn entity() -> impl Strategy<Value = String> {
         size().prop_map(|radius| format!("Sphere(radius: {radius})")),
         (size(), size(), size()).prop_map(|(x, y, z)| format!("Box(size: ({x}, {y}, {z}))")),
         point().prop_map(|normal| format!("Plane(normal: {normal})")),
+        (size(), size()).prop_map(|(radius, height)| format!("Cylinder(radius: {radius}, height: {height})")),
+        (size(), point(), point()).prop_map(|(radius, from, to)| {
+            // A rod that ends where it begins is no rod.
+            let to = if to == from { "(0.5, 1.25, 3.75)".to_owned() } else { to };
+            format!("Capsule(radius: {radius}, from: {from}, to: {to})")
+        }),
     ];
     let surface = prop_oneof![
         4 => (0..3).prop_map(|number| format!("material: \"m{number}\"")),

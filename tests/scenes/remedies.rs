@@ -22,7 +22,13 @@ fn first(text: &str) -> (String, String, usize) {
 const NAMED: [(&str, &[&str]); 7] = [
     (
         "entities: [(material: \"clay\", shape: FORM)], materials: { \"clay\": (k_d: 1) }",
-        &["Sphere(radius: 0.7)", "Plane(normal: (0, 0.5, 0))", "Box(size: (1, 2, 3))"],
+        &[
+            "Sphere(radius: 0.7)",
+            "Plane(normal: (0, 0.5, 0))",
+            "Box(size: (1, 2, 3))",
+            "Cylinder(radius: 0.3, from: (0, 1, 0), to: (2, 0, 0))",
+            "Capsule(radius: 0.3, from: (0, 1, 0), to: (2, 0, 0))",
+        ],
     ),
     (
         "entities: [(light: FORM)]",

@@ -8,7 +8,7 @@ use rayreel::components::{Material, Pattern};
 use rayreel::systems::Preparation;
 use rayreel::trace::{
     BackgroundTerms, Equation, GradientTerms, Interval, LitSurface, PassageTerms, RayKind, RayTree,
-    RefractionTerms, SkyLight, SurfaceTerms, TracedLightSample,
+    RefractionTerms, RodEnds, SkyLight, SurfaceTerms, TracedLightSample,
 };
 use rayreel::{Effect, Engine, Rgb, Time};
 
@@ -395,6 +395,11 @@ pub(super) fn light_samples(engine: &Engine, prepared: &Preparation, index: usiz
 fn equation_node(equation: &Equation) -> TreeNode {
     let numbers = |numbers: &[f64]| numbers.iter().copied().map(number).collect::<String>();
     let roots = ("t", numbers(&equation.roots()));
+    let interval = |interval: &Interval| match interval {
+        Interval::Between(interval) => numbers(interval),
+        Interval::All => " all t".to_owned(),
+        Interval::Nothing => " no t".to_owned(),
+    };
     let (title, mut facts) = match equation {
         Equation::Quadratic { direction, from_center, a, b, c, discriminant, .. } => {
             let title = if direction.is_some() {
@@ -415,13 +420,30 @@ fn equation_node(equation: &Equation) -> TreeNode {
             vec![("(Q0-P0).N", number(*numerator)), ("dir.N", number(*denominator))],
         ),
         Equation::Slabs { intervals, .. } => {
-            let text = |interval: &Interval| match interval {
-                Interval::Between(interval) => numbers(interval),
-                Interval::All => " all t".to_owned(),
-                Interval::Nothing => " no t".to_owned(),
-            };
-            let facts = ["t in x", "t in y", "t in z"].into_iter().zip(intervals.iter().map(text));
+            let facts = ["t in x", "t in y", "t in z"].into_iter().zip(intervals.iter().map(interval));
             ("box: t in the three intervals between its faces", facts.collect())
+        }
+        Equation::Rod { direction, from_start, axis, a, b, c, discriminant, side, ends, .. } => {
+            let title = match ends {
+                RodEnds::Flat(_) => "cylinder: A t^2 + B t + C = 0 on its side, and t between its ends",
+                RodEnds::Round(_) => "capsule: A t^2 + B t + C = 0 on its side, and spheres at its ends",
+            };
+            let mut facts: Vec<_> = direction.iter().map(|direction| ("dir'", vector(*direction))).collect();
+            facts.extend([("P0 - Pc", vector(*from_start)), ("a", vector(*axis))]);
+            facts.extend([
+                ("A", number(*a)),
+                ("B", number(*b)),
+                ("C", number(*c)),
+                ("D", number(*discriminant)),
+            ]);
+            facts.push(("t in side", interval(side)));
+            match ends {
+                RodEnds::Flat(ends) => facts.push(("t in ends", interval(ends))),
+                RodEnds::Round([start, stop]) => {
+                    facts.extend([("t in from", interval(start)), ("t in to", interval(stop))]);
+                }
+            }
+            (title, facts)
         }
     };
     facts.push(roots);
@@ -429,6 +451,11 @@ fn equation_node(equation: &Equation) -> TreeNode {
 }
 
 fn equation_json(equation: &Equation) -> Value {
+    let interval = |interval: &Interval| match interval {
+        Interval::Between(interval) => json!(interval),
+        Interval::All => json!("all"),
+        Interval::Nothing => json!("none"),
+    };
     match equation {
         Equation::Quadratic { direction, from_center, a, b, c, discriminant, roots } => json!({
             "shape": if direction.is_some() { "ellipsoid" } else { "sphere" },
@@ -447,12 +474,26 @@ fn equation_json(equation: &Equation) -> Value {
             "t": root.map(|root| [root]),
         }),
         Equation::Slabs { intervals, roots } => {
-            let interval = |interval: &Interval| match interval {
-                Interval::Between(interval) => json!(interval),
-                Interval::All => json!("all"),
-                Interval::Nothing => json!("none"),
-            };
             json!({ "shape": "box", "intervals": intervals.each_ref().map(interval), "t": roots })
+        }
+        Equation::Rod { direction, from_start, axis, a, b, c, discriminant, side, ends, roots } => {
+            let (shape, ends) = match ends {
+                RodEnds::Flat(ends) => ("cylinder", interval(ends)),
+                RodEnds::Round(ends) => ("capsule", ends.each_ref().map(interval).into()),
+            };
+            json!({
+                "shape": shape,
+                "direction": direction.map(|direction| direction.to_array()),
+                "P0_Pc": from_start.to_array(),
+                "a": axis.to_array(),
+                "A": a,
+                "B": b,
+                "C": c,
+                "D": discriminant,
+                "side": interval(side),
+                "ends": ends,
+                "t": roots,
+            })
         }
     }
 }

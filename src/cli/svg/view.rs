@@ -1,6 +1,6 @@
 //! Views of a scene from above, from the side and from the front.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::shapes::OutlinedShape;
 use super::{Anchor, Area, Axis, PagePoint, Plot, Svg};
@@ -107,14 +107,23 @@ impl OrthographicView {
             }
         }
         match shape {
-            OutlinedShape::Ball { center, image } => {
-                let [a, b] = [self.axes[0], self.axes[1]].map(|axis| image.row(axis) * self.scale);
-                // The projection of the unit ball is an ellipse. Its radii are the square roots of the eigenvalues of (a b)^T (a b).
-                let (mean, half) = (0.5 * (a.dot(a) + b.dot(b)), 0.5 * (a.dot(a) - b.dot(b)));
-                let apart = libm::hypot(half, a.dot(b));
-                let radii = [mean + apart, (mean - apart).max(0.0)].map(f64::sqrt);
-                let degrees = (0.5 * libm::atan2(a.dot(b), half)).to_degrees();
-                svg.ellipse("thing", self.project(*center), radii, -degrees);
+            OutlinedShape::Ball { center, image } => self.ellipse(svg, *center, *image),
+            OutlinedShape::Rod { ends, halves: [one, other], ball } => {
+                let image = ball.unwrap_or(DMat3::from_cols(*one, *other, DVec3::ZERO));
+                ends.iter().for_each(|end| self.ellipse(svg, *end, image));
+                // The two lines of the side that are farthest from the axis: the tangents of both ellipses.
+                let [along, upwards] = self.across(ends[1] - ends[0]);
+                let away = |vector: DVec3| {
+                    let [x, y] = self.across(vector);
+                    x * upwards - y * along
+                };
+                let (first, second) = (away(*one), away(*other));
+                let size = libm::hypot(first, second);
+                if size > 0.0 {
+                    let half = (*one * first + *other * second) / size;
+                    let edge = |half: DVec3| ends.map(|end| self.project(end + half)).to_vec();
+                    svg.lines("thing", &[edge(half), edge(-half)]);
+                }
             }
             OutlinedShape::Box(corners) => {
                 let edges = (0..8_usize).flat_map(|corner| [1, 2, 4].map(|bit| (corner, corner | bit)));
@@ -126,6 +135,17 @@ impl OrthographicView {
             }
             OutlinedShape::Plane { point, normal } => self.plane(svg, *point, *normal),
         }
+    }
+
+    /// Draws the image of the unit ball under a linear map, around a centre.
+    fn ellipse(&self, svg: &mut Svg, center: DVec3, image: DMat3) {
+        let [a, b] = [self.axes[0], self.axes[1]].map(|axis| image.row(axis) * self.scale);
+        // The projection of the unit ball is an ellipse. Its radii are the square roots of the eigenvalues of (a b)^T (a b).
+        let (mean, half) = (0.5 * (a.dot(a) + b.dot(b)), 0.5 * (a.dot(a) - b.dot(b)));
+        let apart = libm::hypot(half, a.dot(b));
+        let radii = [mean + apart, (mean - apart).max(0.0)].map(f64::sqrt);
+        let degrees = (0.5 * libm::atan2(a.dot(b), half)).to_degrees();
+        svg.ellipse("thing", self.project(center), radii, -degrees);
     }
 
     /// Draws a plane as a line, if it is seen edge-on.

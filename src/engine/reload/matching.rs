@@ -84,7 +84,7 @@ struct ComponentLocation {
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum MatchKey<'a> {
     Name(&'a str),
-    Content([u64; 10], [u64; 4]),
+    Content([u64; 10], [u64; 8]),
 }
 
 impl Matching {
@@ -213,7 +213,7 @@ impl<'a> EntityTable<'a> {
             Some(names) => MatchKey::Name(&names[row].0),
             None => MatchKey::Content(
                 self.transforms.map_or([0; 10], |transforms| transform_bits(&transforms[row])),
-                self.shapes.map_or([0; 4], |shapes| shape_bits(&shapes[row])),
+                self.shapes.map_or([0; 8], |shapes| shape_bits(&shapes[row])),
             ),
         }
     }
@@ -316,11 +316,14 @@ pub(super) fn transform_bits(transform: &Transform) -> [u64; 10] {
 }
 
 /// Returns the kind of a shape and the bits of its numbers.
-pub(super) fn shape_bits(shape: &Shape) -> [u64; 4] {
-    let (kind, DVec3 { x, y, z }) = match *shape {
-        Shape::Sphere { radius } => (1, DVec3::splat(radius)),
-        Shape::Plane { normal } => (2, normal),
-        Shape::Box { size } => (3, size),
+pub(super) fn shape_bits(shape: &Shape) -> [u64; 8] {
+    let (kind, number, one, other) = match *shape {
+        Shape::Sphere { radius } => (1, radius, DVec3::ZERO, DVec3::ZERO),
+        Shape::Plane { normal } => (2, 0.0, normal, DVec3::ZERO),
+        Shape::Box { size } => (3, 0.0, size, DVec3::ZERO),
+        Shape::Cylinder { radius, from, to } => (4, radius, from, to),
+        Shape::Capsule { radius, from, to } => (5, radius, from, to),
     };
-    [kind, x.to_bits(), y.to_bits(), z.to_bits()]
+    let [x, y, z, i, j, k] = [one.x, one.y, one.z, other.x, other.y, other.z].map(f64::to_bits);
+    [kind, number.to_bits(), x, y, z, i, j, k]
 }

@@ -110,13 +110,64 @@ pub(crate) enum RotationDocument {
     Quat(f64, f64, f64, f64),
 }
 
-/// The visible shape of an entity.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, rename = "Shape")]
+/// The visible shape of an entity. Rods are stored elsewhere, so that the many entities of large scenes are small.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(from = "ShapeFields")]
 pub(crate) enum ShapeDocument {
     Sphere { radius: f64 },
     Plane { normal: Triple },
     Box { size: Triple },
+    Cylinder(Box<RodDocument>),
+    Capsule(Box<RodDocument>),
+}
+
+/// A cylinder or a capsule: with both ends, or with a height along the entity's own y axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RodDocument {
+    pub(crate) radius: f64,
+    pub(crate) from: Option<Triple>,
+    pub(crate) to: Option<Triple>,
+    pub(crate) height: Option<f64>,
+}
+
+impl RodDocument {
+    /// Returns the ends of the axis; `None` if they are not given in one of the two ways.
+    pub(crate) fn ends(&self) -> Option<[Triple; 2]> {
+        match *self {
+            Self { from: Some(from), to: Some(to), height: None, .. } => Some([from, to]),
+            Self { from: None, to: None, height: Some(height), .. } => {
+                Some([[0.0, -0.5 * height, 0.0], [0.0, 0.5 * height, 0.0]])
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The fields of a [`ShapeDocument`] in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Shape")]
+enum ShapeFields {
+    Sphere { radius: f64 },
+    Plane { normal: Triple },
+    Box { size: Triple },
+    Cylinder { radius: f64, from: Option<Triple>, to: Option<Triple>, height: Option<f64> },
+    Capsule { radius: f64, from: Option<Triple>, to: Option<Triple>, height: Option<f64> },
+}
+
+impl From<ShapeFields> for ShapeDocument {
+    fn from(fields: ShapeFields) -> Self {
+        match fields {
+            ShapeFields::Sphere { radius } => Self::Sphere { radius },
+            ShapeFields::Plane { normal } => Self::Plane { normal },
+            ShapeFields::Box { size } => Self::Box { size },
+            ShapeFields::Cylinder { radius, from, to, height } => {
+                Self::Cylinder(Box::new(RodDocument { radius, from, to, height }))
+            }
+            ShapeFields::Capsule { radius, from, to, height } => {
+                Self::Capsule(Box::new(RodDocument { radius, from, to, height }))
+            }
+        }
+    }
 }
 
 /// The light source of an entity.

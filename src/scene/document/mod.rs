@@ -21,7 +21,8 @@ pub(super) use cloud::{
     ScaleByDocument, particle,
 };
 pub(super) use entity::{
-    AreaShapeDocument, EntityDocument, LightDocument, RotationDocument, ShapeDocument, TransformDocument,
+    AreaShapeDocument, EntityDocument, LightDocument, RodDocument, RotationDocument, ShapeDocument,
+    TransformDocument,
 };
 pub(super) use include::IncludeDocument;
 pub(super) use material::{MaterialDocument, PatternDocument};

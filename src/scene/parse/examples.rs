@@ -19,7 +19,13 @@ const EXAMPLES: [Example; 18] = [
     Example {
         name: "Shape",
         noun: "a shape",
-        forms: &["Sphere(radius: 1)", "Plane(normal: (0, 1, 0))", "Box(size: (1, 1, 1))"],
+        forms: &[
+            "Sphere(radius: 1)",
+            "Plane(normal: (0, 1, 0))",
+            "Box(size: (1, 1, 1))",
+            "Cylinder(radius: 0.2, from: (0, 0, 0), to: (0, 2, 0))",
+            "Capsule(radius: 0.2, from: (0, 0, 0), to: (0, 2, 0))",
+        ],
     },
     Example {
         name: "Pattern",

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! (camera: (fov:                 a number
-//! (entities: [(shape:            one of the words Sphere, Plane and Box, of the type Shape
+//! (entities: [(shape:            one of the words Sphere, Plane, Box, .., of the type Shape
 //! (entities: [(shape: Box(       the name of a field: size
 //! ```
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use glam::DVec3;
 use hashbrown::HashMap;
 use hecs::{ColumnBatchBuilder, ColumnBatchType, Component, Entity, World};
 
@@ -14,8 +15,8 @@ use crate::components::{
     Transform, Visibility, WorldTransform,
 };
 use crate::scene::document::{
-    AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, PatternDocument, ShapeDocument,
-    TransformDocument, Triple,
+    AreaShapeDocument, EntityDocument, LightDocument, MaterialDocument, PatternDocument, RodDocument,
+    ShapeDocument, TransformDocument, Triple,
 };
 
 /// The components that a material of the file adds to entities.
@@ -255,7 +256,20 @@ fn shape(document: &ShapeDocument) -> Shape {
         ShapeDocument::Sphere { radius } => Shape::Sphere { radius },
         ShapeDocument::Plane { normal } => Shape::Plane { normal: normal.into() },
         ShapeDocument::Box { size } => Shape::Box { size: size.into() },
+        ShapeDocument::Cylinder(ref rod) => {
+            let [from, to] = ends(rod);
+            Shape::Cylinder { radius: rod.radius, from, to }
+        }
+        ShapeDocument::Capsule(ref rod) => {
+            let [from, to] = ends(rod);
+            Shape::Capsule { radius: rod.radius, from, to }
+        }
     }
+}
+
+/// Returns the ends of a rod's axis, which a valid document has.
+fn ends(rod: &RodDocument) -> [DVec3; 2] {
+    rod.ends().unwrap_or_default().map(DVec3::from)
 }
 
 /// Returns whether an entity needs its visibility as a component: not all rays see its shape, or its visibility changes.

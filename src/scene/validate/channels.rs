@@ -140,14 +140,17 @@ fn lack_of_camera(camera: &CameraDocument, part: Requirement) -> Option<&'static
 
 /// Returns a description of the entity if it lacks the part.
 fn lack_of_entity(entity: KnownEntity<'_>, part: Requirement) -> Option<&'static str> {
-    use ShapeDocument::{Box, Plane, Sphere};
+    use ShapeDocument::{Box, Capsule, Cylinder, Plane, Sphere};
     let lacks = |material: Option<&MaterialDocument>| material.is_none_or(|material| lacks(material, part));
     let (fits, otherwise) = match part {
         Requirement::Transform => return None,
         Requirement::Rotation | Requirement::Target if entity.looks_at => (false, "an entity with `look_at`"),
         Requirement::Rotation => (!entity.has_target, "an entity with a `target`"),
         Requirement::Target => (entity.has_target, "an entity without a `target`"),
-        Requirement::Sphere => (matches!(entity.shape, Some(Sphere { .. })), "an entity that is no sphere"),
+        Requirement::Radius => {
+            let has_radius = matches!(entity.shape, Some(Sphere { .. } | Cylinder(_) | Capsule(_)));
+            (has_radius, "an entity that is no sphere, cylinder or capsule")
+        }
         Requirement::Box => (matches!(entity.shape, Some(Box { .. })), "an entity that is no box"),
         Requirement::Plane => (matches!(entity.shape, Some(Plane { .. })), "an entity that is no plane"),
         Requirement::Material | Requirement::Shape => (entity.shape.is_some(), "an entity without a shape"),
@@ -310,7 +313,7 @@ fn home(part: Requirement) -> &'static str {
             "entities have it that have neither `target` nor `look_at`; cameras have Position and Target"
         }
         Requirement::Target => "cameras have it: `target: \"camera\"`; and entities with a `target`",
-        Requirement::Sphere => "entities with the shape Sphere have it",
+        Requirement::Radius => "entities with the shape Sphere, Cylinder or Capsule have it",
         Requirement::Box => "entities with the shape Box have it",
         Requirement::Plane => "entities with the shape Plane have it",
         Requirement::Shape => "entities with a shape have it, each for itself",

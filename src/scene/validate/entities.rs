@@ -8,8 +8,8 @@ use super::materials::SLASH;
 use super::{At, Named, Problems, check};
 use crate::animation::limits::SMALLEST;
 use crate::scene::document::{
-    EntityDocument, RotationDocument, ScaleDocument, SceneDocument, ShapeDocument, SurfaceDocument,
-    TransformDocument, Triple,
+    EntityDocument, RodDocument, RotationDocument, ScaleDocument, SceneDocument, ShapeDocument,
+    SurfaceDocument, TransformDocument, Triple,
 };
 use crate::scene::files::Scope;
 use crate::scene::quote::{Figure, linked, short};
@@ -319,6 +319,46 @@ fn shape(shape: &ShapeDocument, at: &At<'_>, problems: &mut Problems) {
             check::direction(normal, "the normal", &at.field("normal"), problems);
         }
         ShapeDocument::Box { size } => box_size(size, &at.field("size"), problems),
+        ShapeDocument::Cylinder(ref rod) => self::rod(rod, "cylinder", at, problems),
+        ShapeDocument::Capsule(ref rod) => self::rod(rod, "capsule", at, problems),
+    }
+}
+
+/// Checks a cylinder or a capsule, which has either both ends of its axis or a height.
+fn rod(rod: &RodDocument, what: &str, at: &At<'_>, problems: &mut Problems) {
+    check::size(rod.radius, "the radius", &at.field("radius"), problems);
+    if let Some(height) = rod.height {
+        check::size(height, "the height", &at.field("height"), problems);
+    }
+    let ends = [("from", rod.from), ("to", rod.to)];
+    for (name, end) in ends {
+        if let Some(end) = end {
+            check::vector(end, &at.field(name), problems);
+        }
+    }
+    match (rod.from, rod.to, rod.height) {
+        (Some(from), Some(to), None) if from == to => {
+            let message = format!("the {what} ends where it begins");
+            let help = "write two different points, or a Sphere";
+            problems.add(&at.field("to"), message, "the same as `from`", help);
+        }
+        (None, None, Some(_)) | (Some(_), Some(_), None) => {}
+        (_, _, Some(_)) => {
+            let name = if rod.from.is_some() { "from" } else { "to" };
+            let message = format!("the {what} has both `height` and `{name}`");
+            let help =
+                format!("keep `from` and `to`, or `height` for a {what} along the entity's own y axis");
+            problems.add(&at.field("height"), message, "one too many", help);
+        }
+        (from, _, None) => {
+            let message = match (from, rod.to) {
+                (None, None) => format!("the {what} has no ends"),
+                (None, _) => format!("the {what} has no `from`"),
+                _ => format!("the {what} has no `to`"),
+            };
+            let help = "write `from: (0, 0, 0), to: (0, 2, 0)`, or `height: 2` along the entity's own y axis";
+            problems.add(at, message, "its length is unknown", help);
+        }
     }
 }
 

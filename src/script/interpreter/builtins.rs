@@ -4,11 +4,13 @@ use super::context::ScriptContext;
 use super::maths;
 
 /// Signatures of the functions of spawning scripts.
-const SPAWNING: [&str; 12] = [
+const SPAWNING: [&str; 14] = [
     "spawn(map)",
     "sphere(radius)",
     "plane(normal)",
     "box(size)",
+    "cylinder(radius, from, to)",
+    "capsule(radius, from, to)",
     "rectangle(width, height)",
     "euler(x, y, z)",
     "axis_angle(axis, degrees)",

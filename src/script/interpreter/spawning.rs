@@ -165,6 +165,12 @@ fn register_constructors(engine: &mut Engine) {
         Ok(_) => record("Box", "size", size.clone()),
         Err(_) => record("Box", "size", Dynamic::from_array(vec![size.clone(); 3])),
     });
+    for (name, variant) in [("cylinder", "Cylinder"), ("capsule", "Capsule")] {
+        engine.register_fn(name, move |radius: Dynamic, from: Dynamic, to: Dynamic| {
+            let fields = Map::from([("radius".into(), radius), ("from".into(), from), ("to".into(), to)]);
+            tagged(variant, Dynamic::from_map(fields))
+        });
+    }
     engine.register_fn("euler", |x: Dynamic, y: Dynamic, z: Dynamic| {
         tagged("Euler", Dynamic::from_array(vec![x, y, z]))
     });

@@ -64,6 +64,12 @@ fn prepared_refraction(refractive: &Refractive) -> Option<Refraction> {
 fn pattern_layout(pattern: &Pattern, shape: &Shape, transform: &WorldTransform) -> Option<PatternLayout> {
     let surface = match *shape {
         Shape::Sphere { .. } => PatternedSurface::Sphere,
+        Shape::Cylinder { radius, from, to } => {
+            PatternedSurface::Rod { ends: [from, to], radius, is_flat: true }
+        }
+        Shape::Capsule { radius, from, to } => {
+            PatternedSurface::Rod { ends: [from, to], radius, is_flat: false }
+        }
         Shape::Plane { normal } => PatternedSurface::plane(normal),
         Shape::Box { size } => PatternedSurface::Box(size * 0.5),
     };

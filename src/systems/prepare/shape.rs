@@ -8,7 +8,7 @@ use crate::components::{Shape, Transform, ValidRange, Visibility, WorldTransform
 use crate::systems::FaultCause;
 use crate::systems::world_transform::{self, ExactAffine};
 use crate::trace::math::{Double, Double3};
-use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 use crate::trace::{PreparedShape, RayVisibility};
 
 /// The largest magnitude of world coordinates and of inverse sizes.
@@ -22,6 +22,8 @@ pub(super) fn prepared_shape(shape: &Shape, transform: &WorldTransform) -> Resul
         Shape::Sphere { radius } => map.sphere(radius),
         Shape::Plane { normal } => map.plane(normal),
         Shape::Box { size } => map.cuboid(size),
+        Shape::Cylinder { radius, from, to } => map.rod(radius, [from, to], false),
+        Shape::Capsule { radius, from, to } => map.rod(radius, [from, to], true),
     }
 }
 
@@ -125,7 +127,9 @@ impl<'a> ShapeTransform<'a> {
         if !normal.is_finite() {
             return Err(FaultCause::NotFinite("normal"));
         }
-        let normal = normal_image(&ExactAffine::of(self.transform), towards_one(self.largest), normal);
+        let normal = normal * towards_one(normal.abs().max_element());
+        let exact = ExactAffine::of(self.transform);
+        let normal = normal_image(&exact, towards_one(self.largest), normal.into()).rounded();
         let plane = Plane::new(self.transform.affine.translation, normal);
         plane.map(PreparedShape::Plane).ok_or(FaultCause::NoDirection("normal"))
     }
@@ -144,31 +148,71 @@ impl<'a> ShapeTransform<'a> {
         let coordinate = self.transform.affine.translation.abs().max_element();
         BoxImage::exact(exact.columns, exact.translation, half)
             .map(PreparedShape::BoxImage)
-            .ok_or(FaultCause::Lost { edge, coordinate })
+            .ok_or(FaultCause::Lost { what: "edge", length: edge, coordinate })
+    }
+
+    /// Returns a cylinder or, if its ends are round, a capsule.
+    fn rod(&self, radius: f64, ends: [DVec3; 2], is_round: bool) -> Result<PreparedShape, FaultCause> {
+        self.check_size("radius", radius)?;
+        for (what, end) in ["from", "to"].into_iter().zip(ends) {
+            if !end.is_finite() {
+                return Err(FaultCause::NotFinite(what));
+            }
+        }
+        let [from, to] = ends.map(Double3::decimal);
+        let axis = to - from;
+        let length = axis.rounded().abs().max_element();
+        if length == 0.0 {
+            return Err(FaultCause::NoDirection("axis"));
+        }
+        let exact = ExactAffine::of(self.transform);
+        let places = [from, to].map(|end| exact.point(end));
+        let [start, stop] = places.map(Double3::rounded);
+        let coordinate = start.abs().max(stop.abs()).max_element();
+        let is_near = start.is_finite() && stop.is_finite() && coordinate < LARGEST;
+        if !(is_near && measurable(length * self.largest)) {
+            return Err(FaultCause::BeyondMeasure);
+        }
+        let lost = FaultCause::Lost { what: "length", length: length * self.largest, coordinate };
+        let row = || normal_image(&exact, towards_one(self.largest), axis);
+        match self.transform.uniform_scale {
+            Some(scale) => {
+                let radius = radius * scale;
+                let rod = match is_round {
+                    true => Rod::capsule(start, stop, radius),
+                    false => Rod::exact_cylinder(places, row(), radius),
+                };
+                rod.map(PreparedShape::Rod).ok_or(lost)
+            }
+            None => {
+                let forward = DAffine3 { translation: start, ..self.invertible()? };
+                let image = match is_round {
+                    true => RodImage::capsule(forward, axis.rounded(), radius),
+                    false => RodImage::exact_cylinder(forward, axis.rounded(), radius, (row(), places)),
+                };
+                image.map(PreparedShape::RodImage).ok_or(lost)
+            }
+        }
     }
 
     fn aligned_box(&self, exact: &ExactAffine, half: Double3) -> Result<PreparedShape, FaultCause> {
         let (min, max) = (exact.translation - half, exact.translation + half);
         let (min, max) = (min.rounded(), max.rounded());
         if let Some(axis) = (0..3).find(|axis| min[*axis].partial_cmp(&max[*axis]) != Some(Less)) {
-            let edge = 2.0 * half.rounded()[axis];
-            return Err(FaultCause::Lost { edge, coordinate: self.transform.affine.translation[axis] });
+            let (length, coordinate) = (2.0 * half.rounded()[axis], self.transform.affine.translation[axis]);
+            return Err(FaultCause::Lost { what: "edge", length, coordinate });
         }
         Ok(PreparedShape::AlignedBox(AlignedBox { min, max }))
     }
 }
 
-/// Returns the image of a plane's normal, of any length, rounded once. Normals are transformed by the inverse transpose, whose columns are
+/// Returns the image of a plane's normal, of any length. Normals are transformed by the inverse transpose, whose columns are
 /// the cross products of the map's columns. `towards_one` is a power of two that brings the map's entries near 1.
-fn normal_image(map: &ExactAffine, towards_one: f64, normal: DVec3) -> DVec3 {
+fn normal_image(map: &ExactAffine, towards_one: f64, normal: Double3) -> Double3 {
     let [a, b, c] = map.columns.map(|column| column.times_power(towards_one));
-    let normal = normal * self::towards_one(normal.abs().max_element());
     let [across_a, across_b, across_c] = [b.cross(c), c.cross(a), a.cross(b)];
-    let image = across_a.scaled(normal.x.into())
-        + across_b.scaled(normal.y.into())
-        + across_c.scaled(normal.z.into());
-    let determinant = a.dot(across_a).rounded();
-    image.rounded() * determinant.signum()
+    let image = across_a.scaled(normal.x) + across_b.scaled(normal.y) + across_c.scaled(normal.z);
+    if a.dot(across_a).rounded() < 0.0 { -image } else { image }
 }
 
 /// Returns half the edge lengths along the world's axes for a map that only permutes, mirrors and stretches axes, `None` for other maps.

@@ -10,7 +10,7 @@ use crate::trace::intersect::{CastRay, HitPacket, Scratch, ShapeHit, SurfacePack
 use crate::trace::math::{SimdLevel, lanes};
 use crate::trace::rays::RayPacket;
 use crate::trace::scene::{PreparedScene, PreparedShape};
-use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 
 /// Numbers of both signs with uniformly distributed decimal exponents, small numbers, and zeros.
 fn number(exponents: std::ops::RangeInclusive<i32>) -> impl Strategy<Value = f64> {
@@ -35,7 +35,7 @@ fn size() -> impl Strategy<Value = f64> {
 }
 
 fn shape() -> impl Strategy<Value = PreparedShape> {
-    (0..5, vector(-149..=148), vector(-300..=300), size(), [0.2..2.0, 0.2..2.0, 0.1..3.0]).prop_filter_map(
+    (0..7, vector(-149..=148), vector(-300..=300), size(), [0.2..2.0, 0.2..2.0, 0.1..3.0]).prop_filter_map(
         "no shape",
         |(kind, place, normal, size, [wide, high, angle])| {
             let stretch = DMat3::from_diagonal(DVec3::new(wide, high, 1.0) * size);
@@ -48,6 +48,18 @@ fn shape() -> impl Strategy<Value = PreparedShape> {
                     PreparedShape::AlignedBox(AlignedBox { min: place - half, max: place + half })
                 }
                 3 => PreparedShape::SphereImage(SphereImage::new(map, 1.0)),
+                4 => {
+                    let stop = place + DVec3::new(angle, high, wide) * size;
+                    let capsule = || Rod::capsule(place, stop, size * wide);
+                    let rod = if high > 1.0 { capsule() } else { Rod::cylinder(place, stop, size * wide) };
+                    PreparedShape::Rod(rod?)
+                }
+                5 => {
+                    let stop = DVec3::new(angle, high, wide);
+                    let capsule = || RodImage::capsule(map, stop, wide);
+                    let image = if high > 1.0 { capsule() } else { RodImage::cylinder(map, stop, wide) };
+                    PreparedShape::RodImage(image?)
+                }
                 _ => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE)?),
             })
         },
@@ -62,6 +74,8 @@ fn middle(shape: &PreparedShape) -> DVec3 {
         PreparedShape::AlignedBox(shape) => shape.min * 0.5 + shape.max * 0.5,
         PreparedShape::SphereImage(image) => image.forward().translation,
         PreparedShape::BoxImage(image) => image.forward().translation,
+        PreparedShape::Rod(rod) => rod.ends()[0],
+        PreparedShape::RodImage(image) => image.forward().translation,
     }
 }
 

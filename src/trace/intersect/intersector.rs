@@ -75,15 +75,17 @@ impl<'a> Intersector<'a> {
         }
     }
 
-    /// Returns the exit of the ray from the shape, if that is a box. The ray must hit it. `None` with naive shapes, which have no exact hits.
-    pub(super) fn box_exit(
+    /// Returns the exit of the ray from the shape, if that is a box or a rod. The ray must hit it. `None` with naive shapes, which have no
+    /// exact hits.
+    pub(super) fn solid_exit(
         &mut self,
         geometry: &Geometry,
         id: ShapeId,
         ray: &PreparedRay,
     ) -> Option<ShapeHit> {
-        let is_box = matches!(geometry.shape(id), ShapeRef::AlignedBox(_) | ShapeRef::BoxImage(_));
-        (is_box && self.naive.is_none()).then(|| geometry.exit(id, ray, &mut self.escalations))?
+        let is_round =
+            matches!(geometry.shape(id), ShapeRef::Sphere(_) | ShapeRef::SphereImage(_) | ShapeRef::Plane(_));
+        (!is_round && self.naive.is_none()).then(|| geometry.exit(id, ray, &mut self.escalations))?
     }
 
     /// Compares the distances of two hits of a ray.
@@ -262,6 +264,14 @@ impl PacketIntersector<'_> {
                 #[inline(always)]
                 || image.intersections(&rays),
             )),
+            ShapeRef::Rod(rod) => simd.vectorize(
+                #[inline(always)]
+                || rod.intersections(&rays),
+            ),
+            ShapeRef::RodImage(image) => simd.vectorize(
+                #[inline(always)]
+                || image.intersections(&rays),
+            ),
         }
     }
 }
@@ -282,6 +292,14 @@ pub(super) fn exit<S: Simd>(
             || image.exits(rays),
         )),
         ShapeRef::BoxImage(image) => Some(simd.vectorize(
+            #[inline(always)]
+            || image.exits(rays),
+        )),
+        ShapeRef::Rod(rod) => Some(simd.vectorize(
+            #[inline(always)]
+            || rod.exits(rays),
+        )),
+        ShapeRef::RodImage(image) => Some(simd.vectorize(
             #[inline(always)]
             || image.exits(rays),
         )),

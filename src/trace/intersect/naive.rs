@@ -11,7 +11,7 @@ use super::hit::ShapeHit;
 use crate::trace::math::{BoundedT, Double};
 use crate::trace::rays::{FAR, PreparedRay, RayView, ShapeId};
 use crate::trace::scene::{Geometry, Precision, PreparedScene, ShapeKind, ShapeLocation};
-use crate::trace::shapes::RefinedHit;
+use crate::trace::shapes::{RefinedHit, Rod, RodImage};
 
 /// `f64` or `f32`.
 pub(crate) trait Number:
@@ -169,6 +169,19 @@ pub(crate) struct NaiveShapes<T> {
     boxes: Vec<[Vector<T>; 2]>,
     sphere_images: Vec<(Back<T>, T)>,
     box_images: Vec<(Back<T>, [Vector<T>; 2])>,
+    rods: Vec<NaiveRod<T>>,
+    rod_images: Vec<(Back<T>, NaiveRod<T>)>,
+}
+
+/// A cylinder or a capsule.
+#[derive(Clone, Copy, Debug)]
+struct NaiveRod<T> {
+    ends: [Vector<T>; 2],
+    /// The unit vector from the first end to the second.
+    axis: Vector<T>,
+    length: T,
+    radius: T,
+    is_round: bool,
 }
 
 impl<T: Number> NaiveShapes<T> {
@@ -197,6 +210,8 @@ impl<T: Number> NaiveShapes<T> {
                 .iter()
                 .map(|shape| (Back::new(shape.forward()), [vector(-shape.half()), vector(shape.half())]))
                 .collect(),
+            rods: geometry.rods.iter().map(NaiveRod::of).collect(),
+            rod_images: geometry.rod_images.iter().map(NaiveRod::of_image).collect(),
         }
     }
 }
@@ -209,6 +224,17 @@ fn sphere<T: Number>(
     direction: Vector<T>,
     least: T,
 ) -> Option<T> {
+    quadratic(center, radius, origin, direction)?.into_iter().find(|t| *t >= least)
+}
+
+/// Returns the roots of |origin + t direction - center|^2 = radius^2, the lesser one first.
+#[inline]
+fn quadratic<T: Number>(
+    center: Vector<T>,
+    radius: T,
+    origin: Vector<T>,
+    direction: Vector<T>,
+) -> Option<[T; 2]> {
     let (two, four) = (T::new(2.0), T::new(4.0));
     let from_center = origin.minus(center);
     let a = direction.dot(direction);
@@ -219,8 +245,82 @@ fn sphere<T: Number>(
         return None;
     }
     let root = discriminant.sqrt();
-    let (near, far) = ((-b - root) / (two * a), (-b + root) / (two * a));
-    [near, far].into_iter().find(|t| *t >= least)
+    Some([(-b - root) / (two * a), (-b + root) / (two * a)])
+}
+
+impl<T: Number> NaiveRod<T> {
+    fn new(ends: [DVec3; 2], radius: f64, is_round: bool) -> Self {
+        let axis = ends[1] - ends[0];
+        Self {
+            ends: ends.map(Vector::new),
+            axis: Vector::new(axis.normalize_or(DVec3::Y)),
+            length: T::new(axis.length()),
+            radius: T::new(radius),
+            is_round,
+        }
+    }
+
+    fn of(rod: &Rod) -> Self {
+        Self::new(rod.ends(), rod.radius(), rod.is_round())
+    }
+
+    fn of_image(image: &RodImage) -> (Back<T>, Self) {
+        let ends = [DVec3::ZERO, image.stop()];
+        (Back::new(image.forward()), Self::new(ends, image.radius(), image.is_round()))
+    }
+
+    fn height(&self, point: Vector<T>) -> T {
+        point.minus(self.ends[0]).dot(self.axis)
+    }
+
+    /// Returns the vector from the axis to a point.
+    fn across(&self, point: Vector<T>) -> Vector<T> {
+        let height = self.height(point);
+        point.minus(self.ends[0].along(self.axis, height))
+    }
+
+    fn intersect(&self, origin: Vector<T>, direction: Vector<T>, least: T) -> Option<T> {
+        let rate = direction.dot(self.axis);
+        let (from_axis, away) = (self.across(origin), direction.along(self.axis, -rate));
+        let zero = Vector::new(DVec3::ZERO);
+        let height = |t: T| self.height(origin.along(direction, t));
+        let mut first: Option<T> = None;
+        let mut meet = |t: T, fits: bool| {
+            if fits && t >= least && first.is_none_or(|first| t < first) {
+                first = Some(t);
+            }
+        };
+        for root in quadratic(zero, self.radius, from_axis, away).into_iter().flatten() {
+            meet(root, height(root) >= T::ZERO && height(root) <= self.length);
+        }
+        for (index, end) in self.ends.into_iter().enumerate() {
+            if self.is_round {
+                for root in quadratic(end, self.radius, origin, direction).into_iter().flatten() {
+                    let beyond = if index == 0 { height(root) < T::ZERO } else { height(root) > self.length };
+                    meet(root, beyond);
+                }
+            } else {
+                let t = end.minus(origin).dot(self.axis) / rate;
+                let across = self.across(origin.along(direction, t));
+                meet(t, across.dot(across) <= self.radius * self.radius);
+            }
+        }
+        first
+    }
+
+    /// Returns the outward normal at the surface closest to a point.
+    fn normal(&self, point: Vector<T>) -> DVec3 {
+        let (height, across) = (self.height(point).value(), self.across(point).value());
+        let (length, radius) = (self.length.value(), self.radius.value());
+        let depths = [(across.length() - radius).abs(), height.abs(), (height - length).abs()];
+        match self.is_round {
+            true if height < 0.0 => point.minus(self.ends[0]).value(),
+            true if height > length => point.minus(self.ends[1]).value(),
+            false if depths[1] < depths[0] && depths[1] <= depths[2] => -self.axis.value(),
+            false if depths[2] < depths[0] => self.axis.value(),
+            _ => across,
+        }
+    }
 }
 
 #[inline]
@@ -302,6 +402,11 @@ impl<T: Number> NaiveShapes<T> {
                 let (back, own) = &self.box_images[index];
                 slabs(own, back.point(origin), back.direction(direction), least)
             }
+            ShapeKind::Rod => self.rods[index].intersect(origin, direction, least),
+            ShapeKind::RodImage => {
+                let (back, own) = &self.rod_images[index];
+                own.intersect(back.point(origin), back.direction(direction), least)
+            }
         }?;
         let point = || origin.along(direction, t).value();
         let t = t.value();
@@ -331,6 +436,11 @@ impl<T: Number> NaiveShapes<T> {
             ShapeKind::BoxImage => {
                 let (back, [min, max]) = &self.box_images[index];
                 back.normal(face_normal(min.value(), max.value(), back.point(point).value()))
+            }
+            ShapeKind::Rod => self.rods[index].normal(point),
+            ShapeKind::RodImage => {
+                let (back, own) = &self.rod_images[index];
+                back.normal(own.normal(back.point(point)))
             }
         };
         RefinedHit { t: Double::from(t), point: point.value(), normal: normal.normalize_or(DVec3::Y) }

@@ -127,6 +127,8 @@ fn refine_half<S: Simd>(
             || match geometry.shape(id) {
                 ShapeRef::SphereImage(image) => Some(image.refined(&rays, t)),
                 ShapeRef::BoxImage(image) => Some(image.refined(&rays, t, far)),
+                ShapeRef::Rod(rod) => Some(rod.refined(&rays, t, far)),
+                ShapeRef::RodImage(image) => Some(image.refined(&rays, t, far)),
                 ShapeRef::Sphere(_) | ShapeRef::Plane(_) | ShapeRef::AlignedBox(_) => None,
             },
         ) else {
@@ -166,7 +168,7 @@ fn select<S: Simd>(
     }
 }
 
-/// The parameters of a shape. Those that its kind does not have hold neutral values; an image has only its kind.
+/// The parameters of a shape. Those that its kind does not have hold neutral values; an image and a rod have only their kind.
 #[derive(Clone, Copy)]
 struct ShapeParameters {
     kind: ShapeKind,
@@ -181,9 +183,9 @@ struct ShapeParameters {
 
 /// The shapes in the lanes of a packet.
 trait Shapes {
-    /// Returns the lanes with shapes of a kind other than an image.
+    /// Returns the lanes with shapes of a kind other than an image or a rod.
     fn lanes_of(&self, kind: ShapeKind) -> u32;
-    /// Returns the lanes with images of either kind.
+    /// Returns the lanes with images and rods, each refined by its own formulas.
     fn images(&self) -> u32;
     fn places<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
     fn others<S: Simd>(&self, simd: S, half: usize) -> F64s3<S>;
@@ -233,7 +235,7 @@ impl ShapeParameters {
                 let AlignedBox { min, max } = geometry.boxes[index];
                 Self { place: min, other: max, ..none }
             }
-            ShapeKind::SphereImage | ShapeKind::BoxImage => none,
+            ShapeKind::SphereImage | ShapeKind::BoxImage | ShapeKind::Rod | ShapeKind::RodImage => none,
         }
     }
 }
@@ -260,7 +262,10 @@ impl Shapes for OneShape {
 
     #[inline(always)]
     fn images(&self) -> u32 {
-        self.lanes_of(ShapeKind::SphereImage) | self.lanes_of(ShapeKind::BoxImage)
+        match self.shape.kind {
+            ShapeKind::Sphere | ShapeKind::Plane | ShapeKind::AlignedBox => 0,
+            ShapeKind::SphereImage | ShapeKind::BoxImage | ShapeKind::Rod | ShapeKind::RodImage => self.lanes,
+        }
     }
 
     #[inline(always)]
@@ -316,7 +321,9 @@ impl ManyShapes {
                     all.others.set(lane, other);
                     all.boxes |= bit;
                 }
-                ShapeKind::SphereImage | ShapeKind::BoxImage => all.images |= bit,
+                ShapeKind::SphereImage | ShapeKind::BoxImage | ShapeKind::Rod | ShapeKind::RodImage => {
+                    all.images |= bit;
+                }
             }
         }
         all
@@ -335,7 +342,7 @@ impl Shapes for ManyShapes {
             ShapeKind::Sphere => self.spheres,
             ShapeKind::Plane => self.planes,
             ShapeKind::AlignedBox => self.boxes,
-            ShapeKind::SphereImage | ShapeKind::BoxImage => 0,
+            ShapeKind::SphereImage | ShapeKind::BoxImage | ShapeKind::Rod | ShapeKind::RodImage => 0,
         }
     }
 

@@ -30,6 +30,8 @@ macro_rules! ask {
             ShapeRef::AlignedBox($shape) => $question,
             ShapeRef::SphereImage($shape) => $question,
             ShapeRef::BoxImage($shape) => $question,
+            ShapeRef::Rod($shape) => $question,
+            ShapeRef::RodImage($shape) => $question,
         }
     }};
 }
@@ -324,7 +326,7 @@ mod tests {
     use super::*;
     use crate::trace::intersect::CastRay;
     use crate::trace::scene::{PreparedScene, PreparedShape, SurfaceMaterial};
-    use crate::trace::shapes::{AlignedBox, BoxImage, Sphere, SphereImage};
+    use crate::trace::shapes::{AlignedBox, BoxImage, Rod, RodImage, Sphere, SphereImage};
 
     fn shape(kind: usize, turn: f64) -> Option<PreparedShape> {
         let rotation = DQuat::from_euler(glam::EulerRot::XYZ, turn, 2.0 * turn, 3.0 * turn);
@@ -333,7 +335,10 @@ mod tests {
             0 => PreparedShape::Sphere(Sphere { center: DVec3::ONE, radius: 1.5 }),
             1 => PreparedShape::AlignedBox(AlignedBox { min: DVec3::ZERO, max: DVec3::new(2.0, 1.0, 3.0) }),
             2 => PreparedShape::SphereImage(SphereImage::new(map, 1.0)),
-            _ => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE)?),
+            3 => PreparedShape::BoxImage(BoxImage::new(map, DVec3::ONE)?),
+            4 => PreparedShape::Rod(Rod::cylinder(DVec3::ZERO, DVec3::new(2.0, 1.0, 3.0), 1.5)?),
+            5 => PreparedShape::Rod(Rod::capsule(DVec3::ZERO, DVec3::new(2.0, 1.0, 3.0), 1.5)?),
+            _ => PreparedShape::RodImage(RodImage::cylinder(map, DVec3::ONE, 0.7)?),
         })
     }
 
@@ -342,7 +347,7 @@ mod tests {
 
         #[test]
         fn points_lie_on_their_shapes_from_however_far_away(
-            kind in 0..4_usize, turn in 0.1..1.0_f64, exponent in 0..100, way in prop::array::uniform3(-1.0..1.0_f64),
+            kind in 0..7_usize, turn in 0.1..1.0_f64, exponent in 0..100, way in prop::array::uniform3(-1.0..1.0_f64),
             aim in prop::array::uniform3(-0.4..0.4_f64),
         ) {
             let mut geometry = Geometry::default();

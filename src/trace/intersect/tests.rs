@@ -16,7 +16,7 @@ use crate::trace::rays::{PreparedRay, RayPacket, RayView, ShadowLimit, ShapeId, 
 use crate::trace::scene::{
     Geometry, PixelCenters, PreparedCamera, PreparedScene, PreparedShape, Refraction, Square, SurfaceMaterial,
 };
-use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 
 const SIDE: u32 = 16;
 
@@ -61,7 +61,21 @@ pub(super) fn shape() -> impl Strategy<Value = PreparedShape> {
             PreparedShape::BoxImage(BoxImage::new(map, DVec3::splat(0.5))?)
         })
     });
-    prop_oneof![3 => sphere, 3 => aligned, 1 => plane, 3 => images]
+    let rods =
+        (point(), point(), size(), any::<bool>()).prop_filter_map("no axis", |(from, to, radius, round)| {
+            let rod = if round { Rod::capsule(from, to, radius) } else { Rod::cylinder(from, to, radius) };
+            rod.map(PreparedShape::Rod)
+        });
+    let map = (point(), 0.1..3.0, 0.2..2.0).prop_map(|(translation, angle, stretch)| DAffine3 {
+        matrix3: DMat3::from_rotation_y(angle) * DMat3::from_diagonal(DVec3::new(1.0, stretch, 1.0)),
+        translation,
+    });
+    let rod_images = (map, point(), any::<bool>()).prop_filter_map("no axis", |(map, stop, round)| {
+        let image =
+            if round { RodImage::capsule(map, stop, 0.5) } else { RodImage::cylinder(map, stop, 0.5) };
+        image.map(PreparedShape::RodImage)
+    });
+    prop_oneof![3 => sphere, 3 => aligned, 1 => plane, 3 => images, 3 => rods, 2 => rod_images]
 }
 
 pub(super) fn scene(shapes: &[PreparedShape]) -> PreparedScene {

@@ -8,7 +8,7 @@
 //!     equal to the shape at the end:              tied, and contains the ray if that is left there
 //!     first hit after the end, or none:           contains the ray if it starts inside
 //!     first hit exactly at the end:               tied, and contains the ray if it leaves the shape there
-//!     first hit before the end, and entered:      tied if it is a box and the ray leaves it exactly at the end;
+//!     first hit before the end, and entered:      tied if it is a box or a rod and the ray leaves it exactly at the end;
 //!                                                 contains the ray unless it is left before
 //!     first hit before the end, and left:         neither
 //! ```
@@ -124,7 +124,7 @@ impl PreparedScene {
             // A ray never leaves the half-space behind a plane.
             Ordering::Less if geometry.plane(id).is_some() => apart(true),
             Ordering::Less => {
-                let Some(exit) = intersector.box_exit(geometry, id, ray) else {
+                let Some(exit) = intersector.solid_exit(geometry, id, ray) else {
                     return apart(geometry.contains(id, surface.point));
                 };
                 match intersector.compare(geometry, ray, &exit, &surface.hit) {

@@ -2,7 +2,7 @@
 
 use super::double::Double;
 use super::error_free::{two_product, two_sum};
-use super::real::{Real, add};
+use super::real::{Real, add, pick3};
 
 /// A vector as an unevaluated sum of a value and its rounding error. It serves the single Newton step that refines an approximate `t`.
 /// After cancellation its results are as accurate as in twice the working precision, without the cost of a [`Double`] for every
@@ -75,9 +75,40 @@ impl<R: Real> Compensated<R> {
         summed(products, errors)
     }
 
+    /// Returns the cross product with a double-double vector.
+    #[inline(always)]
+    pub(crate) fn cross_exact(self, high: impl Into<[R; 3]>, low: impl Into<[R; 3]>) -> Self {
+        let (high, low) = (high.into(), low.into());
+        let Self { mut value, mut rest } = self;
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let (one, one_error) = two_product(self.value[next], high[last]);
+            let (other, other_error) = two_product(self.value[last], high[next]);
+            let one_rest = self.rest[next] * high[last] + self.value[next] * low[last];
+            let other_rest = self.rest[last] * high[next] + self.value[last] * low[next];
+            let (difference, error) = two_sum(one, -other);
+            let rests = (one_error - other_error) + (one_rest - other_rest);
+            (value[axis], rest[axis]) = two_sum(difference, error + rests);
+        }
+        Self { value, rest }
+    }
+
+    /// Returns `one` where the mask is true, else `other`.
+    #[inline(always)]
+    pub(crate) fn pick(mask: R::Mask, one: Self, other: Self) -> Self {
+        Self { value: pick3(mask, one.value, other.value), rest: pick3(mask, one.rest, other.rest) }
+    }
+
     /// Returns |self|^2 - radius^2, rounded to `f64`.
     #[inline(always)]
     pub(crate) fn beyond(self, radius: R) -> R {
+        let (high, low) = two_product(radius, radius);
+        self.beyond_square(Double { high, low })
+    }
+
+    /// Returns |self|^2 - square, rounded to `f64`.
+    #[inline(always)]
+    pub(crate) fn beyond_square(self, square: Double<R>) -> R {
         let (mut squares, mut errors) = (self.value, self.rest);
         for axis in 0..3 {
             let value = self.value[axis];
@@ -85,12 +116,10 @@ impl<R: Real> Compensated<R> {
             let twice = value * 2.0;
             (squares[axis], errors[axis]) = (square, error + self.rest[axis] * twice);
         }
-        let (square, square_error) = two_product(radius, radius);
         let (sum, sum_error) = two_sum(squares[0], squares[1]);
         let (sum, other_error) = two_sum(sum, squares[2]);
-        let (sum, last_error) = two_sum(sum, -square);
-        let error =
-            (errors[0] + errors[1] + errors[2] - square_error) + (sum_error + other_error + last_error);
+        let (sum, last_error) = two_sum(sum, -square.high);
+        let error = (errors[0] + errors[1] + errors[2] - square.low) + (sum_error + other_error + last_error);
         sum + error
     }
 }

@@ -36,7 +36,7 @@ pub(crate) use lanes::{
     half_lanes, half_of, lanes, mask, mask16, scaled_lanes, set_bits, splat, splat3,
 };
 pub(crate) use real::{
-    Real, Truth, absolute, add, dot, moderate, moderate3, negative, pick3, spread, subtract, times,
+    Real, Truth, absolute, add, cross, dot, moderate, moderate3, negative, pick3, spread, subtract, times,
 };
 pub(crate) use sample_keys::SampleKeys;
 pub use sampling::PixelSampling;

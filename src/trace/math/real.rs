@@ -246,6 +246,11 @@ pub(crate) fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
 }
 
 #[inline(always)]
+pub(crate) fn cross<R: Real>([ax, ay, az]: [R; 3], [bx, by, bz]: [R; 3]) -> [R; 3] {
+    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+}
+
+#[inline(always)]
 pub(crate) fn add<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }

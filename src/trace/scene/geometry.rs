@@ -8,7 +8,7 @@ use super::ray_visibility::{RayClass, RayVisibility};
 use crate::trace::math::Bytes;
 use crate::trace::rays::{PreparedRay, ShapeId};
 use crate::trace::shapes::{
-    AlignedBox, Bounds, BoxImage, Equation, EquationLine, Plane, Sphere, SphereImage,
+    AlignedBox, Bounds, BoxImage, Equation, EquationLine, Plane, Rod, RodImage, Sphere, SphereImage,
 };
 
 /// A shape prepared for intersection. The closed set of shapes that the kernel can draw.
@@ -24,6 +24,10 @@ pub enum PreparedShape {
     SphereImage(SphereImage),
     /// A rotated or sheared box.
     BoxImage(BoxImage),
+    /// A cylinder or a capsule, rigidly moved and uniformly scaled.
+    Rod(Rod),
+    /// A stretched or sheared cylinder or capsule.
+    RodImage(RodImage),
 }
 
 /// A reference to a stored shape.
@@ -34,6 +38,8 @@ pub(crate) enum ShapeRef<'a> {
     AlignedBox(&'a AlignedBox),
     SphereImage(&'a SphereImage),
     BoxImage(&'a BoxImage),
+    Rod(&'a Rod),
+    RodImage(&'a RodImage),
 }
 
 /// The shapes in one array per kind, and a table of their locations by id.
@@ -48,6 +54,8 @@ pub struct Geometry {
     pub(crate) boxes: Vec<AlignedBox>,
     pub(crate) sphere_images: Vec<SphereImage>,
     pub(crate) box_images: Vec<BoxImage>,
+    pub(crate) rods: Vec<Rod>,
+    pub(crate) rod_images: Vec<RodImage>,
 }
 
 /// The location of a shape: its array, and the index in it.
@@ -64,6 +72,8 @@ pub(crate) enum ShapeKind {
     AlignedBox,
     SphereImage,
     BoxImage,
+    Rod,
+    RodImage,
 }
 
 impl Geometry {
@@ -88,6 +98,8 @@ impl Geometry {
                 store(&mut self.sphere_images, ShapeKind::SphereImage, shape)
             }
             PreparedShape::BoxImage(shape) => store(&mut self.box_images, ShapeKind::BoxImage, shape),
+            PreparedShape::Rod(shape) => store(&mut self.rods, ShapeKind::Rod, shape),
+            PreparedShape::RodImage(shape) => store(&mut self.rod_images, ShapeKind::RodImage, shape),
         };
         self.locations.push(location);
         let id = ShapeId(to_index(self.locations.len() - 1));
@@ -144,6 +156,8 @@ impl Geometry {
             ShapeKind::AlignedBox => ShapeRef::AlignedBox(&self.boxes[index]),
             ShapeKind::SphereImage => ShapeRef::SphereImage(&self.sphere_images[index]),
             ShapeKind::BoxImage => ShapeRef::BoxImage(&self.box_images[index]),
+            ShapeKind::Rod => ShapeRef::Rod(&self.rods[index]),
+            ShapeKind::RodImage => ShapeRef::RodImage(&self.rod_images[index]),
         }
     }
 
@@ -166,6 +180,8 @@ impl Geometry {
             (ShapeKind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] = shape,
             (ShapeKind::SphereImage, PreparedShape::SphereImage(shape)) => self.sphere_images[index] = shape,
             (ShapeKind::BoxImage, PreparedShape::BoxImage(shape)) => self.box_images[index] = shape,
+            (ShapeKind::Rod, PreparedShape::Rod(shape)) => self.rods[index] = shape,
+            (ShapeKind::RodImage, PreparedShape::RodImage(shape)) => self.rod_images[index] = shape,
             _ => return false,
         }
         true
@@ -180,6 +196,8 @@ impl Geometry {
             (ShapeRef::AlignedBox(held), PreparedShape::AlignedBox(shape)) => held == shape,
             (ShapeRef::SphereImage(held), PreparedShape::SphereImage(shape)) => held == shape,
             (ShapeRef::BoxImage(held), PreparedShape::BoxImage(shape)) => held == shape,
+            (ShapeRef::Rod(held), PreparedShape::Rod(shape)) => held == shape,
+            (ShapeRef::RodImage(held), PreparedShape::RodImage(shape)) => held == shape,
             _ => false,
         }
     }
@@ -192,6 +210,8 @@ impl Geometry {
             (ShapeRef::AlignedBox(one), ShapeRef::AlignedBox(other)) => one == other,
             (ShapeRef::SphereImage(one), ShapeRef::SphereImage(other)) => one == other,
             (ShapeRef::BoxImage(one), ShapeRef::BoxImage(other)) => one == other,
+            (ShapeRef::Rod(one), ShapeRef::Rod(other)) => one == other,
+            (ShapeRef::RodImage(one), ShapeRef::RodImage(other)) => one == other,
             _ => false,
         }
     }
@@ -224,6 +244,21 @@ impl Geometry {
                 all(&map(image.forward()));
                 all(&[image.half()]);
                 3.0
+            }
+            ShapeRef::Rod(rod) => {
+                all(&rod.ends());
+                if let Some((row, [low, high])) = rod.slab() {
+                    all(&[row, DVec3::new(low, high, 4.0)]);
+                }
+                rod.radius()
+            }
+            ShapeRef::RodImage(image) => {
+                all(&map(image.forward()));
+                all(&[image.stop()]);
+                if let Some((row, [low, high])) = image.slab() {
+                    all(&[row, DVec3::new(low, high, 5.0)]);
+                }
+                image.radius()
             }
         };
         each(last);
@@ -283,7 +318,18 @@ impl Geometry {
 
     /// Removes all shapes, and keeps the memory.
     pub(crate) fn clear(&mut self) {
-        let Self { locations, order, visibilities, spheres, planes, boxes, sphere_images, box_images } = self;
+        let Self {
+            locations,
+            order,
+            visibilities,
+            spheres,
+            planes,
+            boxes,
+            sphere_images,
+            box_images,
+            rods,
+            rod_images,
+        } = self;
         locations.clear();
         order.clear();
         visibilities.clear();
@@ -292,6 +338,8 @@ impl Geometry {
         boxes.clear();
         sphere_images.clear();
         box_images.clear();
+        rods.clear();
+        rod_images.clear();
     }
 
     /// Moves the shapes of another geometry to the end of this one.
@@ -308,6 +356,8 @@ impl Geometry {
             ShapeKind::AlignedBox,
             ShapeKind::SphereImage,
             ShapeKind::BoxImage,
+            ShapeKind::Rod,
+            ShapeKind::RodImage,
         ]
         .map(|kind| to_index(self.count(kind)));
         let moved = |ShapeLocation { kind, index }: ShapeLocation| ShapeLocation {
@@ -326,6 +376,8 @@ impl Geometry {
         self.boxes.append(&mut other.boxes);
         self.sphere_images.append(&mut other.sphere_images);
         self.box_images.append(&mut other.box_images);
+        self.rods.append(&mut other.rods);
+        self.rod_images.append(&mut other.rod_images);
     }
 
     fn count(&self, kind: ShapeKind) -> usize {
@@ -335,6 +387,8 @@ impl Geometry {
             ShapeKind::AlignedBox => self.boxes.len(),
             ShapeKind::SphereImage => self.sphere_images.len(),
             ShapeKind::BoxImage => self.box_images.len(),
+            ShapeKind::Rod => self.rods.len(),
+            ShapeKind::RodImage => self.rod_images.len(),
         }
     }
 
@@ -348,15 +402,17 @@ impl Geometry {
             ShapeRef::AlignedBox(shape) => shape.equation(&line),
             ShapeRef::SphereImage(image) => image.equation(&line),
             ShapeRef::BoxImage(image) => image.equation(&line),
+            ShapeRef::Rod(rod) => rod.equation(&line),
+            ShapeRef::RodImage(image) => image.equation(&line),
         }
     }
 
     /// Returns whether a shape has [bounds](Self::bounds).
     pub(super) fn is_bounded(&self, id: ShapeId) -> bool {
         match self.locations[id.index()].kind {
-            ShapeKind::Sphere | ShapeKind::AlignedBox => true,
+            ShapeKind::Sphere | ShapeKind::AlignedBox | ShapeKind::Rod => true,
             ShapeKind::Plane => false,
-            ShapeKind::SphereImage | ShapeKind::BoxImage => self.bounds(id).is_some(),
+            ShapeKind::SphereImage | ShapeKind::BoxImage | ShapeKind::RodImage => self.bounds(id).is_some(),
         }
     }
 
@@ -369,6 +425,8 @@ impl Geometry {
             ShapeRef::AlignedBox(shape) => Some(shape.bounds()),
             ShapeRef::SphereImage(image) => image.bounds(),
             ShapeRef::BoxImage(image) => image.bounds(),
+            ShapeRef::Rod(rod) => Some(rod.bounds()),
+            ShapeRef::RodImage(image) => image.bounds(),
         }
     }
 }

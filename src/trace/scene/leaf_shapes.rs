@@ -34,7 +34,7 @@ impl LeafShape {
         let copy = match geometry.shape(id) {
             ShapeRef::Sphere(sphere) => ShapeCopy::Sphere(*sphere),
             ShapeRef::AlignedBox(shape) => ShapeCopy::AlignedBox(*shape),
-            ShapeRef::Plane(_) | ShapeRef::SphereImage(_) | ShapeRef::BoxImage(_) => ShapeCopy::Elsewhere,
+            _ => ShapeCopy::Elsewhere,
         };
         Self { id, copy }
     }

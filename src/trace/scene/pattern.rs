@@ -45,6 +45,15 @@ pub enum PatternedSurface {
         /// The coordinate axes to which they belong.
         columns: [usize; 2],
     },
+    /// A cylinder, with flat ends, or a capsule.
+    Rod {
+        /// The ends of the axis.
+        ends: [DVec3; 2],
+        /// The radius.
+        radius: f64,
+        /// True for a cylinder.
+        is_flat: bool,
+    },
     /// A box around the origin, with its half-extents. Two-dimensional patterns start at the lower corner of each face.
     Box(DVec3),
 }
@@ -80,7 +89,7 @@ impl PatternLayout {
         let direction = function.direction();
         let along = match surface {
             PatternedSurface::Plane { normal, .. } => without(direction, normal),
-            PatternedSurface::Sphere | PatternedSurface::Box(_) => direction,
+            PatternedSurface::Sphere | PatternedSurface::Rod { .. } | PatternedSurface::Box(_) => direction,
         };
         let (forward, translation) = (map.matrix3, map.translation);
         Some(Self { forward, inverse: inverse(forward), translation, surface, function, along })
@@ -98,6 +107,11 @@ impl PatternLayout {
         [forward.x_axis, forward.y_axis, forward.z_axis, *translation].into_iter().for_each(&mut all);
         match surface {
             PatternedSurface::Sphere => {}
+            PatternedSurface::Rod { ends: [from, to], radius, is_flat } => {
+                [*from, *to, DVec3::new(*radius, f64::from(u8::from(*is_flat)), 0.0)]
+                    .into_iter()
+                    .for_each(&mut all);
+            }
             PatternedSurface::Plane { axes, .. } => axes.iter().copied().for_each(&mut all),
             PatternedSurface::Box(half) => all(*half),
         }
@@ -108,7 +122,7 @@ impl PatternLayout {
     pub(crate) fn second_fraction(&self, point: DVec3, normal: DVec3) -> f32 {
         let own = self.to_local(point);
         let across = match &self.surface {
-            PatternedSurface::Sphere => SOLID,
+            PatternedSurface::Sphere | PatternedSurface::Rod { .. } => SOLID,
             PatternedSurface::Plane { normal, .. } => normal.abs().max_position(),
             PatternedSurface::Box(_) => {
                 // A face's normal is mapped back by the transpose, up to its length.
@@ -199,7 +213,7 @@ impl PatternLayout {
     fn patch(&self, points: [DVec3; 5]) -> Option<Patch> {
         let points = points.map(|point| self.to_local(point));
         let across = match &self.surface {
-            PatternedSurface::Sphere => SOLID,
+            PatternedSurface::Sphere | PatternedSurface::Rod { .. } => SOLID,
             PatternedSurface::Plane { normal, .. } => normal.abs().max_position(),
             PatternedSurface::Box(_) => {
                 let least = points.into_iter().fold(DVec3::INFINITY, DVec3::min);
@@ -207,24 +221,33 @@ impl PatternLayout {
             }
         };
         let patch = Patch { points, across };
-        // Large parts of a sphere can reach beyond the ball.
+        // Large parts of a curved surface can reach beyond the ball.
         let is_small = || {
-            let radius = patch.ball().1;
-            points.iter().all(|point| radius <= 0.5 * point.length())
+            let size = patch.ball().1;
+            match self.surface {
+                PatternedSurface::Rod { radius, .. } => size <= 0.5 * radius,
+                _ => points.iter().all(|point| size <= 0.5 * point.length()),
+            }
         };
         let is_known = points.iter().all(|point| point.is_finite()) && (across != SOLID || is_small());
         is_known.then_some(patch)
     }
 
-    /// Returns a point of the world in the shape's local space.
+    /// Returns a point of the world in the shape's local space. Points of a cylinder's flat ends are moved inside by a trifle, so that an end
+    /// that lies in a border of the pattern has the colour of the inside.
     fn to_local(&self, point: DVec3) -> DVec3 {
-        self.inverse * (point - self.translation)
+        const INSIDE: f64 = 1e-9;
+        let own = self.inverse * (point - self.translation);
+        let PatternedSurface::Rod { ends: [from, to], is_flat: true, .. } = self.surface else { return own };
+        let axis = to - from;
+        let along = (own - from).dot(axis) / axis.length_squared();
+        own + axis * (along.clamp(INSIDE, 1.0 - INSIDE) - along)
     }
 
     /// Returns the coordinates of cells. The one across the surface has no meaning.
     fn cells(&self, own: DVec3, across: Across) -> DVec3 {
         match &self.surface {
-            PatternedSurface::Sphere => own,
+            PatternedSurface::Sphere | PatternedSurface::Rod { .. } => own,
             PatternedSurface::Plane { axes, columns, .. } => {
                 let mut cells = DVec3::ZERO;
                 columns.iter().zip(axes).for_each(|(column, axis)| cells[*column] = own.dot(*axis));
@@ -252,7 +275,7 @@ impl PatternLayout {
     /// Returns the coordinate along the direction of the function, and the component of the direction towards the inside of a flat surface.
     fn along(&self, own: DVec3, across: Across) -> (f64, f64) {
         match &self.surface {
-            PatternedSurface::Sphere => (self.along.dot(own), 0.0),
+            PatternedSurface::Sphere | PatternedSurface::Rod { .. } => (self.along.dot(own), 0.0),
             PatternedSurface::Plane { normal, .. } => {
                 (self.along.dot(own), -self.function.direction().dot(*normal))
             }

@@ -237,7 +237,7 @@ impl BoxImage {
 }
 
 /// Returns the component of largest magnitude. Components within a relative 2^-40 of it count as equal, and the first of them is returned.
-fn pivot(row: Double3) -> Double {
+pub(super) fn pivot(row: Double3) -> Double {
     /// 1 - 2^-40
     const NEARLY: f64 = 1.0 - 1.0 / 1_099_511_627_776.0;
     let parts = row.to_array();

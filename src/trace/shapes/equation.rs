@@ -4,9 +4,11 @@
 
 use glam::DVec3;
 
+use super::intersection::ExactCrossing;
+use super::rod::{ExactRod, SideEquation};
 use super::slabs::ExactSlab;
-use super::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
-use crate::trace::math::{Double, Exact, Exact3};
+use super::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
+use crate::trace::math::{Double, Exact, Exact3, ExactRoot};
 
 /// The equation of the intersections of a ray's line with a shape, for the unit direction of the ray, so that every `t` is a distance.
 ///
@@ -46,16 +48,49 @@ pub enum Equation {
         /// The intersection of the intervals; `None` if it is empty.
         roots: Option<[f64; 2]>,
     },
+    /// The equation of a rod's side, A t^2 + B t + C = 0, and the intervals in which the line is within its ends. With the unit vector a
+    /// along the axis: A = |dir x a|^2, B = 2 ((P0 - Pc) x a).(dir x a), C = |(P0 - Pc) x a|^2 - r^2.
+    Rod {
+        /// dir', the direction in the space before the map, not a unit vector; `None` for a rod without one.
+        direction: Option<DVec3>,
+        /// P0 - Pc, where Pc is the start of the axis.
+        from_start: DVec3,
+        /// The unit vector a.
+        axis: DVec3,
+        /// The coefficient A; 0 for a line along the axis.
+        a: f64,
+        /// The coefficient B.
+        b: f64,
+        /// The coefficient C.
+        c: f64,
+        /// D = B^2 - 4 A C.
+        discriminant: f64,
+        /// Within the side, endless at both ends.
+        side: Interval,
+        /// The ends.
+        ends: RodEnds,
+        /// The part of the line within the rod; `None` if it is empty.
+        roots: Option<[f64; 2]>,
+    },
 }
 
-/// The part of a line between two parallel planes.
+/// The ends of a rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RodEnds {
+    /// The two planes of a cylinder's ends: the part of the line between them.
+    Flat(Interval),
+    /// The spheres at the start and the stop of a capsule's axis: the parts of the line within them.
+    Round([Interval; 2]),
+}
+
+/// The part of a line between two parallel planes, or within the side or the spheres of a rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Interval {
     /// From the entry to the exit.
     Between([f64; 2]),
-    /// The line is parallel to the planes, and between or on them.
+    /// The whole line: it is parallel to the planes, or to the axis, and within or on them.
     All,
-    /// The line is parallel to the planes, and outside.
+    /// No part of the line.
     Nothing,
 }
 
@@ -64,7 +99,7 @@ impl Equation {
     #[must_use]
     pub fn roots(&self) -> Vec<f64> {
         match self {
-            Self::Quadratic { roots, .. } | Self::Slabs { roots, .. } => {
+            Self::Quadratic { roots, .. } | Self::Slabs { roots, .. } | Self::Rod { roots, .. } => {
                 roots.iter().flatten().copied().collect()
             }
             Self::Linear { root, .. } => root.iter().copied().collect(),
@@ -120,18 +155,60 @@ impl EquationLine {
         }
     }
 
-    fn slabs(&self, slabs: &[ExactSlab; 3]) -> Equation {
-        let interval = |(axis, slab): (usize, &ExactSlab)| match slab.speed.sign() {
-            sign if sign.is_ne() => {
-                Interval::Between(slab.meetings(axis).map(|meeting| self.distance(meeting.t.rounded())))
-            }
+    fn distances(&self, crossing: ExactCrossing) -> [f64; 2] {
+        crossing.map(|meeting| self.distance(meeting.t.rounded()))
+    }
+
+    fn interval(&self, slab: &ExactSlab) -> Interval {
+        match slab.speed.sign() {
+            sign if sign.is_ne() => Interval::Between(self.distances(slab.meetings(0))),
             _ if slab.low.sign().is_gt() || slab.high.sign().is_lt() => Interval::Nothing,
             _ => Interval::All,
-        };
+        }
+    }
+
+    fn slabs(&self, slabs: &[ExactSlab; 3]) -> Equation {
         let crossing = super::slabs::cross_exactly(slabs);
         Equation::Slabs {
-            intervals: [0, 1, 2].map(|axis| interval((axis, &slabs[axis]))),
-            roots: crossing.map(|crossing| crossing.map(|meeting| self.distance(meeting.t.rounded()))),
+            intervals: slabs.each_ref().map(|slab| self.interval(slab)),
+            roots: crossing.map(|crossing| self.distances(crossing)),
+        }
+    }
+
+    /// Returns the equation for a rod, whose own vectors are multiplied by a factor. `planes` is the slab of a cylinder.
+    fn rod(&self, rod: &ExactRod, planes: Option<ExactSlab>, is_image: bool) -> Equation {
+        let SideEquation { a, b, c } = rod.side_equation();
+        let (factor, squared_axis) = (&rod.factor, rod.squared_length());
+        let square = &(factor * factor) * &squared_axis;
+        let discriminant = &(&b * &b) - &(&a * &c);
+        let side = match (a.sign().is_eq(), ExactRoot::of_quadratic(&a, &b, &c)) {
+            (true, _) if c.sign().is_gt() => Interval::Nothing,
+            (true, _) => Interval::All,
+            (false, None) => Interval::Nothing,
+            (false, Some(roots)) => Interval::Between(roots.map(|root| self.distance(root.rounded()))),
+        };
+        let ends = match &planes {
+            Some(slab) => RodEnds::Flat(self.interval(slab)),
+            None => RodEnds::Round(rod.balls().map(|crossing| match crossing {
+                Some(crossing) => Interval::Between(self.distances(crossing)),
+                None => Interval::Nothing,
+            })),
+        };
+        let vector = |vector: &Exact3, by: &dyn Fn(&Exact) -> Double| {
+            DVec3::from_array(vector.0.each_ref().map(|part| 0.0 + by(part).rounded()))
+        };
+        let length = squared_axis.rounded().sqrt();
+        Equation::Rod {
+            direction: is_image.then(|| vector(&rod.direction, &|part| part.over(factor) / self.length)),
+            from_start: vector(&rod.origin, &|part| part.over(factor)),
+            axis: vector(&rod.stop, &|part| part.rounded() / length),
+            a: a.over(&(&square * &self.squared_length)).rounded(),
+            b: 0.0 + (b.over(&square) * -2.0 / self.length).rounded(),
+            c: c.over(&square).rounded(),
+            discriminant: 4.0 * discriminant.over(&(&(&square * &square) * &self.squared_length)).rounded(),
+            side,
+            ends,
+            roots: rod.cross(planes).map(|crossing| self.distances(crossing)),
         }
     }
 }
@@ -175,6 +252,20 @@ impl AlignedBox {
 impl BoxImage {
     pub(crate) fn equation(&self, line: &EquationLine) -> Equation {
         line.slabs(&self.exact_slabs(line.origin, &line.direction))
+    }
+}
+
+impl Rod {
+    pub(crate) fn equation(&self, line: &EquationLine) -> Equation {
+        let rod = self.exact(line.origin, line.direction.clone());
+        line.rod(&rod, self.exact_slab(line.origin, &line.direction), false)
+    }
+}
+
+impl RodImage {
+    pub(crate) fn equation(&self, line: &EquationLine) -> Equation {
+        let rod = self.exact(line.origin, &line.direction);
+        line.rod(&rod, self.exact_slab(line.origin, &line.direction), true)
     }
 }
 
@@ -246,6 +337,34 @@ mod tests {
         );
         let parallel = plane.equation(&line([0.0, 3.0, 0.0], [1.0, 0.0, 0.0]));
         assert_eq!(parallel, Equation::Linear { numerator: -2.0, denominator: 0.0, root: None });
+    }
+
+    #[test]
+    fn rods_intersect_their_sides_with_their_ends() {
+        let (from, to) = (DVec3::ZERO, DVec3::new(0.0, 2.0, 0.0));
+        let through = line([-3.0, 1.0, 0.0], [4.0, 3.0, 0.0]);
+        let cylinder = Rod::cylinder(from, to, 1.0).unwrap().equation(&through);
+        let Equation::Rod { direction, from_start, axis, a, b, c, discriminant, side, ends, roots } =
+            cylinder
+        else {
+            panic!("{cylinder:?}")
+        };
+        assert_eq!((direction, from_start, axis), (None, DVec3::new(-3.0, 1.0, 0.0), DVec3::Y));
+        assert!((a - 0.64).abs() < 1e-16 && (b + 4.8).abs() < 1e-15 && c == 8.0, "{a} {b} {c}");
+        assert!((discriminant - 2.56).abs() < 1e-15);
+        assert_eq!((side, roots), (Interval::Between([2.5, 5.0]), None));
+        assert_eq!(ends, RodEnds::Flat(Interval::Between([-5.0 / 3.0, 5.0 / 3.0])));
+        let along = Rod::capsule(from, to, 1.0).unwrap().equation(&line([0.6, 9.0, 0.0], [0.0, -5.0, 0.0]));
+        let Equation::Rod { a, side, ends, roots, .. } = along else { panic!("{along:?}") };
+        let ball = |least: f64, most: f64| Interval::Between([least, most]);
+        assert_eq!((a, side, roots), (0.0, Interval::All, Some([6.2, 9.8])));
+        assert_eq!(ends, RodEnds::Round([ball(8.2, 9.8), ball(6.2, 7.8)]));
+        // The image under a mirroring map has the same roots.
+        let map = DAffine3::from_scale(DVec3::new(-1.0, 0.5, 1.0));
+        let image = RodImage::cylinder(map, DVec3::new(0.0, 4.0, 0.0), 1.0).unwrap();
+        let across = line([-3.0, 1.0, 0.0], [4.0, 1.0, 0.0]);
+        let whole = Rod::cylinder(from, to, 1.0).unwrap().equation(&across);
+        assert_eq!(image.equation(&across).roots(), whole.roots());
     }
 
     #[test]

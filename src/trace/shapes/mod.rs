@@ -3,7 +3,7 @@
 //! Every shape supports these queries, for a ray `origin + t direction`:
 //!
 //! - `intersect`: the smallest `t >= 0` on the surface with its error bound, a miss, or ambiguous if `f64` cannot decide. Shapes are closed
-//!   sets: touching counts as a hit. Spheres and boxes are shells, which are also hit from inside.
+//!   sets: touching counts as a hit. Spheres, boxes and rods are shells, which are also hit from inside.
 //! - `exit`: the exit of a ray that starts on the surface and enters the shape.
 //! - `cross_exactly`: the entry and the exit of the ray's line, without rounding. It resolves ambiguous intersections and comparisons that
 //!   are too close.
@@ -19,9 +19,12 @@
 mod aligned_box;
 mod bounds;
 mod box_image;
+mod end_planes;
 mod equation;
 mod intersection;
 mod plane;
+mod rod;
+mod rod_image;
 mod slabs;
 mod sphere;
 mod sphere_image;
@@ -33,11 +36,13 @@ pub(crate) use aligned_box::refine_box;
 pub use bounds::Bounds;
 pub use box_image::BoxImage;
 pub(crate) use equation::EquationLine;
-pub use equation::{Equation, Interval};
+pub use equation::{Equation, Interval, RodEnds};
 pub(crate) use intersection::{ExactHit, Face, Intersections, Refined, Side};
 pub(crate) use intersection::{Intersection, RefinedHit};
 pub use plane::Plane;
 pub(crate) use plane::refine_plane;
+pub use rod::Rod;
+pub use rod_image::RodImage;
 pub(crate) use slabs::SLOWEST;
 pub use sphere::Sphere;
 pub(crate) use sphere::refine_sphere;

@@ -56,7 +56,7 @@ pub(super) struct FaceMasks<R: Real> {
 impl<R: Real> Height<R> {
     /// Returns the `t` at which rays reach the planes at two heights.
     #[inline(always)]
-    fn reach(&self, low: f64, high: f64) -> (BoundedT<R>, BoundedT<R>) {
+    pub(super) fn reach(&self, low: f64, high: f64) -> (BoundedT<R>, BoundedT<R>) {
         let inverse = self.speed.of(1.0) / self.speed;
         (self.meet(inverse, low), self.meet(inverse, high))
     }
@@ -71,13 +71,13 @@ impl<R: Real> Height<R> {
 
     /// Returns whether the speed is certain enough for the planes to be hit at certain `t`.
     #[inline(always)]
-    fn is_certain(&self) -> R::Mask {
+    pub(super) fn is_certain(&self) -> R::Mask {
         self.speed.abs().greater(self.speed_error * 1024.0)
     }
 
     /// Returns whether the speed is certain, and its reciprocal finite. Larger sums are not changed by adding such a small number.
     #[inline(always)]
-    fn is_fast(&self) -> R::Mask {
+    pub(super) fn is_fast(&self) -> R::Mask {
         self.speed.abs().greater(self.speed_error * 1024.0 + SLOWEST)
     }
 }
@@ -215,7 +215,7 @@ impl FaceMasks<f64> {
 
 /// Returns the root with an error bound of 0 where it is not a number: the product of an infinite `t` and an error that underflows.
 #[inline(always)]
-fn or_exact<R: Real>(root: BoundedT<R>) -> BoundedT<R> {
+pub(super) fn or_exact<R: Real>(root: BoundedT<R>) -> BoundedT<R> {
     let (error, zero) = (root.error(), root.error().of(0.0));
     BoundedT::within(root.t(), R::pick(error.greater(zero), error, zero))
 }

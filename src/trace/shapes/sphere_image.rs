@@ -24,7 +24,7 @@ pub struct SphereImage {
 
 /// An invertible affine map with its inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct AffineMap {
+pub(super) struct AffineMap {
     forward: DAffine3,
     /// Inverse of the linear part. The translation is subtracted first, which keeps more digits.
     inverse: DMat3,
@@ -35,7 +35,7 @@ struct AffineMap {
 }
 
 impl AffineMap {
-    fn new(forward: DAffine3) -> Self {
+    pub(super) fn new(forward: DAffine3) -> Self {
         let DMat3 { x_axis, y_axis, z_axis } = forward.matrix3;
         Self {
             forward,
@@ -45,9 +45,44 @@ impl AffineMap {
         }
     }
 
+    pub(super) fn forward(&self) -> &DAffine3 {
+        &self.forward
+    }
+
+    /// Returns the translation, which is subtracted first, and the inverse of the linear part.
+    pub(super) fn inverse(&self) -> (DVec3, &DMat3) {
+        (self.forward.translation, &self.inverse)
+    }
+
+    pub(super) fn condition(&self) -> f64 {
+        self.condition
+    }
+
+    /// Returns the image of a normal, of any length, in double-double.
+    pub(super) fn row(&self, normal: Double3) -> Double3 {
+        let [x, y, z] = self.exact_inverse;
+        x.scaled(normal.x) + y.scaled(normal.y) + z.scaled(normal.z)
+    }
+
+    /// Transforms a vector to the space before the map.
+    pub(super) fn vector_back(&self, vector: DVec3) -> DVec3 {
+        self.inverse * vector
+    }
+
+    /// Returns the vector from the origin to the translation and the direction in the space before the map, both multiplied by the
+    /// determinant of the map, which avoids divisions; and the determinant.
+    pub(super) fn exactly_back(&self, origin: DVec3, direction: &Exact3) -> (Exact3, Exact3, Exact) {
+        let DAffine3 { matrix3, translation } = self.forward;
+        let [a, b, c] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Exact3::from);
+        let rows = [b.cross(&c), c.cross(&a), a.cross(&b)];
+        let to_center = &Exact3::from(translation) - &origin.into();
+        let back = |vector: &Exact3| Exact3(rows.each_ref().map(|row| row.dot(vector)));
+        (back(&to_center), back(direction), a.dot(&rows[0]))
+    }
+
     /// Transforms rays to the space before the map.
     #[inline(always)]
-    fn back<R: Real>(&self, rays: &Rays<R>) -> Rays<R> {
+    pub(super) fn back<R: Real>(&self, rays: &Rays<R>) -> Rays<R> {
         let from_translation = subtract(rays.origin, spread(rays.origin[0], self.forward.translation));
         Rays {
             origin: image_of(&self.inverse, from_translation),
@@ -62,7 +97,7 @@ impl AffineMap {
 
     /// Transforms points to the space before the map. Returns a mask of the points whose products are error-free.
     #[inline(always)]
-    fn compensated_back<R: Real>(&self, point: Compensated<R>) -> (Compensated<R>, R::Mask) {
+    pub(super) fn compensated_back<R: Real>(&self, point: Compensated<R>) -> (Compensated<R>, R::Mask) {
         let like = point.rounded()[0];
         let from_translation = point.minus(spread(like, self.forward.translation));
         let mut found = moderate3(from_translation.rounded());
@@ -77,13 +112,13 @@ impl AffineMap {
     }
 
     /// Returns the relative error of points and directions mapped back, in units of the unit roundoff.
-    fn roughness(&self) -> f64 {
+    pub(super) fn roughness(&self) -> f64 {
         8.0 * self.condition
     }
 
     /// Transforms a normal by the inverse transpose. Mirroring maps keep normals outward.
     #[inline(always)]
-    fn normal<R: Real>(&self, normal: [R; 3]) -> [R; 3] {
+    pub(super) fn normal<R: Real>(&self, normal: [R; 3]) -> [R; 3] {
         unit(image_of(&self.inverse.transpose(), normal))
     }
 }
@@ -153,7 +188,7 @@ impl SphereImage {
 
     /// Returns the inverse map as the translation, which is subtracted first, and the inverse of the linear part.
     pub(crate) fn back(&self) -> (DVec3, &DMat3) {
-        (self.map.forward.translation, &self.map.inverse)
+        self.map.inverse()
     }
 
     /// Returns the relative error of rays in the sphere's own space, in units of the unit roundoff.
@@ -202,14 +237,9 @@ impl SphereImage {
     }
 
     /// Returns the vector from the origin to the centre and the direction in the sphere's own space, both multiplied by the determinant of
-    /// the map, which avoids divisions; and the determinant.
+    /// the map; and the determinant.
     pub(super) fn exactly_back(&self, origin: DVec3, direction: &Exact3) -> (Exact3, Exact3, Exact) {
-        let DAffine3 { matrix3, translation } = self.map.forward;
-        let [a, b, c] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Exact3::from);
-        let rows = [b.cross(&c), c.cross(&a), a.cross(&b)];
-        let to_center = &Exact3::from(translation) - &origin.into();
-        let back = |vector: &Exact3| Exact3(rows.each_ref().map(|row| row.dot(vector)));
-        (back(&to_center), back(direction), a.dot(&rows[0]))
+        self.map.exactly_back(origin, direction)
     }
 
     /// Returns the hit near an approximate `t`: [`SphereImage::refined`].

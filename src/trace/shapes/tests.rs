@@ -130,6 +130,44 @@ impl ShapeFormulas for BoxImage {
     }
 }
 
+impl ShapeFormulas for Rod {
+    #[inline(always)]
+    fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        self.intersections(rays)
+    }
+
+    #[inline(always)]
+    fn exits<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        Some(self.exits(rays))
+    }
+
+    #[inline(always)]
+    fn refined<R: Real>(&self, rays: &Rays<R>, t: R) -> Refined<R> {
+        let [x, y, z] = rays.direction;
+        let inside = (x + y).greater(z);
+        self.refined(rays, t, inside)
+    }
+}
+
+impl ShapeFormulas for RodImage {
+    #[inline(always)]
+    fn intersections<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        self.intersections(rays)
+    }
+
+    #[inline(always)]
+    fn exits<R: Real>(&self, rays: &Rays<R>) -> Option<Intersections<R>> {
+        Some(self.exits(rays))
+    }
+
+    #[inline(always)]
+    fn refined<R: Real>(&self, rays: &Rays<R>, t: R) -> Refined<R> {
+        let [x, y, z] = rays.direction;
+        let inside = (x + y).greater(z);
+        self.refined(rays, t, inside)
+    }
+}
+
 /// The numbers of a shape for a ray, given by origin and direction, and a `t`.
 struct Queries<S>(S);
 
@@ -178,6 +216,13 @@ proptest! {
         }
         if let Some(plane) = Plane::new(place, DVec3::new(angle, size, 1.0)) {
             compare(&Queries(plane), numbers)?;
+        }
+        let stop = place + DVec3::new(0.0, size, angle);
+        for rod in [Rod::cylinder(place, stop, 1.0), Rod::capsule(place, stop, 1.0)].into_iter().flatten() {
+            compare(&Queries(rod), numbers)?;
+        }
+        for image in [RodImage::cylinder(map, stop, 1.0), RodImage::capsule(map, stop, 1.0)].into_iter().flatten() {
+            compare(&Queries(image), numbers)?;
         }
         if direction.abs().min_element() > SLOWEST {
             compare(&Queries(AlignedBox { min: place, max: place + size }), numbers)?;

@@ -472,8 +472,16 @@ fn field(which: usize, names: &[String], random: &mut Random) -> String {
         1 if names.is_empty() || !random.once_in(3) => String::new(),
         1 => format!("parent: \"{}\"", names[random.index(names.len())]),
         2 => {
-            let shape = match random.index(6) {
+            let shape = match random.index(8) {
                 0 => return String::new(),
+                6 => {
+                    let to = 0.5 + random.share();
+                    format!(
+                        "Cylinder(radius: {:?}, from: (0, 0, 0), to: (0.5, {to:?}, 0))",
+                        0.1 + random.share()
+                    )
+                }
+                7 => format!("Capsule(radius: {:?}, height: 1)", 0.1 + random.share()),
                 1 => format!("Plane(normal: (0, 1, {:?}))", random.number()),
                 2 | 3 => format!("Box(size: (1, {:?}, 2))", 0.5 + random.share()),
                 _ => format!("Sphere(radius: {:?})", 0.25 + random.share()),

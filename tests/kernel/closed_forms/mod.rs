@@ -7,6 +7,7 @@ mod media;
 mod motion;
 mod patterns;
 mod refraction;
+mod rods;
 mod shadows;
 mod surroundings;
 mod visibility;

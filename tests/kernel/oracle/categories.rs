@@ -72,7 +72,7 @@ fn square_to(r: &mut Random, normal: DVec3) -> DVec3 {
     }
 }
 
-pub(crate) const CATEGORIES: [Category; 41] = [
+pub(crate) const CATEGORIES: [Category; 60] = [
     ("sphere, ordinary", |r| case(ball(r.point() * 4.0, 1.0), r.point() * 4.0, r.direction())),
     ("sphere, aimed at", |r| {
         let center = r.point() * 4.0;
@@ -322,12 +322,15 @@ pub(crate) const CATEGORIES: [Category; 41] = [
         let center = r.point() * 4.0;
         let factors = r.extents();
         let forward: DAffine3 = r.turned(factors, center);
-        let shape = match r.index(5) {
+        let is_round = r.once_in(2);
+        let shape = match r.index(7) {
             0 => ball(center, 1.0),
             1 => Shape::Plane { point: center, normal: r.direction() },
             2 => unit_box(r),
             3 => Shape::Ellipsoid { forward, radius: 1.0 },
-            _ => Shape::Turned { forward, half: DVec3::ONE },
+            4 => Shape::Turned { forward, half: DVec3::ONE },
+            5 => Shape::Rod { ends: [center, center + r.direction()], radius: 1.0, is_round },
+            _ => Shape::RodImage { forward, stop: r.direction(), radius: 1.0, is_round },
         };
         let far = r.scale(40..=480);
         // A ray along an axis may hit from any distance; any other ray misses.
@@ -344,17 +347,185 @@ pub(crate) const CATEGORIES: [Category; 41] = [
             let factors = r.extents() * 0.5;
             let half = DVec3::splat(0.5);
             let forward: DAffine3 = r.turned(factors, center);
-            shapes.push(match r.index(5) {
+            let is_round = r.once_in(2);
+            shapes.push(match r.index(7) {
                 0 => ball(center, 0.5),
                 1 => Shape::Plane { point: center, normal: r.direction().normalize() },
                 2 => around(center, half),
                 3 => Shape::Ellipsoid { forward, radius: 1.0 },
-                _ => Shape::Turned { forward, half },
+                4 => Shape::Turned { forward, half },
+                5 => Shape::Rod { ends: [center, center + r.direction()], radius: 0.5, is_round },
+                _ => Shape::RodImage { forward, stop: r.direction(), radius: 0.5, is_round },
             });
         }
         Case { shapes, origin: r.point() * 4.0, direction: r.direction() }
     }),
+    ("cylinder, aimed at", |r| rod_aimed_at(r, false)),
+    ("capsule, aimed at", |r| rod_aimed_at(r, true)),
+    ("cylinder, needle of 2^30 to 1", |r| needle(r, false)),
+    ("capsule, needle of 2^30 to 1", |r| needle(r, true)),
+    ("cylinder, far and any scale", |r| far_rod(r, false)),
+    ("capsule, far and any scale", |r| far_rod(r, true)),
+    ("cylinder, near tangency", |r| grazed_rod(r, false)),
+    ("capsule, near tangency", |r| grazed_rod(r, true)),
+    ("cylinder, tangent exactly, on rims or the origin on it", |r| touched_rod(r, false)),
+    ("capsule, tangent exactly or the origin on it", |r| touched_rod(r, true)),
+    ("cylinder, along the axis", |r| along_rod(r, false)),
+    ("capsule, along the axis", |r| along_rod(r, true)),
+    ("cylinder, origin inside", |r| within_rod(r, false)),
+    ("capsule, origin inside", |r| within_rod(r, true)),
+    ("cylinder, as wide as the ground", |r| {
+        let radius = r.scale(20..=40);
+        let ends = [DVec3::new(0.0, -radius * r.scale(-40..=0), 0.0), DVec3::ZERO];
+        let origin = DVec3::new(r.number(), 1.5 + r.number(), 0.0);
+        case(Shape::Rod { ends, radius, is_round: false }, origin, r.direction())
+    }),
+    ("cylinder, stretched or sheared", |r| rod_image(r, false)),
+    ("capsule, stretched or sheared", |r| rod_image(r, true)),
+    ("rod, stretched by quarter turns, touched or the origin on it", |r| {
+        let center = DVec3::new(r.whole(20), r.whole(20), r.whole(20));
+        let forward = r.quarter_turned(center);
+        let is_round = r.once_in(2);
+        let (ends, radius, own, along) = touched(r);
+        let stop = ends[1] - ends[0];
+        let place = forward.transform_point3(own - ends[0]);
+        let direction = if r.once_in(2) { r.whole_direction(6) } else { forward.matrix3 * along };
+        let back = r.whole(6) * 0.5;
+        case(Shape::RodImage { forward, stop, radius, is_round }, place - direction * back, direction)
+    }),
+    ("rod, with flush ends", flush_rods),
 ];
+
+/// Returns a rod of ordinary proportions.
+fn some_rod(r: &mut Random, is_round: bool) -> ([DVec3; 2], f64, Shape) {
+    let from = r.point() * 2.0;
+    let ends = [from, from + r.direction() * 2.0];
+    let radius = r.between(0.05, 1.2);
+    (ends, radius, Shape::Rod { ends, radius, is_round })
+}
+
+/// Returns a point of an axis, or beyond its ends.
+fn near_axis(r: &mut Random, [from, to]: [DVec3; 2]) -> DVec3 {
+    from + (to - from) * r.between(-0.2, 1.2)
+}
+
+fn rod_aimed_at(r: &mut Random, is_round: bool) -> Case {
+    let (ends, radius, shape) = some_rod(r, is_round);
+    let target = near_axis(r, ends) + r.point() * radius;
+    let origin = target + r.direction() * r.between(0.1, 8.0);
+    case(shape, origin, towards(target - origin))
+}
+
+fn needle(r: &mut Random, is_round: bool) -> Case {
+    let radius = r.scale(-30..=-30) * r.between(0.5, 1.0);
+    let from = r.point();
+    let ends = [from, from + r.direction()];
+    let target = near_axis(r, ends) + r.point() * radius;
+    let origin = if r.once_in(4) { near_axis(r, ends) } else { r.point() * 4.0 };
+    case(Shape::Rod { ends, radius, is_round }, origin, towards(target - origin))
+}
+
+fn far_rod(r: &mut Random, is_round: bool) -> Case {
+    let scale = r.scale(-60..=60);
+    let far = r.direction() * r.scale(0..=20);
+    let (ends, radius, _) = some_rod(r, is_round);
+    let ends = ends.map(|end| (end + far) * scale);
+    let target = near_axis(r, ends) + r.point() * (radius * scale);
+    let origin = if r.once_in(2) { r.point() * scale } else { target + r.direction() * (8.0 * scale) };
+    let direction = towards(target - origin) * (r.scale(-40..=40) / scale);
+    case(Shape::Rod { ends, radius: radius * scale, is_round }, origin, direction)
+}
+
+fn grazed_rod(r: &mut Random, is_round: bool) -> Case {
+    let (ends, radius, shape) = some_rod(r, is_round);
+    let across = (ends[1] - ends[0]).cross(r.direction()).normalize_or(DVec3::X);
+    let touched = near_axis(r, ends) + across * (radius * (1.0 + r.number() * r.scale(-80..=-10)));
+    let along = across.cross(r.direction());
+    case(shape, touched - along * 3.0, towards(along))
+}
+
+/// Returns the ends and the radius of a rod along an axis, a point of its side, its rim or its end, and a direction that touches the side
+/// there; all of them of whole numbers.
+fn touched(r: &mut Random) -> ([DVec3; 2], f64, DVec3, DVec3) {
+    let axis = r.index(3);
+    let [up, one, other] = [0, 1, 2].map(|step| DVec3::AXES[(axis + step) % 3]);
+    let scale = 1.0 + r.index(4) as f64;
+    let (three, four) = (3.0 * r.sign() * scale, 4.0 * r.sign() * scale);
+    let from = DVec3::new(r.whole(20), r.whole(20), r.whole(20));
+    let height = 1.0 + r.index(8) as f64;
+    let ends = [from, from + up * height * r.sign()];
+    let part = r.pick(&[0.0, 1.0, 0.25, 0.5]);
+    let inwards = r.pick(&[1.0, 1.0, 0.0]);
+    let place = from + (ends[1] - from) * part + (one * three + other * four) * inwards;
+    let along = one * -four + other * three + up * r.whole(3);
+    (ends, 5.0 * scale, place, along)
+}
+
+fn touched_rod(r: &mut Random, is_round: bool) -> Case {
+    let scale = r.scale(-40..=40);
+    let (ends, radius, place, along) = touched(r);
+    let direction = if r.once_in(2) { along } else { r.whole_direction(6) };
+    let origin = place - direction * (r.whole(6) * 0.5);
+    let shape = Shape::Rod { ends: ends.map(|end| end * scale), radius: radius * scale, is_round };
+    case(shape, origin * scale, direction * r.scale(-40..=40))
+}
+
+fn along_rod(r: &mut Random, is_round: bool) -> Case {
+    let nearly = if r.once_in(2) { DVec3::ZERO } else { r.point() * r.scale(-60..=-5) };
+    if r.once_in(2) {
+        // On or near the side, exactly along the axis.
+        let (ends, radius, place, _) = touched(r);
+        let up = ends[1] - ends[0];
+        let off = r.pick(&[0.0, 0.0, f64::EPSILON, -f64::EPSILON, 0.5, -0.5]);
+        let origin = place * (1.0 + off) - up * r.whole(2);
+        return case(Shape::Rod { ends, radius, is_round }, origin, up * r.sign() + nearly);
+    }
+    let (ends, radius, shape) = some_rod(r, is_round);
+    let up = ends[1] - ends[0];
+    let origin = near_axis(r, ends) + r.point() * radius - up * r.whole(2);
+    case(shape, origin, towards(up * r.sign() + nearly))
+}
+
+fn within_rod(r: &mut Random, is_round: bool) -> Case {
+    let (ends, radius, shape) = some_rod(r, is_round);
+    let place = ends[0] + (ends[1] - ends[0]) * r.between(0.01, 0.99);
+    let direction = if r.once_in(4) { ends[1] - ends[0] } else { r.direction() };
+    case(shape, place + r.point() * (0.5 * radius), direction)
+}
+
+fn rod_image(r: &mut Random, is_round: bool) -> Case {
+    let (center, scale) = (r.point(), r.scale(-40..=40));
+    let factors = r.extents();
+    let forward = if r.once_in(2) { r.turned(factors, center) } else { r.sheared(center) };
+    let forward = DAffine3 { matrix3: forward.matrix3 * scale, translation: forward.translation * scale };
+    let stop = r.direction() * 2.0;
+    let radius = r.between(0.05, 1.2);
+    let target = near_axis(r, [DVec3::ZERO, stop]) + r.point() * radius;
+    let target = forward.transform_point3(target);
+    let origin = if r.once_in(2) { target + r.direction() * scale } else { r.point() * 6.0 * scale };
+    case(Shape::RodImage { forward, stop, radius, is_round }, origin, towards((target - origin) / scale))
+}
+
+/// Returns a cylinder or a capsule with its equal, a plane, a box, a sphere or another rod, that touches or continues it, and a ray aimed
+/// at a point of both.
+fn flush_rods(r: &mut Random) -> Case {
+    let (ends, radius, place, along) = touched(r);
+    let up = ends[1] - ends[0];
+    let is_round = r.once_in(2);
+    let one = Shape::Rod { ends, radius, is_round };
+    let half = DVec3::splat(2.0 * radius);
+    let other = match r.index(6) {
+        0 => Shape::Plane { point: ends[0], normal: up },
+        1 => Shape::Rod { ends: [ends[1], ends[1] + up], radius, is_round: r.once_in(2) },
+        2 => ball(r.pick(&ends), radius),
+        3 => around(ends[0] - up.normalize() * half, half),
+        4 => Shape::Rod { ends: [ends[0], ends[1] + up], radius, is_round: r.once_in(2) },
+        _ => one,
+    };
+    let direction = if r.once_in(3) { along } else { r.whole_direction(6) };
+    let origin = place - direction * (r.whole(6) * 0.5);
+    Case { shapes: if r.once_in(2) { vec![one, other] } else { vec![other, one] }, origin, direction }
+}
 
 /// Returns a box with a ray whose zeros and subnormals decide the result, or a tiny box.
 fn subnormal_box(r: &mut Random) -> Case {

@@ -10,7 +10,7 @@ use dashu_float::FBig;
 use glam::{DAffine3, DVec3};
 
 use rayreel::trace::PreparedShape;
-use rayreel::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use rayreel::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 
 pub(crate) type Exact = FBig;
 pub(crate) type Exact3 = [Exact; 3];
@@ -75,6 +75,8 @@ pub(crate) enum Shape {
     Aligned { min: DVec3, max: DVec3 },
     Ellipsoid { forward: DAffine3, radius: f64 },
     Turned { forward: DAffine3, half: DVec3 },
+    Rod { ends: [DVec3; 2], radius: f64, is_round: bool },
+    RodImage { forward: DAffine3, stop: DVec3, radius: f64, is_round: bool },
 }
 
 /// The intersections of a ray's line with a shape.
@@ -140,6 +142,18 @@ impl Shape {
                 PreparedShape::SphereImage(SphereImage::new(forward, radius))
             }
             Self::Turned { forward, half } => PreparedShape::BoxImage(BoxImage::new(forward, half).unwrap()),
+            Self::Rod { ends: [from, to], radius, is_round: false } => {
+                PreparedShape::Rod(Rod::cylinder(from, to, radius).unwrap())
+            }
+            Self::Rod { ends: [from, to], radius, is_round: true } => {
+                PreparedShape::Rod(Rod::capsule(from, to, radius).unwrap())
+            }
+            Self::RodImage { forward, stop, radius, is_round: false } => {
+                PreparedShape::RodImage(RodImage::cylinder(forward, stop, radius).unwrap())
+            }
+            Self::RodImage { forward, stop, radius, is_round: true } => {
+                PreparedShape::RodImage(RodImage::capsule(forward, stop, radius).unwrap())
+            }
         }
     }
 
@@ -195,8 +209,114 @@ impl Shape {
                 let high = std::array::from_fn(|axis| ahead(axis, 1));
                 slabs(&low, &high, &std::array::from_fn(|axis| dot(&row(axis), direction)))
             }
+            Self::Rod { ends: [from, to], radius, is_round } => {
+                let start = vector(*from);
+                let stop = difference(&vector(*to), &start);
+                let slab = Rod::cylinder(*from, *to, *radius).and_then(|rod| rod.slab());
+                let slab = slab.filter(|_| !is_round).map(|slab| Slab::new(slab, origin, direction));
+                rod(&difference(origin, &start), direction, [&stop, &stop], &exact(*radius), slab.as_ref())
+            }
+            Self::RodImage { forward, stop, radius, is_round } => {
+                let back = Back::new(forward);
+                let slab = RodImage::cylinder(*forward, *stop, *radius).and_then(|image| image.slab());
+                let slab = slab.filter(|_| !is_round).map(|slab| Slab::new(slab, origin, direction));
+                let (axis, radius) = (vector(*stop), exact(*radius) * &back.determinant);
+                let stop = axis.each_ref().map(|part| part * &back.determinant);
+                rod(&back.point(origin), &back.direction(direction), [&axis, &stop], &radius, slab.as_ref())
+            }
         }
     }
+}
+
+/// The planes of a cylinder's ends, at two distances from an origin that moves across them with `speed`.
+struct Slab {
+    low: Exact,
+    high: Exact,
+    speed: Exact,
+}
+
+impl Slab {
+    fn new((row, offsets): (DVec3, [f64; 2]), origin: &Exact3, direction: &Exact3) -> Self {
+        let row = vector(row);
+        let at = dot(&row, origin);
+        let [low, high] = offsets.map(|offset| exact(offset) - &at);
+        Self { low, high, speed: dot(&row, direction) }
+    }
+
+    /// Returns the part of the line within the slab; `None` for the whole line, and an empty part for nothing.
+    fn part(&self) -> Option<Option<(Exact, Exact)>> {
+        if self.speed == Exact::ZERO {
+            let outside = self.low > Exact::ZERO || self.high < Exact::ZERO;
+            return if outside { Some(None) } else { None };
+        }
+        let (one, other) = (quotient(&self.low, &self.speed), quotient(&self.high, &self.speed));
+        Some(Some(if self.speed > Exact::ZERO { (one, other) } else { (other, one) }))
+    }
+}
+
+/// Returns true if one number is greater than another by more than the rounding of roots with 400 bits.
+fn exceeds(one: &Exact, other: &Exact) -> bool {
+    let size = magnitude(one) + magnitude(other);
+    one - other > exact(libm::ldexp(1.0, -380)) * size
+}
+
+/// Intersects a rod with the given slab, or with spheres at its ends. `axis` and `stop` are the axis itself and the axis in the scale of the
+/// other vectors.
+fn rod(
+    origin: &Exact3,
+    direction: &Exact3,
+    [axis, stop]: [&Exact3; 2],
+    radius: &Exact,
+    slab: Option<&Slab>,
+) -> Answer {
+    let (across, turned) = (cross(origin, axis), cross(direction, axis));
+    let (a, b) = (dot(&turned, &turned), -dot(&across, &turned));
+    let c = dot(&across, &across) - radius * radius * dot(axis, axis);
+    let side = if a == Exact::ZERO {
+        if c > Exact::ZERO { Some(None) } else { None }
+    } else {
+        Some(solve(&a, &b, &c).map(|(near, far, _)| (near, far)))
+    };
+    let along = dot(origin, axis);
+    let ends = Slab { low: -&along, high: dot(stop, axis) - &along, speed: dot(direction, axis) };
+    let tube = match (side, slab.unwrap_or(&ends).part()) {
+        (Some(None), _) | (_, Some(None)) => None,
+        (Some(Some(side)), None) => Some(side),
+        (None, Some(Some(ends))) => Some(ends),
+        (Some(Some((near, far))), Some(Some((low, high)))) => {
+            let entry = if low > near { low } else { near };
+            let exit = if high < far { high } else { far };
+            (!exceeds(&entry, &exit)).then_some((entry, exit))
+        }
+        (None, None) => unreachable!(),
+    };
+    let mut parts = vec![tube];
+    if slab.is_none() {
+        parts.extend(
+            [origin.clone(), difference(origin, stop)].map(|from| ball(&from, direction, radius).line),
+        );
+    }
+    let line = parts.into_iter().flatten().reduce(|(near, far), (first, last)| {
+        (if first < near { first } else { near }, if last > far { last } else { far })
+    });
+    let touches = line.as_ref().is_some_and(|(near, far)| !exceeds(far, near));
+    Answer { line, touches }
+}
+
+/// Returns the roots of a t^2 - 2 b t + c = 0 in ascending order, and true if they are equal.
+fn solve(a: &Exact, b: &Exact, c: &Exact) -> Option<(Exact, Exact, bool)> {
+    let discriminant = b * b - a * c;
+    if discriminant < Exact::ZERO {
+        return None;
+    }
+    let touches = discriminant == Exact::ZERO;
+    let root = root(&discriminant);
+    let sum = if *b < Exact::ZERO { b - &root } else { b + &root };
+    if sum == Exact::ZERO {
+        return Some((Exact::ZERO, Exact::ZERO, touches));
+    }
+    let (one, other) = (quotient(c, &sum), quotient(&sum, a));
+    Some(if one < other { (one, other, touches) } else { (other, one, touches) })
 }
 
 /// Returns |part / whole| in units in the last place of 1.
@@ -209,19 +329,10 @@ fn share(part: &Exact, whole: &Exact) -> f64 {
 fn ball(origin: &Exact3, direction: &Exact3, radius: &Exact) -> Answer {
     let (a, b) = (dot(direction, direction), -dot(origin, direction));
     let c = dot(origin, origin) - radius * radius;
-    let discriminant = &b * &b - &a * &c;
-    if discriminant < Exact::ZERO {
-        return Answer::MISS;
+    match solve(&a, &b, &c) {
+        None => Answer::MISS,
+        Some((near, far, touches)) => Answer { line: Some((near, far)), touches },
     }
-    let touches = discriminant == Exact::ZERO;
-    let root = root(&discriminant);
-    let sum = if b < Exact::ZERO { &b - &root } else { &b + &root };
-    if sum == Exact::ZERO {
-        return Answer { line: Some((Exact::ZERO, Exact::ZERO)), touches };
-    }
-    let (one, other) = (quotient(&c, &sum), quotient(&sum, &a));
-    let line = if one < other { (one, other) } else { (other, one) };
-    Answer { line: Some(line), touches }
 }
 
 fn plane(point: &Exact3, normal: &Exact3, origin: &Exact3, direction: &Exact3) -> Answer {

@@ -10,7 +10,7 @@ use super::secondary::{Found, Tally, World};
 
 pub(crate) type Journey = (&'static str, fn(&mut Random, &mut Tally));
 
-pub(crate) const JOURNEYS: [Journey; 17] = [
+pub(crate) const JOURNEYS: [Journey; 24] = [
     ("no acne: sphere", |r, tally| no_acne(r, tally, 0)),
     ("no acne: plane", |r, tally| no_acne(r, tally, 1)),
     ("no acne: box", |r, tally| no_acne(r, tally, 2)),
@@ -31,9 +31,20 @@ pub(crate) const JOURNEYS: [Journey; 17] = [
     ("transmission: turned box", |r, tally| transmission(r, tally, 4)),
     ("flush faces", flush_faces),
     ("coincident copies", coincident_copies),
+    ("no acne: cylinder", |r, tally| no_acne(r, tally, 5)),
+    ("no acne: capsule", |r, tally| no_acne(r, tally, 6)),
+    ("no acne: stretched rod", |r, tally| no_acne(r, tally, 7)),
+    ("gap: rod over plane", |r, tally| {
+        let kind = 5 + r.index(2);
+        gap_over_plane(r, tally, kind);
+    }),
+    ("transmission: cylinder", |r, tally| transmission(r, tally, 5)),
+    ("transmission: capsule", |r, tally| transmission(r, tally, 6)),
+    ("transmission: stretched rod", |r, tally| transmission(r, tally, 7)),
 ];
 
-/// Returns a shape of about this size: 0 a sphere, 1 a plane, 2 a box, 3 an ellipsoid, 4 a rotated box.
+/// Returns a shape of about this size: 0 a sphere, 1 a plane, 2 a box, 3 an ellipsoid, 4 a rotated box,
+/// 5 a cylinder, 6 a capsule, 7 the image of either.
 fn some_shape(r: &mut Random, kind: usize, center: DVec3, scale: f64) -> Shape {
     let factors = r.extents();
     match kind {
@@ -41,7 +52,19 @@ fn some_shape(r: &mut Random, kind: usize, center: DVec3, scale: f64) -> Shape {
         1 => Shape::Plane { point: center, normal: r.direction().normalize() },
         2 => Shape::Aligned { min: center - factors * scale, max: center + factors * scale },
         3 => Shape::Ellipsoid { forward: r.turned(factors * scale, center), radius: 1.0 },
-        _ => Shape::Turned { forward: r.turned(factors * scale, center), half: DVec3::ONE },
+        4 => Shape::Turned { forward: r.turned(factors * scale, center), half: DVec3::ONE },
+        5 | 6 => {
+            let half = r.direction().normalize() * (factors.y * scale);
+            Shape::Rod {
+                ends: [center - half, center + half],
+                radius: factors.x * scale,
+                is_round: kind == 6,
+            }
+        }
+        _ => {
+            let (forward, stop) = (r.turned(factors * scale, center), r.direction().normalize());
+            Shape::RodImage { forward, stop, radius: r.between(0.1, 1.0), is_round: r.once_in(2) }
+        }
     }
 }
 
@@ -108,7 +131,14 @@ fn gap_over_plane(r: &mut Random, tally: &mut Tally, kind: usize) {
             let own = forward.matrix3.transpose() * normal;
             (center - forward.matrix3 * own.signum(), own.abs().element_sum())
         }
-        Shape::Plane { .. } => unreachable!(),
+        Shape::Rod { ends: [from, to], radius, is_round } => {
+            let axis = (*to - *from).normalize();
+            let end = if axis.dot(normal) > 0.0 { *from } else { *to };
+            let down = if *is_round { normal } else { normal - axis * axis.dot(normal) };
+            let lowest = end - down.normalize_or_zero() * *radius;
+            (lowest, (center - lowest).dot(normal))
+        }
+        Shape::Plane { .. } | Shape::RodImage { .. } => unreachable!(),
     };
     let plane = Shape::Plane { point: center - normal * (reach + gap), normal };
     let world = World::new(if r.once_in(2) { vec![plane, shape] } else { vec![shape, plane] });
@@ -369,7 +399,7 @@ fn seam_from_outside(r: &mut Random, tally: &mut Tally, world: &World, axis: usi
 
 /// Checks copies of one shape: outwards a ray hits none of them, inwards it leaves the first.
 fn coincident_copies(r: &mut Random, tally: &mut Tally) {
-    let kind = r.pick(&[0, 2, 3, 4]);
+    let kind = r.pick(&[0, 2, 3, 4, 5, 6, 7]);
     // Some counts exceed the number that the kernel tracks.
     let count = 2 + r.index(11);
     let center = r.point();

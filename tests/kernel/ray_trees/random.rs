@@ -92,7 +92,11 @@ fn material(random: &mut Random) -> String {
 
 fn thing(random: &mut Random, material: u32) -> String {
     let (shape, place) = (random.number(), random.triple(-3.0, 3.0));
-    let shape = if shape < 0.6 {
+    let shape = if shape < 0.3 {
+        let ends = [random.triple(-1.0, 0.0), random.triple(0.0, 1.0)];
+        let kind = if random.chance(0.5) { "Cylinder" } else { "Capsule" };
+        format!("{kind}(radius: {:?}, from: {}, to: {})", random.between(0.1, 0.9), ends[0], ends[1])
+    } else if shape < 0.6 {
         format!("Sphere(radius: {:?})", random.between(0.2, 1.5))
     } else if shape < 0.9 {
         format!("Box(size: {})", random.triple(0.2, 3.0))

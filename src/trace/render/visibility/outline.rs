@@ -7,11 +7,13 @@
 //!   cancellation, and L·d;
 //! - a box: n·d for the normal n of the plane through the eye and each silhouette edge, between a face that faces the eye and one that does
 //!   not;
-//! - a plane: its inverse depth, which is linear.
+//! - a plane: its inverse depth, which is linear;
+//! - a rod: those of the box around it. It covers pixels fully where its side does, which looks along the axis as a sphere does, between its
+//!   ends.
 //!
 //! Bounds of a quadratic function over a pixel's square follow from its value, its gradient and its second derivatives in the middle.
 //! Inverse depth is linear on every flat face. On a sphere it is, up to a constant factor, a linear function plus or minus the square root
-//! of the first function above. Images of spheres and boxes are mapped back to the sphere and the box, which preserves t.
+//! of the first function above. Images of spheres, boxes and rods are mapped back to these, which preserves t.
 
 use std::f64::consts::TAU;
 
@@ -52,6 +54,21 @@ enum InverseDepth {
     Nearest(Vec<Quadratic>),
     /// Maximum over all faces of a convex solid around the eye.
     Farthest(Vec<Quadratic>),
+    /// That of a rod: known where its side is visible, and bounded by the box around it elsewhere.
+    Rod(Box<RodDepth>),
+}
+
+/// The side of a rod, and the box around the rod.
+#[derive(Clone, Debug)]
+struct RodDepth {
+    /// The infinite cylinder, which looks along its axis as a sphere does; `None` if the eye is within it.
+    side: Option<Outline>,
+    /// The faces of the box that face the eye.
+    faces: InverseDepth,
+    /// The component of the rays along the axis, the eye's distance from the start along it, and the length of the axis.
+    rise: Quadratic,
+    start: f64,
+    length: f64,
 }
 
 /// A shape as seen through a tile.
@@ -184,6 +201,15 @@ impl Outline {
                 let back = forward.matrix3.inverse();
                 Self::of_box(&rays.seen_from(forward.translation).mapped(&back), image.half())
             }
+            ShapeRef::Rod(rod) => {
+                let [start, stop] = rod.ends();
+                Self::of_rod(&rays.seen_from(start), stop - start, rod.radius(), rod.is_round())
+            }
+            ShapeRef::RodImage(image) => {
+                let (start, back) = image.back();
+                let own = rays.seen_from(start).mapped(back);
+                Self::of_rod(&own, image.stop(), image.radius(), image.is_round())
+            }
         };
         match found {
             Some(outline) if !outline.is_finite() => Err(UnknownOutline),
@@ -201,6 +227,7 @@ impl Outline {
         let depths = match &self.depth {
             InverseDepth::Sphere { b, q, c } => c.is_finite() && finite(b) && finite(q),
             InverseDepth::Nearest(faces) | InverseDepth::Farthest(faces) => faces.iter().all(finite),
+            InverseDepth::Rod(rod) => finite(&rod.rise) && rod.side.as_ref().is_none_or(Self::is_finite),
         };
         depths && self.inside.iter().all(finite)
     }
@@ -271,6 +298,31 @@ impl Outline {
         Some(Self { inside, depth: InverseDepth::Nearest(faces), area })
     }
 
+    /// Computes the outline of a rod from the origin to `stop`; `None` if the eye is within the box around it.
+    fn of_rod(rays: &TileRays, stop: DVec3, radius: f64, is_round: bool) -> Option<Self> {
+        /// The box is larger than the rod by more than the rounding of its position.
+        const LARGER: f64 = 1.0 + 1e-9;
+        let length = stop.length();
+        let (one, other) = stop.try_normalize()?.any_orthonormal_pair();
+        let own = rays.mapped(&DMat3::from_cols(one, stop / length, other).transpose());
+        let beyond = if is_round { radius } else { 0.0 };
+        let half = DVec3::new(radius, 0.5 * length + beyond, radius) * LARGER;
+        let around = Self::of_box(&own.seen_from(DVec3::Y * (0.5 * length)), half)?;
+        if matches!(around.depth, InverseDepth::Farthest(_)) {
+            return None;
+        }
+        let across = DVec3::new(1.0, 0.0, 1.0);
+        let flat = TileRays {
+            eye: own.eye * across,
+            middle: own.middle * across,
+            steps: own.steps.map(|step| step * across),
+        };
+        let side = Self::of_sphere(&flat, radius).filter(|side| !side.inside.is_empty());
+        let rise = Quadratic::linear(|direction| direction.y, &own);
+        let rod = RodDepth { side, faces: around.depth, rise, start: own.eye.y, length };
+        Some(Self { depth: InverseDepth::Rod(Box::new(rod)), ..around })
+    }
+
     /// Computes the shape's coverage of squares.
     #[inline(always)]
     pub(super) fn covers<const N: usize>(&self, squares: &Squares<N>) -> Covers<N> {
@@ -284,6 +336,10 @@ impl Outline {
             }
         }
         let (depth, one_face) = self.depth.bounds(squares);
+        if matches!(self.depth, InverseDepth::Rod(_)) {
+            // The box around a rod may be visible beside it.
+            whole &= one_face;
+        }
         Covers { seen: seen & !which(&depth[1], |most| most <= 0.0), whole, one_face, depth }
     }
 
@@ -345,7 +401,32 @@ impl InverseDepth {
                 let one_face = where_less(&others, &least);
                 ([least, most], one_face)
             }
+            Self::Rod(rod) => rod.bounds(squares),
         }
+    }
+}
+
+impl RodDepth {
+    /// Returns bounds of the inverse depth over squares, and the squares in which only the side is visible. Elsewhere, the lower bound is 0.
+    #[inline(never)]
+    fn bounds<const N: usize>(&self, squares: &Squares<N>) -> ([[f64; N]; 2], u32) {
+        let ([_, mut most], _) = self.faces.bounds(squares);
+        let (mut least, mut at_side) = ([0.0; N], 0);
+        let Some(side) = &self.side else { return ([least, most], 0) };
+        let (side, [low, high]) = (side.covers(squares), self.rise.bounds(squares));
+        let beyond = self.length - self.start;
+        for lane in 0..N {
+            // The height of a hit over the start, and that of the stop over it, both over t.
+            let [near, far] = [side.depth[0][lane], side.depth[1][lane]];
+            let from_start = lesser(near * self.start, far * self.start) + low[lane];
+            let from_stop = lesser(near * beyond, far * beyond) - high[lane];
+            let least_height = far * self.length * 1e-9;
+            if side.whole >> lane & 1 == 1 && from_start > least_height && from_stop > least_height {
+                at_side |= 1 << lane;
+                (least[lane], most[lane]) = (near, far);
+            }
+        }
+        ([least, most], at_side)
     }
 }
 

@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::trace::math::PixelSampling;
 use crate::trace::rays::PreparedRay;
-use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Sphere, SphereImage};
+use crate::trace::scene::ShapeRef;
+use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 use crate::trace::{Geometry, PreparedShape, SurfaceMaterial};
 
 const SIDE_PIXELS: u32 = 20;
@@ -17,9 +18,15 @@ type Surface = Option<(ShapeId, [i8; 3])>;
 fn surface(scene: &PreparedScene, ray: &PreparedRay, search: &mut Scratch<'_>) -> Surface {
     let hit = scene.closest_of_all(ray, search)?;
     let point = scene.surface(ray, &hit, search);
-    let is_box = matches!(scene.geometry().shape(point.hit.id), crate::trace::scene::ShapeRef::AlignedBox(_));
+    let is_box = matches!(scene.geometry().shape(point.hit.id), ShapeRef::AlignedBox(_));
     #[expect(clippy::cast_possible_truncation, reason = "-1, 0 or 1")]
     let face = if is_box { point.normal.to_array().map(|part| part.round() as i8) } else { [0; 3] };
+    let flat_end = match scene.geometry().shape(point.hit.id) {
+        ShapeRef::Rod(rod) => rod.slab().map(|(row, _)| row.normalize()),
+        _ => None,
+    };
+    let is_flat = flat_end.is_some_and(|axis| axis.dot(point.normal).abs() > 0.999_999);
+    let face = if is_flat { [2; 3] } else { face };
     Some((point.hit.id, face))
 }
 
@@ -96,6 +103,16 @@ fn shape() -> impl Strategy<Value = PreparedShape> {
         2 => placed().prop_map(|(map, half)| PreparedShape::BoxImage(BoxImage::new(map, half).unwrap())),
         2 => placed().prop_map(|(map, half)| {
             PreparedShape::SphereImage(SphereImage::new(map * DAffine3::from_scale(half), 1.0))
+        }),
+        3 => (point(4.0), point(3.0), size(), any::<bool>()).prop_map(|(from, way, radius, is_round)| {
+            let to = from + way;
+            let rod = if is_round { Rod::capsule(from, to, radius) } else { Rod::cylinder(from, to, radius) };
+            PreparedShape::Rod(rod.unwrap())
+        }),
+        1 => (placed(), any::<bool>()).prop_map(|((map, half), is_round)| {
+            let (map, stop) = (map * DAffine3::from_scale(half), DVec3::new(0.3, 2.0, 0.1));
+            let capsule = || RodImage::capsule(map, stop, 1.0);
+            PreparedShape::RodImage(if is_round { capsule() } else { RodImage::cylinder(map, stop, 1.0) }.unwrap())
         }),
         1 => (point(4.0), point(1.0)).prop_map(|(at, normal)| {
             PreparedShape::Plane(Plane::new(at, normal.try_normalize().unwrap_or(DVec3::Y)).unwrap())
