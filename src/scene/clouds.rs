@@ -147,7 +147,7 @@ fn entity(cloud: &CloudDocument, source: Option<Box<CloudSource>>) -> EntityDocu
         name: cloud.name.clone(),
         parent: cloud.parent.clone(),
         transform: cloud.transform.clone(),
-        shape: Some(cloud.shape),
+        shape: Some(cloud.shape.clone()),
         material: cloud.material.clone(),
         color: cloud.color.or(white).map(Box::new),
         visible,
