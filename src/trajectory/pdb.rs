@@ -199,7 +199,7 @@ impl AtomColumns {
     }
 
     fn into_snapshot(self) -> Snapshot {
-        let mut snapshot = Snapshot { count: self.serials.len(), ..Snapshot::default() };
+        let mut snapshot = Snapshot { count: self.numbers[0].len(), ..Snapshot::default() };
         let mut numbers = NUMBERS.into_iter().zip(self.numbers);
         let mut labels = LABELS.into_iter().zip(self.labels.into_iter().zip(self.names));
         // The order of the file's columns.
@@ -261,7 +261,6 @@ impl PdbFrames {
             return Err(faults);
         }
         let serials = std::mem::take(&mut columns.serials);
-        columns.serials.resize(serials.len(), None);
         let mut snapshot = columns.into_snapshot();
         (snapshot.cell, snapshot.time) = (found_cell, time);
         Ok((snapshot, serials))

@@ -170,3 +170,83 @@ pub(super) fn title_time(record: &[u8]) -> Option<f64> {
     let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
     parse_number(&text[..end])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hybrid_numbers_continue_decimal_ones() {
+        for (text, number) in [
+            ("    1", 1),
+            ("99999", 99_999),
+            ("A0000", 100_000),
+            ("A0001", 100_001),
+            ("ZZZZZ", 43_770_015),
+            ("a0000", 43_770_016),
+            ("zzzzz", 87_440_031),
+        ] {
+            assert_eq!(serial(text.as_bytes()), Some(number), "{text}");
+        }
+        assert_eq!(residue_number(b"A000"), 10_000.0);
+        assert_eq!(residue_number(b" -12"), -12.0);
+        for text in ["*****", "A000", "a00A0", "", "A00-0"] {
+            assert_eq!(serial(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn elements_follow_from_names() {
+        let element = |name: &str, residue: &str| {
+            let record = format!("ATOM      1 {name} {residue:>3} A   1       0.000   0.000   0.000");
+            AtomRecord::parse(record.as_bytes()).ok().map(|atom| label(atom.labels()[4])).unwrap()
+        };
+        for (name, residue, symbol) in [
+            (" CA ", "ALA", "C"),
+            ("CA  ", " CA", "Ca"),
+            (" NA ", " NA", "Na"),
+            ("HG11", "VAL", "H"),
+            ("1HB ", "ALA", "H"),
+            (" OXT", "ALA", "O"),
+            ("FE  ", "HEM", "Fe"),
+            (" NE2", "HIS", "N"),
+            ("CL  ", " CL", "Cl"),
+            (" SG ", "CYS", "S"),
+            ("CA  ", "GLY", "C"),
+            ("HW1 ", "SOL", "H"),
+            ("ZN  ", " ZN", "Zn"),
+            (" X  ", "UNK", ""),
+        ] {
+            assert_eq!(element(name, residue), symbol, "{name} {residue}");
+        }
+    }
+
+    fn label(text: &[u8]) -> String {
+        String::from_utf8_lossy(text).into_owned()
+    }
+
+    #[test]
+    fn cells_are_those_of_crystals() {
+        let read = |text: &str| cell(text.as_bytes(), 3);
+        let cube =
+            read("CRYST1   10.000   20.000   30.000  90.00  90.00  90.00 P 1           1").unwrap().unwrap();
+        assert_eq!(
+            cube.edges.map(|edge| [edge.x, edge.y, edge.z]),
+            [[10.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 30.0]]
+        );
+        for none in [
+            "CRYST1    1.000    1.000    1.000  90.00  90.00  90.00 P 1           1",
+            "CRYST1    0.000    0.000    0.000  90.00  90.00  90.00 P 1           1",
+            "CRYST1",
+        ] {
+            assert_eq!(read(none), Ok(None));
+        }
+        for bad in [
+            "CRYST1   10.000   20.000   30.000 190.00  90.00  90.00 P 1           1",
+            "CRYST1   10.000   20.0x0   30.000  90.00  90.00  90.00 P 1           1",
+            "CRYST1   10.000  -20.000   30.000  90.00  90.00  90.00 P 1           1",
+        ] {
+            assert!(read(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -166,6 +166,11 @@ fn unknown_format(path: &Path) -> Faults {
         Some(extension) => format!("the format `.{}` is unknown", extension.to_string_lossy()),
         None => "the name has no extension that tells the format".to_owned(),
     };
+    let compressed = ["bz2", "xz", "lz4", "zip", "7z", "z"];
+    if path.extension().is_some_and(|end| compressed.iter().any(|known| end.eq_ignore_ascii_case(known))) {
+        let remedy = "decompress the file, or compress it with gzip or zstd";
+        return Faults::one(DataPlace::Whole, cause, remedy);
+    }
     let remedy = format!(
         "name the format, or rename the file to one of {extensions}, each with or without `.gz` or `.zst`"
     );

@@ -400,7 +400,11 @@ pub(super) fn kind_of<'a>(fields: impl Iterator<Item = TextField<'a>>) -> Column
         let Some(text) = unquote(field.text) else { continue };
         let text = text.trim_ascii();
         // `T` and `F` alone are more often names than logical values.
-        let is_number = parse_number(text).is_some() || text.len() > 1 && parse_logical(text).is_some();
+        let is_logical = text.len() > 1 && parse_logical(text).is_some();
+        // Numbers with decimal commas are reported, not taken for names.
+        let has_digits = text.iter().any(u8::is_ascii_digit)
+            && text.iter().all(|byte| byte.is_ascii_digit() || b"+-.,eE".contains(byte));
+        let is_number = parse_number(text).is_some() || is_logical || has_digits;
         match is_number {
             true => numbers += 1,
             false if is_missing(text) => {}

@@ -34,18 +34,14 @@ fn check(snapshot: &Snapshot, positions: &[[f64; 3]]) {
 proptest! {
     #[test]
     fn csv_files_hold_what_was_written(
-        frames in frames("[ -~]{0,9}"),
+        frames in frames("[p-s][ -~]{0,8}"),
         separator in prop::sample::select(&[',', ';', '\t'][..]),
         end in prop::sample::select(&["\n", "\r\n", "\n\n"][..]),
     ) {
         let folder = tempfile::tempdir().unwrap();
         let snapshot = open(folder.path(), "a.csv", &csv(&frames[0], separator, end)).unwrap().read(0).unwrap();
         check(&snapshot, &frames[0].positions);
-        let labels: Vec<&str> = frames[0].labels.iter().map(String::as_str).collect();
-        let is_text = labels.iter().any(|label| label.bytes().any(|byte| byte.is_ascii_alphabetic()) && label.len() > 5);
-        if is_text && matches!(snapshot.column("label"), Some(rayreel::trajectory::Values::Labels { .. })) {
-            prop_assert_eq!(texts(&snapshot, "label"), labels);
-        }
+        prop_assert_eq!(texts(&snapshot, "label"), frames[0].labels.clone());
     }
 
     #[test]
