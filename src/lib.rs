@@ -157,7 +157,7 @@
 //! | `systems` | the work of each frame, `frame` to `trace`; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
-//! | `output` | frame files, sequences, sheets, movies | trace, color, time | image, png, exr, blake3, font8x8, rayon |
+//! | `output` | frame files, sequences, sheets, movies | trace, color, time | image, color_quant, png, exr, blake3, font8x8, rayon |
 //! | `sequence` | sequences in folders: existing, missing and corrupt frames; movies of timelines | engine, systems, components, trace, output, time | rayon |
 //! | `live` | file watching, reloading, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output | hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
 //! | `book` | chapters for rustdoc, which `build.rs` prepares | | base64 |

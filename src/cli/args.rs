@@ -37,7 +37,7 @@ pub(super) use overrides::OverrideArguments;
   rayreel render ball.ron --frames 0-47x4  render every fourth frame of the first two seconds
   rayreel verify out/ball                  check that all frames are complete and up to date
   rayreel render ball.ron --sheet 6x4      render 24 frames into one picture
-  rayreel explain ball.ron                 list the effects of the scene and their costs
+  rayreel explain ball.ron                 list the effects of the scene, with reasons
   rayreel accuracy ball.ron                measure the cost and the error of each setting
   rayreel compare a.png b.png              print the difference of two pictures
   rayreel probe ball.ron --pixel 320,180   print the ray tree of a pixel, which explains its colour
@@ -139,7 +139,8 @@ pub(super) struct RenderArguments {
     /// [default: <scene>.####]
     #[arg(long, value_name = "PATTERN", conflicts_with_all = ["at", "sheet"])]
     pub(super) name: Option<FrameNames>,
-    /// Frame size in pixels, as in 1280x720 [default: the scene's size]
+    /// Frame size in pixels, as in 1280x720 [default: the scene's size]. Frames of another size than the scene's go to a
+    /// subfolder, as out/<scene>/1280x720, unless --out is given
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, allow_hyphen_values = true)]
     pub(super) size: Option<(u32, u32)>,
     /// Render a contact sheet of this many columns and rows, <scene>.sheet.png: frames evenly spaced from the first to the last,
@@ -360,11 +361,10 @@ its coefficient is 0 at this time, the light is off, nothing moves while the shu
 shape with the effect is visible. The picture is the same, bit for bit, as with all effects
 (render --full).
 
-At most 10000 frames, evenly spaced, are examined. Rays and seconds are measured in up to three of
-them, spread over the timeline. The cost of an effect is the saving from rendering without it; with
---measure, it is measured in five interleaved rounds, and printed with half the range between the
-extremes. --measure also prints the error of the picture without the effect, maximum and RMS, in
-8-bit levels.")]
+At most 10000 frames, evenly spaced, are examined, and none is rendered. --measure renders up to three
+of them, spread over the timeline, about ten times per effect. The cost of an effect is the saving
+from rendering without it, as the median of five interleaved rounds with half the range between the
+extremes. The error of the picture without the effect, maximum and RMS, is in 8-bit levels.")]
 pub(super) struct ExplainArguments {
     /// The scene file
     pub(super) scene: PathBuf,
@@ -377,7 +377,7 @@ pub(super) struct ExplainArguments {
     /// Number of render threads [default: one per core]
     #[arg(long, value_name = "COUNT", value_parser = parse_threads, allow_hyphen_values = true)]
     pub(super) threads: Option<u16>,
-    /// Also print the error of the picture without each effect
+    /// Also render with and without each effect, and print its cost in rays and time, and the error without it
     #[arg(long)]
     pub(super) measure: bool,
     /// Instead, draw the camera's path into this SVG file: from above, from the side, and its speed over time; at most 4000

@@ -20,6 +20,7 @@ mod interrupt;
 mod lsp;
 mod man;
 mod manifest;
+mod measure_progress;
 mod movie;
 mod new;
 mod new_from;

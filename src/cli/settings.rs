@@ -54,6 +54,8 @@ impl OutputSettings {
         let mut directory = arguments.out.clone().unwrap_or_else(|| Path::new("out").join(name));
         if arguments.draft {
             directory.push("draft");
+        } else if let Some((width, height)) = own_folder_size(arguments, film) {
+            directory.push(format!("{width}x{height}"));
         }
         let (format, stream) = formats(arguments)?;
         let mut sequence = Sequence::new(directory, name, last, format);
@@ -94,6 +96,13 @@ impl OutputSettings {
         let progress = ProgressOutput::new(arguments);
         Ok(Self { selection, order, sequence, existing, sheet, variants, stream, progress, size, threads })
     }
+}
+
+/// Returns the size of frames that go to a subfolder: a test in another size than the scene's keeps finished frames as they are.
+fn own_folder_size(arguments: &RenderArguments, film: FilmSettings) -> Option<(u32, u32)> {
+    let makes_frames = arguments.sheet.is_none() && arguments.variants.is_empty();
+    let size = arguments.size.filter(|size| *size != (film.width, film.height))?;
+    (makes_frames && arguments.out.is_none()).then_some(size)
 }
 
 /// The kind of progress output.

@@ -1,21 +1,25 @@
 //! Animated GIF files, with a palette of 256 colours per frame.
 
+use std::collections::HashSet;
+
 use std::error::Error;
 use std::io::Write;
 
+use color_quant::NeuQuant;
 use image::codecs::gif::{GifEncoder, Repeat};
-use image::{Delay, DynamicImage, Frame};
+use image::{Delay, DynamicImage, Frame, RgbaImage};
 
 use crate::trace::EncodedFilm;
 
 /// The encoder of an endlessly repeated animation.
 pub(super) struct GifWriter<W: Write>(GifEncoder<W>);
 
+/// Size of a palette.
+const COLORS: usize = 256;
+
 impl<W: Write> GifWriter<W> {
     pub(super) fn new(out: W) -> Result<Self, Box<dyn Error + Send + Sync>> {
-        /// Speed of colour quantization, from 1, the best and slowest, to 30.
-        const SPEED: i32 = 10;
-        let mut encoder = GifEncoder::new_with_speed(out, SPEED);
+        let mut encoder = GifEncoder::new(out);
         encoder.set_repeat(Repeat::Infinite)?;
         Ok(Self(encoder))
     }
@@ -27,8 +31,34 @@ impl<W: Write> GifWriter<W> {
         hundredths: u16,
     ) -> Result<(), Box<dyn Error + Send + Sync>> {
         let delay = Delay::from_numer_denom_ms(10 * u32::from(hundredths), 1);
-        let picture = DynamicImage::from(film.to_image()).into_rgba8();
+        let mut picture = DynamicImage::from(film.to_image()).into_rgba8();
+        reduce_colors(&mut picture);
         Ok(self.0.encode_frame(Frame::from_parts(picture, 0, 0, delay))?)
+    }
+}
+
+/// Reduces a picture to the colours of a palette, if it has more. An ordered dither (Bayer, 1973) avoids bands in smooth gradients, and,
+/// being the same in each frame, does not flicker.
+fn reduce_colors(picture: &mut RgbaImage) {
+    /// Speed of colour quantization, from 1, the best and slowest, to 30.
+    const SPEED: i32 = 10;
+    /// Offsets in 8-bit levels. Their range is about the distance of two palette colours in a sky.
+    const OFFSETS: [[i8; 4]; 4] = [[-4, 0, -3, 1], [2, -2, 3, -1], [-3, 1, -4, 0], [3, -1, 2, -2]];
+    let mut colors = HashSet::new();
+    let fits = picture.pixels().all(|pixel| {
+        colors.insert(*pixel);
+        colors.len() <= COLORS
+    });
+    if fits {
+        return;
+    }
+    let palette = NeuQuant::new(SPEED, COLORS, picture);
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        let offset = OFFSETS[y as usize % 4][x as usize % 4];
+        for channel in &mut pixel.0[..3] {
+            *channel = channel.saturating_add_signed(offset);
+        }
+        palette.map_pixel(&mut pixel.0);
     }
 }
 
@@ -65,6 +95,32 @@ mod tests {
         // Twelve colours are few enough for all of them to be kept.
         let first = frames[0].buffer().get_pixel(1, 1).0;
         assert_eq!(first[..3], film(1).bytes()[15..18]);
+    }
+
+    /// Checks that a gradient of more colours than a palette has keeps the mean of each small block.
+    #[test]
+    fn gradients_are_dithered() {
+        let (width, height) = (512, 16);
+        let bytes: Vec<u8> = (0..width * height)
+            .flat_map(|index| {
+                [(index % width / 4) as u8 + 60, (index % width / 3) as u8, 90 + (index / width) as u8]
+            })
+            .collect();
+        let film = EncodedFilm::from_bytes(width, height, &bytes).unwrap();
+        let exact = DynamicImage::from(film.to_image()).into_rgba8();
+        let mut reduced = exact.clone();
+        reduce_colors(&mut reduced);
+        assert!(reduced.pixels().collect::<HashSet<_>>().len() <= COLORS);
+        for (x, y) in (0..width / 16).flat_map(|x| (0..height / 16).map(move |y| (16 * x, 16 * y))) {
+            for channel in 0..3 {
+                let mean = |picture: &RgbaImage| {
+                    let block = (0..256).map(|index| (x + index % 16, y + index / 16));
+                    block.map(|(x, y)| f64::from(picture.get_pixel(x, y).0[channel])).sum::<f64>() / 256.0
+                };
+                let difference = mean(&reduced) - mean(&exact);
+                assert!(difference.abs() < 2.0, "{x}, {y}: {difference}");
+            }
+        }
     }
 
     #[test]

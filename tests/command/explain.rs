@@ -79,7 +79,7 @@ fn every_effect_has_its_frames_and_reasons() {
     let report = explained(&[]);
     assert_eq!((&report["scene"], &report["frames"]), (&json!("scene.ron"), &json!(10)));
     assert_eq!((&report["width"], &report["height"]), (&json!(64), &json!(36)));
-    assert_eq!(report["measured"]["frames"], json!([0, 4, 9]));
+    assert_eq!(report["measured"], Value::Null);
     let expected = [
         ("ambient light", vec![(json!([[0, 9]]), true, "k_a is above 0")]),
         ("emission", vec![(json!([[0, 9]]), false, "no material has `emission`")]),
@@ -205,8 +205,8 @@ fn effect_costs_count_rays_and_errors() {
         assert_eq!(effect(&report, name)["cost"], Value::Null, "{name}");
     }
     let unmeasured = explained(&["--frames", "0"]);
-    let cost = effect(&unmeasured, "ambient light")["cost"].as_object().unwrap().clone();
-    assert_eq!(cost.keys().collect::<Vec<_>>(), ["instructions", "rays", "share"]);
+    assert_eq!(effect(&unmeasured, "ambient light")["cost"], Value::Null);
+    assert_eq!(report["measured"]["frames"], json!([0, 4, 9]));
 }
 
 #[test]
@@ -262,14 +262,29 @@ fn text_output_is_a_table_of_the_json_values() {
 }
 
 #[test]
+fn text_output_without_measurements_has_reasons_only() {
+    let output = explain(&["scene.ron"]);
+    assert!(output.status.success() && output.stderr.is_empty());
+    let found = text(&output.stdout);
+    let blocks: Vec<&str> = found.split("\n\n").collect();
+    assert!(blocks[1].starts_with("Every frame needs ambient light, antialiasing.\n"), "{found}");
+    let needed: Vec<_> = blocks[2].lines().map(cells).collect();
+    assert_eq!(needed[0], ["needed", "frames", "why"]);
+    assert_eq!(needed[3], ["highlights", "8-9", "k_s is above 0 and a light is on"]);
+    assert!(blocks[3].starts_with("omitted "), "{found}");
+    assert_eq!(blocks.len(), 4);
+}
+
+#[test]
 fn only_selected_frames_are_explained() {
     let report = explained(&["--frames", "8,1-7x2", "--size", "8x2"]);
     assert_eq!((&report["width"], &report["height"], &report["frames"]), (&json!(8), &json!(2), &json!(5)));
-    assert_eq!(report["measured"]["frames"], json!([1, 5, 8]));
     // Spans have no gaps among the chosen frames 1, 3, 5, 7 and 8.
     assert_eq!(spans(&report, "highlights")[1].0, json!([[3, 7]]));
     assert_eq!(spans(&report, "highlights")[2].0, json!([[8, 8]]));
-    let output = explain(&["scene.ron", "--frames", "2", "--size", "8x2"]);
+    let measured = explained(&["--frames", "8,1-7x2", "--size", "8x2", "--measure"]);
+    assert_eq!(measured["measured"]["frames"], json!([1, 5, 8]));
+    let output = explain(&["scene.ron", "--frames", "2", "--size", "8x2", "--measure"]);
     let found = text(&output.stdout);
     assert!(found.starts_with("scene.ron: 1 frame of 8x2\n"), "{found}");
     assert!(
@@ -314,7 +329,6 @@ fn long_timelines_are_sampled() {
         |arguments: &[&str]| stdout_of(folder.path(), [&["explain", "long.ron"], arguments].concat());
     let report: Value = serde_json::from_str(&explain(&["--json"])).unwrap();
     assert_eq!((&report["frames"], &report["spread_over"]), (&json!(10_000), &json!(100_000_000)));
-    assert_eq!(report["measured"]["frames"].as_array().unwrap().last(), Some(&json!(99_999_999)));
     // The light turns on at frame 250 000, between the examined frames 240 024 and 250 025.
     let lit = &spans(&report, "diffuse light")[1];
     assert_eq!((&lit.0, lit.1), (&json!([[250_025, 99_999_999]]), true));

@@ -15,7 +15,7 @@ fn single_frames_equal_sequence_frames_on_any_thread_count() {
     let folder = tempfile::tempdir().unwrap();
     let sequence = rayreel(folder.path(), ["render", FIRST_LIGHT, "--frames", "36-44", "--size", "320x180"]);
     assert!(sequence.status.success(), "{}", text(&sequence.stderr));
-    let whole = fs::read(folder.path().join("out/first_light/first_light.0040.png")).unwrap();
+    let whole = fs::read(folder.path().join("out/first_light/320x180/first_light.0040.png")).unwrap();
     for threads in ["1", "2", "8"] {
         let arguments = [
             "render",
@@ -256,9 +256,18 @@ fn check_prints_text_and_json() {
 fn new_writes_a_scene_that_renders_and_never_overwrites() {
     let folder = tempfile::tempdir().unwrap();
     assert!(rayreel(folder.path(), ["new", "mine.ron"]).status.success());
+    let own_size = rayreel(folder.path(), ["render", "mine.ron", "--size", "640x360", "--frames", "0"]);
+    assert!(own_size.status.success(), "{}", text(&own_size.stderr));
+    let finished = fs::read(folder.path().join("out/mine/mine.0000.png")).unwrap();
     let output = rayreel(folder.path(), ["render", "mine.ron", "--size", "32x18"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert_eq!(pictures(&folder.path().join("out/mine")).len(), 48);
+    assert_eq!(pictures(&folder.path().join("out/mine/32x18")).len(), 48);
+    assert_eq!(
+        pictures(&folder.path().join("out/mine")),
+        ["mine.0000.png"],
+        "a test leaves finished frames alone"
+    );
+    assert!(fs::read(folder.path().join("out/mine/mine.0000.png")).unwrap() == finished);
 
     fs::write(folder.path().join("mine.ron"), "precious").unwrap();
     let output = rayreel(folder.path(), ["new", "mine.ron"]);
@@ -304,7 +313,7 @@ fn help_shows_examples_and_completions_are_scripts() {
 fn start_long_rendering(folder: &Path) -> (Child, PathBuf) {
     let arguments = ["render", FIRST_LIGHT, "--size", "960x540", "--json"];
     let child = command(RAYREEL, folder).args(arguments).spawn().unwrap();
-    let out = folder.join("out/first_light");
+    let out = folder.join("out/first_light/960x540");
     let whole = || files(&out).iter().filter(|name| name.ends_with(".png")).count();
     until("a few frames", || whole() >= 2);
     (child, out)

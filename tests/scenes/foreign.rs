@@ -40,7 +40,7 @@ fn files_of_other_programs_are_recognized() {
     let message = |name: &str, content: &[u8]| given(name, content).unwrap();
     let pov = message("room.pov", b"#include \"colors.inc\"\ncamera { location <0, 2, -3> }\n");
     assert!(pov.contains("room.pov` is a scene of POV-Ray, not a scene of rayreel\n"), "{pov}");
-    assert!(pov.contains("= help: write the scene in RON"), "{pov}");
+    assert!(pov.contains("= help: `Coming from POV-Ray`, a chapter of the book"), "{pov}");
     assert!(message("room.blend", b"BLENDER\xff\xfe").contains("is a file of Blender"));
     assert!(
         message("a.GLTF", b"{ \"asset\": { \"version\": \"2.0\" } }").contains("is a model of triangles")

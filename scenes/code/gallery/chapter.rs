@@ -37,7 +37,7 @@ pub(crate) fn folder_of(repository: &Path, chapter: &str) -> Result<TempDir> {
     Ok(folder)
 }
 
-/// Writes a scene of a chapter, under the name in its first line, `// ball.ron`, if it has one. Fields of a scene extend the last whole
+/// Writes a scene of a chapter, under the name in its first line, `// ball.ron`, if it has one. Fields of a scene extend the
 /// scene before them. Returns the name of the file.
 pub(crate) fn write_scene(block: &Block, last: &mut Option<String>, folder: &Path) -> Result<String> {
     let named = block.text.lines().next().and_then(|line| line.strip_prefix("// "));
@@ -45,11 +45,11 @@ pub(crate) fn write_scene(block: &Block, last: &mut Option<String>, folder: &Pat
     let file = named.map_or_else(|| format!("line_{}.ron", block.line), str::to_owned);
     if block.text.lines().any(|line| line == "Scene(" || line == "(") {
         fs::write(folder.join(&file), &block.text)?;
-        *last = Some(file.clone());
     } else {
         let base = last.as_deref().unwrap_or("(no scene to extend)");
         fs::write(folder.join(&file), format!("Scene(\n    extends: \"{base}\",\n{})\n", block.text))?;
     }
+    *last = Some(file.clone());
     Ok(file)
 }
 

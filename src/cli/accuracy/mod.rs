@@ -1,13 +1,12 @@
 //! `rayreel accuracy`
 //!
-//! [`rayreel::accuracy`] measures, [`progress`] shows the progress, and [`table`], [`data`] and [`html`] format the results.
+//! [`rayreel::accuracy`] measures, and [`table`], [`data`] and [`html`] format the results.
 
 mod bars;
 mod chart;
 mod data;
 mod html;
 mod machine;
-mod progress;
 mod table;
 
 use std::sync::atomic::Ordering;
@@ -24,12 +23,12 @@ use super::args::AccuracyArguments;
 use super::exit::Failure;
 use super::heat_map::heat_map;
 use super::interrupt::Interruption;
+use super::measure_progress::MeasureProgress;
 use super::overrides::{Changed, load};
 use super::print;
 use super::settings::require_frame;
 use super::write_file::{ensure_not_the_scene, write_file};
 use machine::Machine;
-use progress::MeasureProgress;
 
 /// Maximum number of frames measured.
 const MOST_FRAMES: u32 = 8;

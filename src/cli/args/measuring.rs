@@ -20,8 +20,8 @@ use crate::cli::values::{parse_size, parse_threads, parse_tolerance};
 Varies every setting that affects the scene: samples, error target, samples per light, instants,
 depth, cutoff and precision; and renders without each effect. Each picture is compared with a
 reference of many samples, whose own uncertainty is printed; its time is measured in alternation with
-the scene's own settings. Takes minutes; --quick takes seconds and is less certain. Ctrl-C stops the
-measurement.
+the scene's own settings. Takes minutes, and --quick less, with less certainty; begin with a small --size.
+Ctrl-C discards the measurement.
 
 A star marks the Pareto front: no other setting is cheaper and at least as accurate, or more accurate
 and at least as cheap. Differences within the uncertainty of errors and the scatter of times are

@@ -2,11 +2,11 @@
 
 use serde_json::{Value, json};
 
-use rayreel::accuracy::{FilmError, MeasuredFrame, MedianRange};
+use rayreel::accuracy::{FilmError, MeasuredFrame, MedianRange, Observer};
 use rayreel::trace::Signals;
 use rayreel::{Effect, Engine, EngineError, Film, RenderSettings};
 
-use super::super::instructions::Instructions;
+use super::super::measure_progress::MeasureProgress;
 use super::super::report::in_millions;
 use super::timeline::PlannedTimeline;
 
@@ -33,6 +33,9 @@ pub(super) struct Cost {
     pub(super) error: FilmError,
 }
 
+/// Number of rounds in which every effect is measured.
+const ROUNDS: u32 = 5;
+
 /// All measured frames, rendered with one set of effects.
 struct MeasuredEffects {
     films: Vec<Film>,
@@ -44,11 +47,10 @@ struct MeasuredEffects {
 impl Costs {
     /// Measures each effect once per round. Every measurement without an effect lies between two measurements with all effects, because the
     /// speed of machines varies over time.
-    pub(super) fn of(
+    pub(super) fn measure(
         engine: &mut Engine,
         timeline: &PlannedTimeline,
-        rounds: u32,
-        counter: &mut Instructions,
+        mut progress: MeasureProgress,
     ) -> Result<Self, EngineError> {
         let frames = timeline.samples();
         let count = frames.len().max(1) as f64;
@@ -56,13 +58,18 @@ impl Costs {
         let mut effects: Vec<(Effect, Cost)> =
             needed.map(|needed| (needed.effect, Cost::default())).collect();
         // The first render warms up the caches and is not measured.
-        render(engine, &frames, None, counter)?;
+        progress.show("all effects", 0.0);
+        render(engine, &frames, None, &mut progress)?;
         let mut seconds = Vec::new();
-        let mut full = render(engine, &frames, None, counter)?;
-        for round in 0..rounds.max(1) {
+        let mut full = render(engine, &frames, None, &mut progress)?;
+        let steps = f64::from(ROUNDS) * effects.len() as f64;
+        let mut done = 0.0;
+        for round in 0..ROUNDS {
             for (effect, cost) in &mut effects {
-                let part = render(engine, &frames, Some(*effect), counter)?;
-                let before = std::mem::replace(&mut full, render(engine, &frames, None, counter)?);
+                progress.show(effect.name(), done / steps);
+                done += 1.0;
+                let part = render(engine, &frames, Some(*effect), &mut progress)?;
+                let before = std::mem::replace(&mut full, render(engine, &frames, None, &mut progress)?);
                 let mean = f64::midpoint(before.seconds, full.seconds).max(f64::MIN_POSITIVE);
                 cost.shares.push((1.0 - part.seconds / mean).max(0.0));
                 if round == 0 {
@@ -115,18 +122,18 @@ impl Costs {
         })
     }
 
-    pub(super) fn effect_json(&self, effect: Effect, measure: bool) -> Value {
+    pub(super) fn effect_json(&self, effect: Effect) -> Value {
         let Some(cost) = self.effect(effect) else { return Value::Null };
         let share = cost.share();
-        let mut object =
-            json!({ "rays": cost.rays, "instructions": cost.instructions, "share": share.median });
-        if measure {
-            object["share_low"] = share.low.into();
-            object["share_high"] = share.high.into();
-            object["max_error"] = cost.error.max.into();
-            object["rms_error"] = cost.error.rms.into();
-        }
-        object
+        json!({
+            "rays": cost.rays,
+            "instructions": cost.instructions,
+            "share": share.median,
+            "share_low": share.low,
+            "share_high": share.high,
+            "max_error": cost.error.max,
+            "rms_error": cost.error.rms,
+        })
     }
 }
 
@@ -141,14 +148,15 @@ fn render(
     engine: &mut Engine,
     frames: &[u32],
     without: Option<Effect>,
-    counter: &mut Instructions,
+    progress: &mut MeasureProgress,
 ) -> Result<MeasuredEffects, EngineError> {
     let settings = RenderSettings { without: without.into_iter().collect(), ..RenderSettings::default() };
     let mut rendered = MeasuredEffects { films: Vec::new(), rays: 0.0, instructions: None, seconds: 0.0 };
     let cancelled = Signals::none().cancelled;
     for frame in frames {
         let time = engine.timeline().time_of(*frame);
-        let measured = MeasuredFrame::render(engine, time, settings, cancelled, &mut || counter.so_far())?;
+        let measured =
+            MeasuredFrame::render(engine, time, settings, cancelled, &mut || progress.instructions())?;
         let MeasuredFrame { film, seconds, rays, instructions, .. } = measured;
         rendered.films.push(film);
         rendered.seconds += seconds;

@@ -1,7 +1,7 @@
 //! `rayreel explain`
 //!
-//! [`timeline`] collects the frames that need each effect, with the reasons; [`cost`] renders with and without each effect; [`table`]
-//! formats the results. [`path`] draws the camera's path instead.
+//! [`timeline`] collects the frames that need each effect, with the reasons; [`cost`] renders with and without each effect, on request;
+//! [`table`] formats the results. [`path`] draws the camera's path instead.
 
 mod cost;
 mod path;
@@ -18,7 +18,7 @@ use rayreel::{Engine, RenderSettings};
 
 use super::args::ExplainArguments;
 use super::exit::Failure;
-use super::instructions::Instructions;
+use super::measure_progress::MeasureProgress;
 use super::overrides::{Changed, load};
 use super::print;
 use super::settings::require_frame;
@@ -38,14 +38,13 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     if let Some(size) = arguments.size {
         engine.settings = RenderSettings { size: Some(size), ..engine.settings };
     }
-    // The counter must start before the threads whose instructions it counts.
-    let mut counter = Instructions::start();
+    let progress = arguments.measure.then(MeasureProgress::start);
     let threads = arguments.threads.map_or(0, usize::from);
     let pool: ThreadPool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .context("cannot start the rendering threads")?;
-    let explanation = pool.install(|| Explanation::of(arguments, &mut engine, &frames, &mut counter))?;
+    let explanation = pool.install(|| Explanation::of(arguments, &mut engine, &frames, progress))?;
     if arguments.json {
         print::json(explanation.json())?;
     } else {
@@ -54,17 +53,14 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Number of rounds in which every effect is measured with `--measure`.
-const ROUNDS: u32 = 5;
-
 /// The contents of an explanation.
 struct Explanation {
     scene: String,
     changed: Changed,
     size: (u32, u32),
-    measure: bool,
     timeline: PlannedTimeline,
-    costs: Costs,
+    /// With `--measure`.
+    costs: Option<Costs>,
 }
 
 impl Explanation {
@@ -72,16 +68,15 @@ impl Explanation {
         arguments: &ExplainArguments,
         engine: &mut Engine,
         frames: &FrameList,
-        counter: &mut Instructions,
+        progress: Option<MeasureProgress>,
     ) -> Result<Self, rayreel::EngineError> {
         let timeline = PlannedTimeline::of(engine, frames)?;
-        let costs = Costs::of(engine, &timeline, if arguments.measure { ROUNDS } else { 1 }, counter)?;
+        let costs = progress.map(|progress| Costs::measure(engine, &timeline, progress)).transpose()?;
         let film = engine.effective_settings().film;
         Ok(Self {
             scene: arguments.scene.display().to_string(),
             changed: Changed::new(&arguments.overrides),
             size: (film.width, film.height),
-            measure: arguments.measure,
             timeline,
             costs,
         })
@@ -96,11 +91,11 @@ impl Explanation {
         };
         let changed = self.changed.describe().map_or_else(String::new, |changed| changed + "\n");
         format!(
-            "{}: {count} of {width}x{height}\n{changed}\n{}\n{}\n{}",
+            "{}: {count} of {width}x{height}\n{changed}\n{}\n{}{}",
             Printable(&self.scene),
             self.timeline.describe(),
-            self.costs.describe(),
-            table::draw(&self.timeline, &self.costs, self.measure)
+            self.costs.as_ref().map_or_else(String::new, |costs| costs.describe() + "\n"),
+            table::draw(&self.timeline, self.costs.as_ref())
         )
     }
 
@@ -111,7 +106,7 @@ impl Explanation {
             "height": self.size.1,
             "frames": self.timeline.count(),
             "spread_over": self.timeline.spread_over(),
-            "measured": self.costs.json(),
+            "measured": self.costs.as_ref().map(Costs::json),
             "effects": self.timeline.effects().map(|needs| json!({
                 "effect": needs.effect.name(),
                 "spans": needs.spans.iter().map(|span| json!({
@@ -119,7 +114,7 @@ impl Explanation {
                     "needed": span.need.is_needed(),
                     "why": span.need.reason(),
                 })).collect::<Vec<_>>(),
-                "cost": self.costs.effect_json(needs.effect, self.measure),
+                "cost": self.costs.as_ref().map(|costs| costs.effect_json(needs.effect)),
             })).collect::<Vec<_>>(),
         });
         self.changed.add_to(&mut explanation);

@@ -9,15 +9,15 @@ use super::timeline::PlannedTimeline;
 /// Index of the time column.
 const TIME: usize = 4;
 
-/// Formats a table of the needed effects, followed by a table of the effects that are not needed.
-pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> String {
+/// Formats a table of the needed effects, with their costs if they were measured, followed by a table of the effects that are not needed.
+pub(super) fn draw(timeline: &PlannedTimeline, costs: Option<&Costs>) -> String {
     let (mut needed, mut omitted) = (Vec::new(), Vec::new());
     for needs in timeline.effects() {
         for span in &needs.spans {
             let mut row =
                 vec![needs.effect.name().to_owned(), span.describe(), span.need.reason().to_owned()];
             if span.need.is_needed() {
-                row.extend(cost_cells(needs.effect, costs, measure));
+                row.extend(costs.map(|costs| cost_cells(needs.effect, costs)).unwrap_or_default());
                 needed.push(row);
             } else {
                 omitted.push(row);
@@ -26,12 +26,12 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> 
     }
     let mut text = String::new();
     if !needed.is_empty() {
-        let mut heads = vec!["needed", "frames", "why", "rays", "time"];
-        if measure && costs.are_instructions_counted() {
-            heads.insert(TIME, "instr.");
-        }
-        if measure {
-            heads.extend(["max error", "rms error"]);
+        let mut heads = vec!["needed", "frames", "why"];
+        if let Some(costs) = costs {
+            heads.extend(["rays", "time", "max error", "rms error"]);
+            if costs.are_instructions_counted() {
+                heads.insert(TIME, "instr.");
+            }
         }
         text += &columns(&heads, &needed);
     }
@@ -42,18 +42,17 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: &Costs, measure: bool) -> 
     text
 }
 
-fn cost_cells(effect: Effect, costs: &Costs, measure: bool) -> Vec<String> {
+fn cost_cells(effect: Effect, costs: &Costs) -> Vec<String> {
     let Some(cost) = costs.effect(effect) else { return Vec::new() };
-    let rays = signed(cost.rays);
     let share = cost.share();
-    let mut cells = vec![rays, format!("{:.0} %", 100.0 * share.median)];
-    if measure {
-        cells[1] = format!("{:.0} ±{:.0} %", 100.0 * share.median, 50.0 * (share.high - share.low));
-        cells.push(format!("{:.1}", cost.error.max));
-        cells.push(format!("{:.2}", cost.error.rms));
-        if costs.are_instructions_counted() {
-            cells.insert(1, signed(cost.instructions.unwrap_or(0.0)));
-        }
+    let mut cells = vec![
+        signed(cost.rays),
+        format!("{:.0} ±{:.0} %", 100.0 * share.median, 50.0 * (share.high - share.low)),
+        format!("{:.1}", cost.error.max),
+        format!("{:.2}", cost.error.rms),
+    ];
+    if costs.are_instructions_counted() {
+        cells.insert(1, signed(cost.instructions.unwrap_or(0.0)));
     }
     cells
 }

@@ -57,7 +57,7 @@ impl<'a> EntityLines<'a> {
         Self { world, lines }
     }
 
-    /// Formats the name and line of an entity, as `"globe" (scenes/first_light.ron:21)`.
+    /// Formats the name and line of an entity, as `"globe" (scenes/first_light.ron:26)`.
     pub(super) fn text(&self, entity: Entity) -> String {
         let name = match self.world.get::<&Name>(entity) {
             // Quoted as in the scene file: a name may contain any character.

@@ -22,7 +22,10 @@ pub(super) fn foreign_file(path: &Path) -> Option<Diagnostic> {
     let name = [".gz", ".zst"].into_iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
     let (_, extension) = name.rsplit_once('.')?;
     let (what, help) = match extension {
-        "pov" | "inc" => ("a scene of POV-Ray", SCENE),
+        "pov" | "inc" => (
+            "a scene of POV-Ray",
+            "`Coming from POV-Ray`, a chapter of the book, has what to write for each of its words; `rayreel new FILE.ron` writes a small scene to start from",
+        ),
         "blend" => ("a file of Blender", SCENE),
         "gltf" | "glb" | "obj" | "fbx" | "stl" | "ply" | "dae" | "usd" | "usda" | "usdc" | "usdz" => {
             ("a model of triangles", SCENE)

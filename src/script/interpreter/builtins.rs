@@ -70,7 +70,7 @@ impl Purpose {
         given.iter().copied().chain(maths::CONSTANTS.map(|(name, _)| name))
     }
 
-    /// Returns the remedy for a name that only scripts with the other purpose know.
+    /// Returns the remedy for a name that only scripts with the other purpose, or scripts of other programs, know.
     pub(super) fn elsewhere(self, name: &str) -> Option<&'static str> {
         let functions = |purpose: Self| purpose.usages().iter().any(|usage| name_in(usage) == name);
         match self {
@@ -80,7 +80,14 @@ impl Purpose {
             Self::Spawn if functions(self.other()) || ScriptContext::NAMES.contains(&name) => Some(
                 "it is for scripts that drive a value; one that spawns runs once, before there is a time",
             ),
-            _ => None,
+            Self::Drive => match name {
+                "clock" => Some("write `t / duration`, from 0 to 1, or `t`, in seconds"),
+                "frame_number" | "frame_current" => Some("write `frame`, from 0"),
+                "time" | "dt" => Some("write `t`, in seconds"),
+                "fmod" => Some("write `mod(x, y)`"),
+                _ => None,
+            },
+            Self::Spawn => None,
         }
     }
 }

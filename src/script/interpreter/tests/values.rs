@@ -201,6 +201,8 @@ fn names_of_the_other_script_kind_are_not_reported_as_typos() {
     let (message, help, _) = refused("value(\"ball\", \"Radius\")");
     assert_eq!(message, "there is no function `value`");
     assert!(help.is_some_and(|help| help.contains("scripts that drive a value")));
+    let Err(NoResult::Error(error)) = run("clock * 360") else { panic!("there is no clock") };
+    assert!(error.help.is_some_and(|help| help.contains("t / duration")));
     let (_, _, unknown) = refused("taw");
     assert_eq!(unknown.unwrap().known, ["pi", "tau", "e"]);
 }

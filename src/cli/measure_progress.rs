@@ -7,8 +7,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use rayreel::accuracy::{Observer, Subject};
 
-use super::super::instructions::Instructions;
-use super::super::print;
+use super::instructions::Instructions;
+use super::print;
 
 /// Display of the progress: a bar on a terminal, occasional lines elsewhere.
 pub(super) struct MeasureProgress {
@@ -36,13 +36,11 @@ impl MeasureProgress {
         let instructions = Instructions::start();
         Self { start: Instant::now(), bar, last: Instant::now(), instructions }
     }
-}
 
-impl Observer for MeasureProgress {
-    fn at(&mut self, subject: Option<Subject>, share: f64) {
+    /// Shows the current step, and the fraction of the work that is done, 0 to 1.
+    pub(super) fn show(&mut self, step: &str, share: f64) {
         /// Fraction of the work that must be done before the remaining time is estimated.
         const LEAST: f64 = 0.02;
-        let step = subject.map_or_else(|| "the reference".to_owned(), |subject| subject.to_string());
         let left = self.start.elapsed().as_secs_f64() * (1.0 - share) / share.max(LEAST);
         let left = if share > LEAST { format!(", about {left:.0} s left") } else { String::new() };
         match &self.bar {
@@ -57,6 +55,13 @@ impl Observer for MeasureProgress {
             }
             None => {}
         }
+    }
+}
+
+impl Observer for MeasureProgress {
+    fn at(&mut self, subject: Option<Subject>, share: f64) {
+        let step = subject.map_or_else(|| "the reference".to_owned(), |subject| subject.to_string());
+        self.show(&step, share);
     }
 
     fn instructions(&mut self) -> Option<u64> {
