@@ -133,6 +133,7 @@
 //! - *Timeline*: [`time::Timeline`], the frame rate and the duration; it converts frame indices to exact times.
 //! - *Frame sequence*: [`Engine::render_to`] and [`sequence::render_sequence`], which render the frames that are missing or out of date;
 //!   [`output::Sequence`] names their files.
+//! - *Trajectory*: [`trajectory::Trajectory`], a data file of particles, read frame by frame.
 //! - *Movie*: [`Engine::render_movie`], and [`output::write_movie`] for finished frames.
 //! - *Fault*: [`Engine::faults`], the entities that are not drawn or not used as given, with causes and remedies.
 //! - *Reload*: [`Engine::reload`], which replaces the scene after an edit; [`scene::Reader`] parses only the edited parts.

@@ -6,7 +6,7 @@ use crate::color::hex_channels;
 
 /// A chemical element.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Element {
+pub(super) struct ChemicalElement {
     pub(super) symbol: &'static str,
     /// The index in the table: the atomic number less 1.
     pub(super) index: u16,
@@ -20,7 +20,7 @@ pub(super) struct Element {
 /// The radius of elements for which none is known, in angstroms.
 const UNKNOWN_RADIUS: f64 = 2.0;
 
-static ELEMENTS: LazyLock<Vec<Element>> = LazyLock::new(|| {
+static ELEMENTS: LazyLock<Vec<ChemicalElement>> = LazyLock::new(|| {
     let rows = include_str!("elements.txt").lines().filter(|line| !line.starts_with('#'));
     let element = |(row, index): (&'static str, u16)| {
         let mut cells = row.split(' ');
@@ -28,7 +28,7 @@ static ELEMENTS: LazyLock<Vec<Element>> = LazyLock::new(|| {
         let mut radius = || cells.next().and_then(|cell| cell.parse().ok()).unwrap_or(UNKNOWN_RADIUS);
         let (covalent, van_der_waals) = (radius(), radius());
         let color = hex_channels(&format!("#{}", cells.next()?))?;
-        Some(Element { symbol, index, covalent, van_der_waals, color })
+        Some(ChemicalElement { symbol, index, covalent, van_der_waals, color })
     };
     rows.zip(0..).filter_map(element).collect()
 });
@@ -39,13 +39,13 @@ pub(super) fn colors() -> impl Iterator<Item = [f64; 3]> {
 }
 
 /// Returns the element with a symbol, in any case. `D` and `T` are hydrogen.
-pub(super) fn element(symbol: &str) -> Option<&'static Element> {
+pub(super) fn element(symbol: &str) -> Option<&'static ChemicalElement> {
     let symbol = if ["D", "T"].contains(&symbol) { "H" } else { symbol };
     ELEMENTS.iter().find(|element| element.symbol.eq_ignore_ascii_case(symbol))
 }
 
 /// Returns the element with an atomic number.
-pub(super) fn numbered(number: f64) -> Option<&'static Element> {
+pub(super) fn numbered(number: f64) -> Option<&'static ChemicalElement> {
     let index = (1..=ELEMENTS.len()).find(|index| number == f64::from(u32::try_from(*index).unwrap_or(0)))?;
     ELEMENTS.get(index - 1)
 }

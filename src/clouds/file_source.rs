@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::columns::FrameColumns;
 use super::error::CloudError;
 use super::filter::ParticleFilter;
-use super::frame_times::{FrameTimes, FramesAt};
+use super::frame_timing::{FrameTiming, FramesAt};
 use super::mapping::{ColorBy, FirstFrame, ScaleBy};
 use super::trajectory_file::TrajectoryFile;
 use crate::color::Transfer;
@@ -17,7 +17,7 @@ use crate::trajectory::{Snapshot, Values};
 #[derive(Clone, Debug, PartialEq)]
 pub struct CloudSettings {
     /// The times of the frames.
-    pub times: FrameTimes,
+    pub times: FrameTiming,
     /// The condition of the particles that are shown.
     pub filter: Option<ParticleFilter>,
     /// Their sizes.

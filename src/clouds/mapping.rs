@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::columns::{ColumnValues, FrameColumns};
-use super::elements::{Element, colors, element, numbered};
+use super::elements::{ChemicalElement, colors, element, numbered};
 use super::error::{CloudError, CloudPart};
 use super::palette::{CATEGORIES, ColorMap};
 use crate::color::{Transfer, hex_channels};
@@ -56,7 +56,7 @@ const ELEMENT: &str = "element";
 impl ScaleBy {
     /// Returns the factors of all particles.
     pub(super) fn scales(&self, columns: &FrameColumns<'_>) -> Result<Vec<f64>, CloudError> {
-        let radius: fn(&Element) -> f64 = match self {
+        let radius: fn(&ChemicalElement) -> f64 = match self {
             Self::Column(name) => {
                 return columns.numbers(name, &CloudPart::ScaleBy).map(std::borrow::Cow::into_owned);
             }
@@ -71,7 +71,7 @@ impl ScaleBy {
 fn by_element<T: Copy + Send + Sync>(
     columns: &FrameColumns<'_>,
     part: &CloudPart,
-    value: impl Fn(&Element) -> T + Sync,
+    value: impl Fn(&ChemicalElement) -> T + Sync,
 ) -> Result<Vec<T>, CloudError> {
     let unknown = |name: String| {
         let message = format!("there is no chemical element {name}");

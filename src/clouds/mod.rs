@@ -1,7 +1,7 @@
 //! Particles of data files as clouds: which of them are shown, where they are at a moment, how large and of which colour.
 //!
 //! ```text
-//! moment -> FrameTimes -> frames of the file -> TrajectoryFile (reads, reads ahead) -> FrameColumns (one frame, or between two)
+//! moment -> FrameTiming -> frames of the file -> TrajectoryFile (reads, reads ahead) -> FrameColumns (one frame, or between two)
 //!     FrameColumns -> ParticleFilter -> positions, sizes, colours -> components::Cloud
 //! ```
 
@@ -10,7 +10,7 @@ mod elements;
 mod error;
 mod file_source;
 mod filter;
-mod frame_times;
+mod frame_timing;
 mod mapping;
 mod palette;
 mod trajectory_file;
@@ -18,7 +18,7 @@ mod trajectory_file;
 pub use error::{CloudError, CloudPart};
 pub use file_source::{CloudSettings, FileParticles};
 pub use filter::ParticleFilter;
-pub use frame_times::{Between, End, FrameTimes};
+pub use frame_timing::{Between, End, FrameTiming};
 pub use mapping::{ColorBy, ScaleBy};
 pub use palette::{CATEGORIES, ColorMap};
 pub use trajectory_file::TrajectoryFile;

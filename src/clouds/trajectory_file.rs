@@ -15,7 +15,7 @@ pub struct TrajectoryFile {
     stamp: Option<FileStamp>,
     /// True if frames stay in memory after use, since other settings may be applied to them.
     is_kept: bool,
-    frames: Mutex<Frames>,
+    frames: Mutex<HeldFrames>,
 }
 
 /// The length of a file, and the time of its last write.
@@ -23,7 +23,7 @@ pub struct TrajectoryFile {
 struct FileStamp(u64, Option<SystemTime>);
 
 #[derive(Debug, Default)]
-struct Frames {
+struct HeldFrames {
     held: Vec<(usize, Arc<Snapshot>)>,
     /// The frame that is being read ahead.
     ahead: Option<(usize, JoinHandle<Result<Snapshot, TrajectoryError>>)>,
@@ -86,7 +86,7 @@ impl TrajectoryFile {
         Ok(snapshot)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Frames> {
+    fn lock(&self) -> MutexGuard<'_, HeldFrames> {
         self.frames.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -16,7 +16,7 @@ use super::spawn::transfer;
 use super::suggest_file::nearby;
 use super::validate::{At, Problems, frame_rate, start_time};
 use crate::clouds::{
-    Between, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End, FileParticles, FrameTimes,
+    Between, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End, FileParticles, FrameTiming,
     ParticleFilter, ScaleBy, TrajectoryFile,
 };
 use crate::components::CloudSource;
@@ -160,7 +160,7 @@ fn entity(cloud: &CloudDocument, source: Option<Box<CloudSource>>) -> EntityDocu
 
 fn settings(cloud: &CloudDocument, film: TransferDocument) -> Result<CloudSettings, CloudError> {
     let frames = &cloud.frames;
-    let times = FrameTimes {
+    let times = FrameTiming {
         start: start_time(frames.start).unwrap_or_default(),
         is_early: frames.start < 0.0,
         rate: frame_rate(frames).unwrap_or_default(),

@@ -6,7 +6,7 @@ use super::column_names::{MOST_COLUMNS, property_names};
 use super::error::{DataPlace, FaultKind, Faults, quote};
 use super::snapshot::Cell;
 use super::table::{ColumnForm, ColumnKind, not_a_number};
-use super::text::{label, parse_number, parse_whole};
+use super::text::{label, parse_logical, parse_number, parse_whole};
 
 /// A comment line.
 pub(super) struct Comment<'a> {
@@ -72,6 +72,9 @@ impl<'a> Comment<'a> {
                 ));
             };
             columns.extend(property_names(&name, width).into_iter().map(|name| ColumnForm::new(name, kind)));
+            if columns.len() > MOST_COLUMNS {
+                return fail(format!("Properties has more than {MOST_COLUMNS} columns"));
+            }
         }
         Ok(Some(Properties { columns }))
     }
@@ -155,7 +158,7 @@ fn numbers(value: &[u8], key: &str, place: DataPlace) -> Result<Vec<f64>, Faults
     let mut faults = Faults::default();
     let mut found = Vec::new();
     for word in words.filter(|word| !word.is_empty()) {
-        match parse_number(word) {
+        match parse_number(word).or_else(|| parse_logical(word)) {
             Some(number) => found.push(number),
             None => faults.add(FaultKind::NotANumber, place, || not_a_number(key, word)),
         }

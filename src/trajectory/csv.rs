@@ -8,7 +8,7 @@
 use super::column_names::{header_names, names_without_header};
 use super::data_file::DataFile;
 use super::error::{DataPlace, Faults};
-use super::reader::{FileEnd, FrameReader};
+use super::frame_reader::{FileEnd, FrameReader};
 use super::snapshot::Snapshot;
 use super::table::{self, ColumnForm, ColumnKind, TableForm, is_comment};
 use super::text::{LineCursor, Separator, parse_number, unquote};
@@ -126,7 +126,8 @@ fn read_header(file: &DataFile) -> Result<TableHeader, Faults> {
     let (bytes, position, line) = first;
     let separator = separator(&bytes);
     let row = texts(separator, &bytes);
-    let is_header = row.iter().any(|text| !text.is_empty() && parse_number(text).is_none());
+    let is_numbered = is_numbered_header(&row);
+    let is_header = is_numbered || row.iter().any(|text| !text.is_empty() && parse_number(text).is_none());
     let after = (cursor.position(), cursor.line_number());
 
     let mut sample = if is_header { Vec::new() } else { vec![bytes] };
@@ -139,7 +140,9 @@ fn read_header(file: &DataFile) -> Result<TableHeader, Faults> {
     }
     // A table of texts alone, such as names beside positions without a header, begins with a number somewhere.
     let looks_alike = is_header && has_header_of_values(&row, &sample, separator);
-    let (names, (start, line)) = if is_header && !looks_alike {
+    let (names, (start, line)) = if is_numbered {
+        (numbered_names(row.len()), after)
+    } else if is_header && !looks_alike {
         (row, after)
     } else {
         let names = comment.map(|comment| texts(self::separator(&comment), &comment));
@@ -163,6 +166,19 @@ fn has_header_of_values(row: &[Vec<u8>], sample: &[Vec<u8>], separator: Separato
     let is_number = |text: &Vec<u8>| parse_number(text).is_some();
     row.len() == second.len()
         && row.iter().zip(&second).any(|(first, second)| is_number(first) && is_number(second))
+}
+
+/// Returns `true` for the header that pandas writes for an array without names: an empty field, and then 0, 1, 2 and so on.
+fn is_numbered_header(row: &[Vec<u8>]) -> bool {
+    let numbers =
+        row.iter().skip(1).zip(0_usize..).all(|(text, number)| *text == number.to_string().as_bytes());
+    row.len() > 2 && row[0].is_empty() && numbers
+}
+
+/// Returns the names of columns of an array without names, after that of the row's index.
+fn numbered_names(length: usize) -> Vec<Vec<u8>> {
+    let coordinates = ["index", "x", "y", "z"].map(|name| name.as_bytes().to_vec()).into_iter();
+    coordinates.chain((3..).map(|index: usize| index.to_string().into_bytes())).take(length).collect()
 }
 
 /// Returns the length of the byte order mark at a position.
@@ -203,6 +219,9 @@ mod tests {
         let savetxt = read("# x y z r\n1.0e+00 2.0e+00 3.0e+00 4\n5 6 7 8").unwrap();
         assert_eq!(names(&savetxt), ["x", "y", "z", "r"]);
         assert_eq!(savetxt.numbers("r").unwrap(), [4.0, 8.0]);
+
+        let numbered = read(",0,1,2,3\n0,5,6,7,8\n").unwrap();
+        assert_eq!(names(&numbered), ["index", "x", "y", "z", "3"]);
 
         let plain = read("1\t2\t3\t4\t5\n6\t7\t8\t9\t1.0D+01\n").unwrap();
         assert_eq!(names(&plain), ["x", "y", "z", "3", "4"]);

@@ -1,7 +1,7 @@
 //! The bytes of a data file, decompressed, read at any position.
 //!
 //! Plain files are read from the disk. Compressed ones are decompressed once, when they are opened: into memory, and from
-//! [`MEMORY_LIMIT`](decompress::MEMORY_LIMIT) bytes on into a temporary file without a name.
+//! 256 MiB on into a temporary file without a name.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -11,9 +11,6 @@ use std::path::Path;
 
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::ParallelSliceMut;
-
-use super::decompress;
-use super::error::Faults;
 
 /// Bytes that a thread reads at once: large enough to hide the calls, small enough for the cache.
 const BLOCK: usize = 1 << 20;
@@ -27,36 +24,26 @@ pub(super) struct DataFile {
 
 #[derive(Debug)]
 pub(super) enum Storage {
+    #[cfg_attr(not(feature = "trajectories"), allow(dead_code, reason = "for decompressed files"))]
     Memory(Vec<u8>),
     Disk(File),
 }
 
 impl DataFile {
-    /// Opens a file, and decompresses it if its first bytes are those of gzip or zstd. Truncated compressed files are read up to their
-    /// end, with a warning.
-    pub(super) fn open(path: &Path) -> std::result::Result<(Self, Option<Faults>), Faults> {
-        let metadata = std::fs::metadata(path)?;
-        if metadata.is_dir() {
-            let place = super::DataPlace::Whole;
-            return Err(Faults::one(place, "is a folder", "name a file in it"));
-        }
+    /// Opens a file as it is.
+    pub(super) fn open(path: &Path) -> Result<Self> {
         let file = File::open(path)?;
         let length = file.metadata()?.len();
-        let plain = Self { storage: Storage::Disk(file), length };
-        let mut magic = [0; 4];
-        let start = usize::try_from(length.min(4)).unwrap_or(0);
-        plain.read_into(0, &mut magic[..start])?;
-        match decompress::Compression::of(magic) {
-            None => Ok((plain, None)),
-            Some(compression) => decompress::decompress(&plain, compression),
-        }
+        Ok(Self { storage: Storage::Disk(file), length })
     }
 
+    #[cfg_attr(not(feature = "trajectories"), allow(dead_code, reason = "for decompressed files"))]
     pub(super) fn new(storage: Storage, length: u64) -> Self {
         Self { storage, length }
     }
 
     /// Returns a file of these bytes.
+    #[cfg(test)]
     pub(super) fn memory(bytes: Vec<u8>) -> Self {
         let length = bytes.len() as u64;
         Self { storage: Storage::Memory(bytes), length }

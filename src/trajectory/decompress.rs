@@ -1,9 +1,9 @@
 //! Decompression of gzip and zstd files.
 
-#[cfg(not(feature = "trajectories"))]
+use std::path::Path;
+
 use super::data_file::DataFile;
-#[cfg(not(feature = "trajectories"))]
-use super::error::Faults;
+use super::error::{DataPlace, Faults};
 
 /// Number of decompressed bytes that are kept in memory; longer files are decompressed into a temporary file.
 #[cfg_attr(not(feature = "trajectories"), allow(dead_code, reason = "the limit is documented in all builds"))]
@@ -30,11 +30,24 @@ impl Compression {
     }
 }
 
+/// Opens a file, and decompresses it if its first bytes are those of gzip or zstd. Truncated compressed files are read up to their end,
+/// with a warning.
+pub(super) fn open(path: &Path) -> Result<(DataFile, Option<Faults>), Faults> {
+    if std::fs::metadata(path)?.is_dir() {
+        return Err(Faults::one(DataPlace::Whole, "is a folder", "name a file in it"));
+    }
+    let file = DataFile::open(path)?;
+    let mut magic = [0; 4];
+    let length = file.length().min(4);
+    magic.iter_mut().zip(file.read(0..length)?.iter()).for_each(|(to, from)| *to = *from);
+    match Compression::of(magic) {
+        None => Ok((file, None)),
+        Some(compression) => decompress(&file, compression),
+    }
+}
+
 #[cfg(not(feature = "trajectories"))]
-pub(super) fn decompress(
-    _file: &DataFile,
-    _compression: Compression,
-) -> Result<(DataFile, Option<Faults>), Faults> {
+fn decompress(_file: &DataFile, _compression: Compression) -> Result<(DataFile, Option<Faults>), Faults> {
     Err(without_feature("compressed files"))
 }
 
@@ -42,11 +55,13 @@ pub(super) fn decompress(
 #[cfg(not(feature = "trajectories"))]
 pub(super) fn without_feature(what: &str) -> Faults {
     let cause = format!("this build of rayreel has no {what}");
-    Faults::one(super::DataPlace::Whole, cause, "build it with its Cargo feature `trajectories`")
+    Faults::one(DataPlace::Whole, cause, "build it with its Cargo feature `trajectories`")
 }
 
 #[cfg(feature = "trajectories")]
-pub(super) use with_feature::{decompress, inflate};
+use with_feature::decompress;
+#[cfg(feature = "trajectories")]
+pub(super) use with_feature::inflate;
 
 #[cfg(feature = "trajectories")]
 mod with_feature {
@@ -56,10 +71,12 @@ mod with_feature {
     use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
     use tempfile::{SpooledData, SpooledTempFile};
 
-    use super::super::DataPlace;
     use super::super::data_file::{DataFile, Storage};
-    use super::super::error::Faults;
+    use super::super::error::{DataPlace, Faults};
     use super::{Compression, LIMIT, MEMORY_LIMIT};
+
+    /// Largest window of a zstd frame, which its decoder keeps in memory: that of zstd itself.
+    const WINDOW_LIMIT: u64 = 1 << 27;
 
     /// Decompresses a file into memory or a temporary file. A file that ends within its compressed data is read up to there, with a warning.
     pub(in crate::trajectory) fn decompress(
@@ -70,7 +87,11 @@ mod with_feature {
         let bytes = BufReader::with_capacity(1 << 18, Sequential { file, position: 0 });
         let (copied, end) = match compression {
             Compression::Gzip => copy(flate2::bufread::MultiGzDecoder::new(bytes), &mut spool)?,
-            Compression::Zstd => copy(ZstdFrames { bytes, decoder: FrameDecoder::new() }, &mut spool)?,
+            Compression::Zstd => {
+                let mut decoder = FrameDecoder::new();
+                decoder.set_max_window_size(WINDOW_LIMIT);
+                copy(ZstdFrames { bytes, decoder }, &mut spool)?
+            }
         };
         let warning = match end {
             None => None,
@@ -84,11 +105,7 @@ mod with_feature {
                 return Err(Faults::one(DataPlace::Whole, cause, "copy or write the file again"));
             }
         };
-        let storage = match spool.into_inner() {
-            SpooledData::InMemory(bytes) => Storage::Memory(bytes.into_inner()),
-            SpooledData::OnDisk(file) => Storage::Disk(file),
-        };
-        Ok((DataFile::new(storage, copied), warning))
+        Ok((DataFile::new(storage(spool), copied), warning))
     }
 
     /// Copies until the end or an error of the source. Returns the number of bytes, and the error.
@@ -114,21 +131,29 @@ mod with_feature {
         }
     }
 
-    /// Returns raw deflated data of a part of a file, which is stated to have so many bytes.
+    /// Returns the file that is deflated in a part of a file, and that is stated to have so many bytes.
     pub(in crate::trajectory) fn inflate(
         file: &DataFile,
         start: u64,
         end: u64,
         length: u64,
-    ) -> IoResult<Vec<u8>> {
+    ) -> Result<DataFile, Faults> {
         let compressed = Sequential { file, position: start }.take(end.saturating_sub(start));
-        let mut bytes = Vec::new();
-        // The stated length is not trusted: memory grows with what is there.
-        flate2::read::DeflateDecoder::new(BufReader::new(compressed)).take(length).read_to_end(&mut bytes)?;
-        if (bytes.len() as u64) < length {
-            return Err(ErrorKind::UnexpectedEof.into());
+        let mut spool = SpooledTempFile::new(MEMORY_LIMIT);
+        let inflated = flate2::read::DeflateDecoder::new(BufReader::new(compressed)).take(length);
+        let (copied, end) = copy(inflated, &mut spool)?;
+        if end.is_some() || copied < length {
+            let cause = "the compressed data ends early or is corrupt";
+            return Err(Faults::one(DataPlace::Byte(start), cause, "copy or write the file again"));
         }
-        Ok(bytes)
+        Ok(DataFile::new(storage(spool), copied))
+    }
+
+    fn storage(spool: SpooledTempFile) -> Storage {
+        match spool.into_inner() {
+            SpooledData::InMemory(bytes) => Storage::Memory(bytes.into_inner()),
+            SpooledData::OnDisk(file) => Storage::Disk(file),
+        }
     }
 
     /// Reads a file from its beginning to its end.
@@ -193,5 +218,19 @@ mod with_feature {
                 }
             }
         }
+    }
+}
+
+#[cfg(all(test, not(feature = "trajectories")))]
+mod tests {
+    use crate::trajectory::Trajectory;
+
+    #[test]
+    fn builds_without_trajectories_name_the_feature() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv.gz");
+        std::fs::write(&path, b"\x1f\x8b\x08\x00").unwrap();
+        let error = Trajectory::open(&path, None).unwrap_err().to_string();
+        assert!(error.contains("Cargo feature `trajectories`"), "{error}");
     }
 }

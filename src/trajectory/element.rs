@@ -25,21 +25,23 @@ pub(super) fn normalize_elements(names: &mut [String]) {
     }
 }
 
+/// Residues of proteins, nucleic acids and water, whose elements have one letter.
+const ORGANIC: [&str; 37] = [
+    "ALA", "ARG", "ASN", "ASP", "CYS", "GLN", "GLU", "GLY", "HIS", "ILE", "LEU", "LYS", "MET", "PHE", "PRO",
+    "SER", "THR", "TRP", "TYR", "VAL", "HSD", "HSE", "HID", "HIE", "HIP", "A", "C", "G", "U", "DA", "DC",
+    "DG", "DT", "HOH", "WAT", "SOL", "TIP3",
+];
+
 /// Returns the element of an atom from its name in a PDB file, which has four columns: elements of one letter begin in the second.
 pub(super) fn element_of_atom(name: &[u8; 4], residue: &str) -> &'static str {
-    let letters: String =
-        name.iter().filter(|byte| byte.is_ascii_alphabetic()).map(|byte| char::from(*byte)).collect();
+    let letters = name.iter().filter(|byte| byte.is_ascii_alphabetic());
+    let letters: String = letters.map(|byte| char::from(*byte)).collect();
     let first = |length: usize| letters.get(..length).and_then(symbol);
-    let trimmed = name.trim_ascii();
     // An ion is a residue of one atom, whose name is that of both: `CA` in the residue `CA` is calcium.
-    let is_ion = residue.trim().eq_ignore_ascii_case(&String::from_utf8_lossy(trimmed));
-    let two =
-        if name[0].is_ascii_alphabetic() && !is_hydrogen_or_carbon(name) || is_ion { first(2) } else { None };
+    let is_ion = residue.trim().eq_ignore_ascii_case(&String::from_utf8_lossy(name.trim_ascii()));
+    // Names of four characters begin in the first column for lack of space; and some programs begin all names there.
+    let is_full = !name[3].is_ascii_whitespace() && b"HCNOSP".contains(&name[0]);
+    let may_have_two = name[0].is_ascii_alphabetic() && !is_full && !ORGANIC.contains(&residue.trim());
+    let two = if may_have_two || is_ion { first(2) } else { None };
     two.or_else(|| first(1)).unwrap_or("")
-}
-
-/// Returns `true` for names of four letters such as `HG11`, which begin in the first column for lack of space.
-fn is_hydrogen_or_carbon(name: &[u8; 4]) -> bool {
-    let is_full = !name[3].is_ascii_whitespace();
-    matches!(name[0], b'H' | b'C' | b'N' | b'O' | b'S' | b'P') && is_full
 }

@@ -84,6 +84,7 @@ impl DataFault {
     /// Returns the fault as text that follows the file's name.
     fn message(&self) -> String {
         let Self { place, cause, remedy, more, .. } = self;
+        let cause = printable(cause);
         let more = match more {
             0 => String::new(),
             more => format!(" (and {more} more of this kind)"),
@@ -181,6 +182,17 @@ impl From<std::io::Error> for Faults {
     fn from(error: std::io::Error) -> Self {
         Self::io(&error)
     }
+}
+
+/// Returns a text without control characters, and of limited length: names in it may come from a damaged file.
+fn printable(text: &str) -> String {
+    const LONGEST: usize = 400;
+    let printable: String = text
+        .chars()
+        .map(|letter| if letter.is_control() { '\u{fffd}' } else { letter })
+        .take(LONGEST)
+        .collect();
+    if text.chars().nth(LONGEST).is_some() { format!("{printable}…") } else { printable }
 }
 
 /// Returns bytes of a file as a quoted text of at most 40 characters.

@@ -2,7 +2,7 @@
 
 use super::data_file::DataFile;
 use super::error::Faults;
-use super::reader::FileEnd;
+use super::frame_reader::FileEnd;
 use super::text::LineCursor;
 
 /// The bytes of a frame.

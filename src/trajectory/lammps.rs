@@ -9,10 +9,10 @@ use glam::DVec3;
 use super::data_file::DataFile;
 use super::element::normalize_elements;
 use super::error::{DataPlace, Faults, quote};
+use super::frame_reader::{FileEnd, FrameReader};
 use super::frame_span::{FrameSpan, FrameSpans, NextFrame};
-use super::reader::{FileEnd, FrameReader};
 use super::snapshot::{Cell, Snapshot, Values};
-use super::table::{self, ColumnForm, TableForm, kind_of, not_a_number};
+use super::table::{self, ColumnForm, ColumnKind, TableForm, not_a_number};
 use super::text::{LineCursor, Separator, label, parse_number, parse_whole, without_return};
 
 /// The frames of a dump.
@@ -180,7 +180,14 @@ fn table_columns(header: &[u8], rows: &[u8]) -> Vec<ColumnForm> {
     let names = Separator::Blanks.fields(header).skip(2).map(|field| label(field.text));
     let row = without_return(&rows[..memchr::memchr(b'\n', rows).unwrap_or(rows.len())]);
     let mut fields = Separator::Blanks.fields(row);
-    names.map(|name| ColumnForm::new(name, kind_of(fields.next().into_iter()))).collect()
+    names
+        .map(|name| {
+            ColumnForm::new(
+                name,
+                fields.next().map_or(ColumnKind::Numbers, |field| ColumnKind::of_field(field.text)),
+            )
+        })
+        .collect()
 }
 
 /// Reads a box: bounds, with tilts if it is triclinic, or three edges with the origin (`abc origin`).
@@ -279,6 +286,80 @@ fn scale(snapshot: &mut Snapshot, suffix: &str, cell: &Cell) {
         let name = format!("{axis}{suffix}");
         if let Some(column) = snapshot.columns.iter_mut().find(|column| column.name == name) {
             column.values = Values::Numbers(values);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Snapshot, Faults> {
+        let file = DataFile::memory(text.as_bytes().to_vec());
+        let mut frames = DumpFrames::default();
+        frames.index(&file, FileEnd::Final)?;
+        frames.read(&file, frames.frames() - 1)
+    }
+
+    fn dump(bounds: &str, table: &str) -> String {
+        let count = table.lines().count() - 1;
+        format!(
+            "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS {bounds}\nITEM: ATOMS {table}\n"
+        )
+    }
+
+    #[test]
+    fn coordinates_are_cartesian() {
+        let bounds = "pp pp ff\n-1 3\n0 2\n0 1";
+        let scaled =
+            read(&dump(bounds, "id type xs ys zs ix iy iz\n3 1 0.5 0.25 1 0 -1 2\n1 2 0 0 0 0 0 0")).unwrap();
+        assert_eq!(scaled.positions().unwrap(), [&[1.0, -1.0][..], &[0.5, 0.0], &[1.0, 0.0]]);
+        assert_eq!(scaled.numbers("iy").unwrap(), [-1.0, 0.0]);
+        assert_eq!((scaled.time, scaled.cell.unwrap().periodic), (Some(100.0), [true, true, false]));
+        let unwrapped = read(&dump(bounds, "element xu yu zu\nNA 5 6 7")).unwrap();
+        assert_eq!(unwrapped.positions().unwrap(), [&[5.0][..], &[6.0], &[7.0]]);
+        let both = read(&dump(bounds, "xu x yu y zu z\n5 1 6 2 7 3")).unwrap();
+        assert_eq!(both.positions().unwrap(), [&[1.0][..], &[2.0], &[3.0]]);
+    }
+
+    #[test]
+    fn boxes_are_tilted() {
+        // The box of the LAMMPS manual: bounds that hold the tilted edges.
+        let tilted =
+            read(&dump("xy xz yz pp pp pp\n-1 5 1\n0 4 -2\n0 3 0.5", "id xsu ysu zsu\n1 1 1 1")).unwrap();
+        let cell = tilted.cell.unwrap();
+        assert_eq!(cell.origin, DVec3::new(1.0, 0.0, 0.0));
+        assert_eq!(
+            cell.edges,
+            [DVec3::new(3.0, 0.0, 0.0), DVec3::new(1.0, 3.5, 0.0), DVec3::new(-2.0, 0.5, 3.0)]
+        );
+        assert_eq!(tilted.positions().unwrap(), [&[3.0][..], &[4.0], &[3.0]]);
+        let general = "abc origin pp pp pp\n1 2 0 7\n0 3 1 8\n1 0 2 9";
+        let general = read(&dump(general, "x y z\n1 2 3")).unwrap().cell.unwrap();
+        assert_eq!(general.origin, DVec3::new(7.0, 8.0, 9.0));
+        assert_eq!(general.edges[1], DVec3::new(0.0, 3.0, 1.0));
+    }
+
+    #[test]
+    fn faults_have_places() {
+        for (text, message) in [
+            (dump("pp pp pp\n0 1\n0 x\n0 1", "x y z\n1 2 3"), "a:7:3: column `BOX BOUNDS`: found \"x\""),
+            (dump("pp pp pp\n0 1\n0 0\n0 1", "x y z\n1 2 3"), "a:6: the box spans no volume"),
+            (dump("pp pp pp\n0 1\n0 1\n0 1", "x y z\n1 2"), "a:10: the row ends before column `z`"),
+            (
+                "ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n9\nITEM: ATOMS x y z\n1 2 3\n".to_owned(),
+                "a:1: the frame is truncated",
+            ),
+            ("ITEM: TIMESTEP\n1\nITEM: ATOMS x y z\n1 2 3\n".to_owned(), "a:3: the frame has no number"),
+            (
+                "ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS xs ys zs\n1 2 3\n".to_owned(),
+                "a:1: the coordinates are scaled",
+            ),
+            ("H 1 2 3\n4\n".to_owned(), "a:1: found \"H 1 2 3\", expected `ITEM: TIMESTEP`"),
+            (String::new(), "a: the file has no frames"),
+        ] {
+            let faults = read(&text).unwrap_err().warning(std::path::Path::new("a"));
+            assert!(faults.starts_with(message), "{faults}\n{message}");
         }
     }
 }

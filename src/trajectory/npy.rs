@@ -7,8 +7,8 @@
 use super::column_names::MOST_COLUMNS;
 use super::data_file::DataFile;
 use super::error::{DataPlace, Faults};
+use super::frame_reader::{FileEnd, FrameReader};
 use super::numpy::NumpyArray;
-use super::reader::{FileEnd, FrameReader};
 use super::snapshot::{Snapshot, Values};
 use super::strided::frame_columns;
 

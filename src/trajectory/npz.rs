@@ -4,7 +4,8 @@
 //! number of particles and of frames. Arrays with a value for each particle, or for each frame and particle, become columns. `cell`, `pbc`
 //! and `time` are those of the frame; `numbers` are atomic numbers, from which the column `element` follows. Other arrays are omitted.
 //!
-//! Compressed arrays are decompressed once, when the file is opened, and kept in memory.
+//! Compressed arrays are decompressed once, when the file is opened, and kept as other
+//! compressed files are.
 
 use glam::DVec3;
 
@@ -12,8 +13,8 @@ use super::column_names::{MOST_COLUMNS, property_names};
 use super::data_file::DataFile;
 use super::element::{SYMBOLS, normalize_elements};
 use super::error::{DataPlace, Faults};
+use super::frame_reader::{FileEnd, FrameReader};
 use super::numpy::NumpyArray;
-use super::reader::{FileEnd, FrameReader};
 use super::snapshot::{Cell, Snapshot, Values};
 use super::strided::frame_columns;
 use super::zip::{inflate, members};

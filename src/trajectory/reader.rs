@@ -4,8 +4,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::data_file::DataFile;
+use super::decompress;
 use super::error::{DataPlace, Faults, TrajectoryError};
 use super::format::Format;
+use super::frame_reader::{FileEnd, FrameReader};
 use super::snapshot::Snapshot;
 use super::{csv, lammps, npy, npz, pdb, xtc, xyz};
 
@@ -34,31 +36,6 @@ type Stamp = (u64, Option<std::time::SystemTime>);
 /// Number of bytes by which a grown file is recognized.
 const HEAD: u64 = 1 << 10;
 
-/// The frames of a format.
-pub(super) trait FrameReader: fmt::Debug + Send + Sync {
-    /// Finds the frames of a file that has grown, or of one that was not read before. Returns warnings. After an error, the frames are as
-    /// before.
-    fn index(&mut self, file: &DataFile, end: FileEnd) -> Result<Vec<Faults>, Faults>;
-
-    /// Returns the number of frames.
-    fn frames(&self) -> usize;
-
-    /// Returns the position after the last frame, by which a longer one is recognized.
-    fn extent(&self) -> (usize, u64);
-
-    /// Reads a frame, which exists.
-    fn read(&self, file: &DataFile, frame: usize) -> Result<Snapshot, Faults>;
-}
-
-/// The meaning of a last line without a line end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FileEnd {
-    /// It is whole.
-    Final,
-    /// It may still be written.
-    Growing,
-}
-
 impl fmt::Debug for Trajectory {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { path, format, warnings, .. } = self;
@@ -79,7 +56,7 @@ impl Trajectory {
         // The stamp comes first: what is written from now on counts as new.
         let stamp = stamp(path).map_err(|error| fail(Faults::io(&error)))?;
         let format = format.or_else(|| Format::of_name(path)).ok_or_else(|| fail(unknown_format(path)))?;
-        let (file, warning) = DataFile::open(path).map_err(fail)?;
+        let (file, warning) = decompress::open(path).map_err(fail)?;
         let mut frames = reader(format);
         let mut faults = warning.into_iter().collect::<Vec<_>>();
         faults.extend(frames.index(&file, FileEnd::Final).map_err(fail)?);
@@ -135,7 +112,7 @@ impl Trajectory {
         if is_settled && self.end == FileEnd::Final {
             return Ok(false);
         }
-        let (file, warning) = DataFile::open(&self.path).map_err(fail)?;
+        let (file, warning) = decompress::open(&self.path).map_err(fail)?;
         let new_head = head(&file).map_err(|error| fail(Faults::io(&error)))?;
         let grown = file.length() >= self.file.length() && new_head.starts_with(&self.head);
         let end = if is_settled || !grown { FileEnd::Final } else { FileEnd::Growing };
@@ -189,6 +166,11 @@ fn unknown_format(path: &Path) -> Faults {
         Some(extension) => format!("the format `.{}` is unknown", extension.to_string_lossy()),
         None => "the name has no extension that tells the format".to_owned(),
     };
+    let compressed = ["bz2", "xz", "lz4", "zip", "7z", "z"];
+    if path.extension().is_some_and(|end| compressed.iter().any(|known| end.eq_ignore_ascii_case(known))) {
+        let remedy = "decompress the file, or compress it with gzip or zstd";
+        return Faults::one(DataPlace::Whole, cause, remedy);
+    }
     let remedy = format!(
         "name the format, or rename the file to one of {extensions}, each with or without `.gz` or `.zst`"
     );

@@ -12,7 +12,10 @@ use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterato
 use super::data_file::zeros;
 use super::error::{DataPlace, FaultKind, Faults, quote};
 use super::snapshot::{Column, Values};
-use super::text::{Separator, TextField, is_blank, label, parse_number, unquote, without_return};
+use super::text::{
+    Separator, TextField, is_blank, is_missing, label, parse_logical, parse_number, parse_value, unquote,
+    without_return,
+};
 
 /// Bytes of a chunk: small enough that two threads share a thousand rows' work, and that bytes and columns of one stay in the cache.
 const CHUNK: usize = 256 << 10;
@@ -274,9 +277,7 @@ fn parse_row(
         };
         match column {
             ColumnSlice::Labels { labels, names } => labels[row] = names.number(&text),
-            // pandas leaves missing numbers empty.
-            ColumnSlice::Numbers(numbers) if text.is_empty() => numbers[row] = f64::NAN,
-            ColumnSlice::Numbers(numbers) => match parse_number(text.trim_ascii()) {
+            ColumnSlice::Numbers(numbers) => match parse_value(text.trim_ascii()) {
                 Some(value) => numbers[row] = value,
                 None => faults.add(FaultKind::NotANumber, place, || not_a_number(&form.name(index), &text)),
             },
@@ -392,15 +393,30 @@ fn close_gaps(parsed: &[ParsedChunk], rows: usize, columns: &mut [Column]) {
     }
 }
 
-/// Returns the kind of a column from some of its fields: labels if most of those that are not empty are not numbers.
+/// Returns the kind of a column from some of its fields: labels if most of those that are not missing are not numbers.
 pub(super) fn kind_of<'a>(fields: impl Iterator<Item = TextField<'a>>) -> ColumnKind {
     let (mut numbers, mut others) = (0, 0);
     for field in fields {
-        match unquote(field.text) {
-            Some(text) if text.trim_ascii().is_empty() => {}
-            Some(text) if parse_number(text.trim_ascii()).is_some() => numbers += 1,
-            _ => others += 1,
+        let Some(text) = unquote(field.text) else { continue };
+        let text = text.trim_ascii();
+        // `T` and `F` alone are more often names than logical values.
+        let is_logical = text.len() > 1 && parse_logical(text).is_some();
+        // Numbers with decimal commas are reported, not taken for names.
+        let has_digits = text.iter().any(u8::is_ascii_digit)
+            && text.iter().all(|byte| byte.is_ascii_digit() || b"+-.,eE".contains(byte));
+        let is_number = parse_number(text).is_some() || is_logical || has_digits;
+        match is_number {
+            true => numbers += 1,
+            false if is_missing(text) => {}
+            false => others += 1,
         }
     }
     if others > numbers { ColumnKind::Labels } else { ColumnKind::Numbers }
+}
+
+impl ColumnKind {
+    /// Returns the kind of a column from its first field.
+    pub(super) fn of_field(text: &[u8]) -> Self {
+        if parse_number(text).is_some() { Self::Numbers } else { Self::Labels }
+    }
 }

@@ -12,38 +12,42 @@ const BLOCK: usize = 1 << 20;
 
 /// Returns the number that a field holds, correctly rounded.
 ///
-/// In addition to decimal numbers, these are read: Fortran's exponents (`1.0D+00`, `1.0-100`), NaN and infinity as C, Fortran, Python
-/// and Windows write them, and logical values, which are 0 and 1.
+/// In addition to decimal numbers, these are read: Fortran's exponents (`1.0D+00`, `1.0-100`), and NaN and infinity as C, Fortran, Python
+/// and Windows write them.
 pub(super) fn parse_number(field: &[u8]) -> Option<f64> {
     fast_float2::parse::<f64, _>(field).ok().or_else(|| parse_unusual(field))
+}
+
+/// Returns the number of a field in a column of numbers, in which logical values are 0 and 1, and words for missing numbers are NaN.
+///
+/// Elsewhere, such words have other meanings: `F` is fluorine, and `NA` is sodium in files that have upper case alone.
+pub(super) fn parse_value(field: &[u8]) -> Option<f64> {
+    parse_number(field).or_else(|| parse_logical(field)).or_else(|| is_missing(field).then_some(f64::NAN))
+}
+
+/// Returns 0 or 1 for a logical value.
+pub(super) fn parse_logical(field: &[u8]) -> Option<f64> {
+    match field {
+        b"T" | b"True" | b"TRUE" | b"true" | b".TRUE." | b".true." => Some(1.0),
+        b"F" | b"False" | b"FALSE" | b"false" | b".FALSE." | b".false." => Some(0.0),
+        _ => None,
+    }
+}
+
+/// Returns `true` for empty fields, and for words that stand for missing numbers.
+pub(super) fn is_missing(field: &[u8]) -> bool {
+    matches!(field, b"" | b"NA" | b"N/A" | b"#N/A" | b"<NA>" | b"null" | b"NULL" | b"None")
 }
 
 #[cold]
 fn parse_unusual(field: &[u8]) -> Option<f64> {
     let word = field.strip_prefix(b"-").or(field.strip_prefix(b"+")).unwrap_or(field);
     let is = |words: &[&str]| words.iter().any(|known| word.eq_ignore_ascii_case(known.as_bytes()));
-    if is(&[
-        "nan",
-        "nan(ind)",
-        "nan(snan)",
-        "1.#ind",
-        "1.#qnan",
-        "1.#snan",
-        "na",
-        "n/a",
-        "null",
-        "none",
-        "#n/a",
-    ]) {
+    if is(&["nan", "nan(ind)", "nan(snan)", "1.#ind", "1.#qnan", "1.#snan"]) {
         return Some(f64::NAN);
     }
     if is(&["1.#inf"]) {
         return Some(if field.first() == Some(&b'-') { f64::NEG_INFINITY } else { f64::INFINITY });
-    }
-    match field {
-        b"T" | b"True" | b"TRUE" | b"true" | b".TRUE." | b".true." => return Some(1.0),
-        b"F" | b"False" | b"FALSE" | b"false" | b".FALSE." | b".false." => return Some(0.0),
-        _ => {}
     }
     // An exponent of three digits may leave no place for its letter.
     let at = field.iter().skip(1).position(|byte| b"dDqQ+-".contains(byte))? + 1;
@@ -270,5 +274,99 @@ impl<'a> LineCursor<'a> {
             }
         }
         Ok(skipped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_all_programs_are_read() {
+        for (text, number) in [
+            ("1", 1.0),
+            ("+.5", 0.5),
+            ("-1.", -1.0),
+            ("1.0D+00", 1.0),
+            ("1.5d-3", 1.5e-3),
+            ("0.25-100", 0.25e-100),
+            ("-0.25+100", -0.25e100),
+            ("1Q2", 100.0),
+            ("Infinity", f64::INFINITY),
+            ("-inf", f64::NEG_INFINITY),
+            ("-1.#INF", f64::NEG_INFINITY),
+            // Halfway between two numbers, decided by the last digit.
+            ("9007199254740993", 9_007_199_254_740_992.0),
+            ("9007199254740993.00000000000000000000000000000000000000000000000001", 9_007_199_254_740_994.0),
+            ("2.4703282292062327208e-324", 0.0),
+            ("2.4703282292062328e-324", 5e-324),
+        ] {
+            assert_eq!(parse_number(text.as_bytes()), Some(number), "{text}");
+        }
+        for text in ["nan", "-NaN", "-nan(ind)", "1.#QNAN"] {
+            assert!(parse_number(text.as_bytes()).is_some_and(f64::is_nan), "{text}");
+        }
+        for text in [
+            "", "-", "D", "1D", "1D+", "1-", "--1", "1.5.2", "1 2", "0x10", "1_000", "****", "1e", "D+00",
+            "-+1", "1,5",
+        ] {
+            assert_eq!(parse_number(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_are_no_numbers() {
+        // Fluorine, sodium, indium, tritium, and chains.
+        for text in ["F", "NA", "In", "T", "None", "N/A", "I", "E", "D"] {
+            assert_eq!(parse_number(text.as_bytes()), None, "{text}");
+        }
+        assert_eq!((parse_value(b"F"), parse_value(b"True")), (Some(0.0), Some(1.0)));
+        assert!(parse_value(b"NA").is_some_and(f64::is_nan));
+    }
+
+    #[test]
+    fn fields_are_split_and_unquoted() {
+        let texts = |separator: Separator, line: &'static str| -> Vec<String> {
+            let fields =
+                separator.fields(line.as_bytes()).map(|field| unquote(field.text).map(|text| label(&text)));
+            fields.map(|text| text.unwrap_or("open".to_owned())).collect()
+        };
+        assert_eq!(texts(Separator::Blanks, "  a\tb  \"c d\" "), ["a", "b", "open", "d\""]);
+        assert_eq!(texts(Separator::Character(b','), " a , \"b, \"\"c\"\"\" ,,"), ["a", "b, \"c\"", "", ""]);
+        assert_eq!(texts(Separator::Character(b'\t'), "a\t b\t\tc"), ["a", "b", "", "c"]);
+        assert_eq!(texts(Separator::Character(b','), "\"a,b"), ["open"]);
+        assert_eq!(texts(Separator::Character(b','), ""), [""]);
+    }
+
+    #[test]
+    fn cursors_count_lines_across_blocks() {
+        let mut text = String::new();
+        for line in 0..300_000 {
+            text.push_str(&format!("line {line}\r\n"));
+        }
+        text.push_str("last");
+        let starts: Vec<usize> = memchr::memchr_iter(b'\n', text.as_bytes()).collect();
+        let file = DataFile::memory(text.into_bytes());
+        let mut cursor = LineCursor::new(&file, 0, 0);
+        for skip in [0, 1, 70_000, 3, 99_995, 100_000] {
+            let before = cursor.line_number();
+            assert_eq!(cursor.skip_lines(skip).unwrap(), skip);
+            assert_eq!(cursor.line_number(), before + skip);
+            let line = cursor.line_number();
+            let position = if line == 1 { 0 } else { starts[usize::try_from(line).unwrap() - 2] as u64 + 1 };
+            assert_eq!(cursor.position(), position);
+            let found = cursor.next_line().unwrap().map(label);
+            assert_eq!(found, Some(format!("line {}", line - 1)));
+        }
+        assert_eq!(cursor.skip_lines(100_000).unwrap(), 29_996);
+        assert!(cursor.is_at_end() && !cursor.ends_with_line_end().unwrap());
+        assert_eq!(cursor.next_line().unwrap(), None);
+    }
+
+    #[test]
+    fn endless_lines_are_rejected() {
+        let file = DataFile::memory(vec![b' '; LONGEST_LINE + BLOCK + 2]);
+        assert!(LineCursor::new(&file, 0, 0).next_line().is_err());
+        assert_eq!(LineCursor::new(&file, 0, 0).skip_lines(5).unwrap(), 1);
     }
 }

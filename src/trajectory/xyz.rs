@@ -8,11 +8,11 @@ use super::comment::{Comment, Properties};
 use super::data_file::DataFile;
 use super::element::normalize_elements;
 use super::error::{DataPlace, Faults, quote};
+use super::frame_reader::{FileEnd, FrameReader};
 use super::frame_span::{FrameSpan, FrameSpans, NextFrame};
-use super::reader::{FileEnd, FrameReader};
 use super::snapshot::{Snapshot, Values};
 use super::table::{self, ColumnForm, ColumnKind, Table, TableForm};
-use super::text::{LineCursor, Separator, parse_number, parse_whole, without_return};
+use super::text::{LineCursor, Separator, parse_whole, without_return};
 
 /// The frames of a file.
 #[derive(Debug, Default)]
@@ -153,9 +153,7 @@ fn split_line(bytes: &[u8]) -> (&[u8], &[u8]) {
 
 /// Returns the columns of plain XYZ from the first row.
 fn plain_columns(row: &[u8]) -> Vec<ColumnForm> {
-    let kind =
-        |text: &[u8]| if parse_number(text).is_some() { ColumnKind::Numbers } else { ColumnKind::Labels };
-    let mut fields = Separator::Blanks.fields(row).map(|field| kind(field.text));
+    let mut fields = Separator::Blanks.fields(row).map(|field| ColumnKind::of_field(field.text));
     let mut columns = vec![match fields.next() {
         Some(ColumnKind::Numbers) => ColumnForm::new("type", ColumnKind::Numbers),
         _ => ColumnForm::new("element", ColumnKind::Labels),
@@ -165,4 +163,94 @@ fn plain_columns(row: &[u8]) -> Vec<ColumnForm> {
         fields.skip(3).zip(4..).map(|(kind, index): (_, usize)| ColumnForm::new(index.to_string(), kind)),
     );
     columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn open(text: &str, end: FileEnd) -> Result<(DataFile, XyzFrames, Vec<Faults>), Faults> {
+        let file = DataFile::memory(text.as_bytes().to_vec());
+        let mut frames = XyzFrames::default();
+        let warnings = frames.index(&file, end)?;
+        Ok((file, frames, warnings))
+    }
+
+    fn read(text: &str) -> Result<Snapshot, Faults> {
+        let (file, frames, _) = open(text, FileEnd::Final)?;
+        frames.read(&file, 0)
+    }
+
+    fn message(faults: &Faults) -> String {
+        faults.warning(std::path::Path::new("a.xyz"))
+    }
+
+    #[test]
+    fn plain_rows_have_elements_or_types() {
+        let elements =
+            read("\u{feff} 3 \r\nF and CL, time = 2\r\nF 1 2 3\r\nCL\t4 5 6.5D-1\r\n NA 7 8 -nan").unwrap();
+        let names = ["F", "Cl", "Na"].map(str::to_owned).to_vec();
+        assert_eq!(elements.column("element"), Some(&Values::Labels { labels: vec![0, 1, 2], names }));
+        assert_eq!(elements.numbers("z").unwrap()[..2], [3.0, 0.65]);
+        assert!(elements.numbers("z").unwrap()[2].is_nan());
+        assert_eq!(elements.time, Some(2.0));
+        let types = read("2\n\n1 1 2 3 9 a\n2 4 5 6 8 b\n\n\n").unwrap();
+        assert_eq!(types.numbers("type").unwrap(), [1.0, 2.0]);
+        assert_eq!(types.numbers("4").unwrap(), [9.0, 8.0]);
+        // Not all rows have the fifth column.
+        assert_eq!(read("2\n\nH 1 2 3 9\nH 4 5 6\n").unwrap().columns.len(), 4);
+        assert_eq!(read("0\nnothing\n").unwrap().count, 0);
+    }
+
+    #[test]
+    fn extended_rows_have_the_named_columns() {
+        let text = "2\nLattice=\"2 0 0 0 2 0 0 0 2\" Properties=id:I:1:species:S:1:pos:R:3:forces:R:3:fixed:L:1 Time=0.5\n\
+                    7 O 0 0 0 1 2 3 T\n8 H 1 1 1 4 5 6 F\n";
+        let snapshot = read(text).unwrap();
+        let names: Vec<&str> = snapshot.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names, ["id", "element", "x", "y", "z", "forces.x", "forces.y", "forces.z", "fixed"]);
+        assert_eq!(snapshot.numbers("fixed").unwrap(), [1.0, 0.0]);
+        assert_eq!((snapshot.cell.is_some(), snapshot.time), (true, Some(0.5)));
+    }
+
+    #[test]
+    fn frames_are_found_up_to_the_last_whole_one() {
+        let frame = "1\n\nH 1 2 3\n";
+        for (rest, warnings) in [
+            ("", 0),
+            ("\n\n", 0),
+            ("2\n\nH 1 2 3\n", 1),
+            ("1\n\nH 1", 1),
+            ("1\n", 1),
+            ("1", 1),
+            ("1\n\nH 1 2 3", 0),
+        ] {
+            let (_, frames, found) = open(&format!("{frame}{frame}{rest}"), FileEnd::Final).unwrap();
+            let expected = 2 + usize::from(rest.ends_with("3") && warnings == 0);
+            assert_eq!((frames.frames(), found.len()), (expected, warnings), "{rest:?}");
+        }
+        let (_, frames, warnings) = open(&format!("{frame}1\n\nH 1 2 3"), FileEnd::Growing).unwrap();
+        assert_eq!((frames.frames(), warnings.len()), (1, 1));
+        let faults = open("5\n\nH 1 2 3\n", FileEnd::Final).err().unwrap();
+        assert_eq!(
+            message(&faults),
+            "a.xyz:1: the frame is truncated: it has 1 of 5 particles; complete it, or correct the number of particles"
+        );
+        let faults = open("1\n\nH 1 2 3\nH 4 5 6\n1\n\nH 1 2 3\n", FileEnd::Final).err().unwrap();
+        assert!(message(&faults).starts_with("a.xyz:4: found \"H 4 5 6\", expected the number of particles"));
+        let faults = open("18446744073709551615\n\nH 1 2 3\n", FileEnd::Final).err().unwrap();
+        assert!(message(&faults).contains("truncated"));
+    }
+
+    #[test]
+    fn faults_name_line_and_column() {
+        let faults = read("3\n\nH 1 2 3\nH 4 five 6\nH 7 8\n").unwrap_err();
+        let faults =
+            crate::trajectory::TrajectoryError::new(std::path::Path::new("a.xyz"), faults).to_string();
+        assert_eq!(
+            faults,
+            "a.xyz:4:5: column `y`: found \"five\", expected a number; write a number, or `nan` if it is missing\n\
+             a.xyz:5: the row ends before column `z`: it has 3 of 4 fields; complete the row, or remove it"
+        );
+    }
 }

@@ -5,8 +5,6 @@ use super::error::{DataPlace, Faults};
 
 /// Largest number of members that is read.
 const MOST_MEMBERS: u64 = 10_000;
-/// Decompressed size of a member from which it is rejected.
-const LARGEST_MEMBER: u64 = 16 << 30;
 
 /// A file in a ZIP file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -86,9 +84,8 @@ fn entry(file: &DataFile, directory: &[u8], at: usize) -> Option<Result<(ZipMemb
     let extra = directory.get(at + 46 + lengths[0]..)?.get(..lengths[1])?;
     wide_numbers(extra, [&mut length, &mut compressed, &mut local]);
     let next = at + 46 + lengths.iter().sum::<usize>();
-    if flags & 1 == 1 || !matches!(method, 0 | 8) || length > LARGEST_MEMBER {
-        let cause =
-            format!("array `{name}` is encrypted, or compressed in an unusual way, or larger than 16 GiB");
+    if flags & 1 == 1 || !matches!(method, 0 | 8) {
+        let cause = format!("array `{name}` is encrypted, or compressed in an unusual way");
         return Some(Err(damaged(local, cause)));
     }
     // The local header repeats the name, and has other extra fields.
@@ -125,10 +122,7 @@ fn wide_numbers(mut extra: &[u8], numbers: [&mut u64; 3]) {
 pub(super) fn inflate(file: &DataFile, member: &ZipMember) -> Result<DataFile, Faults> {
     #[cfg(feature = "trajectories")]
     return super::decompress::inflate(file, member.start, member.start + member.compressed, member.length)
-        .map(DataFile::memory)
-        .map_err(|error| {
-            damaged(member.start, format!("array `{}` cannot be decompressed: {error}", member.name))
-        });
+        .map_err(|faults| faults.within(&format!("array `{}`", member.name)));
     #[cfg(not(feature = "trajectories"))]
     {
         let _ = (file, member);

@@ -22,7 +22,7 @@ const BATCHES: usize = 32;
 type Seen<'a> = (Surfaced<'a>, Option<&'a Visibility>);
 
 /// The entities or particles that a thread reads at a time.
-enum Share<'a> {
+enum ReadShare<'a> {
     Entities(&'a [(Order, Entity)]),
     /// Some particles of a cloud.
     Particles(Entity, Range<usize>),
@@ -93,17 +93,20 @@ fn in_order(entities: impl Iterator<Item = (Order, Entity)>) -> Vec<(Order, Enti
 }
 
 /// Divides entities and clouds, both in document order, into shares in document order. Every cloud has a share, even an empty one.
-fn shares<'a>(mut entities: &'a [(Order, Entity)], clouds: &[((Order, Entity), usize)]) -> Vec<Share<'a>> {
+fn shares<'a>(
+    mut entities: &'a [(Order, Entity)],
+    clouds: &[((Order, Entity), usize)],
+) -> Vec<ReadShare<'a>> {
     let mut shares = Vec::new();
     for (cloud, count) in clouds {
         let key = |(order, entity): &(Order, Entity)| (*order, entity.id());
         let (before, after) = entities.split_at(entities.partition_point(|entity| key(entity) < key(cloud)));
-        shares.extend(before.chunks(BATCH).map(Share::Entities));
+        shares.extend(before.chunks(BATCH).map(ReadShare::Entities));
         entities = after;
         let starts = (0..(*count).max(1)).step_by(BATCH);
-        shares.extend(starts.map(|start| Share::Particles(cloud.1, start..(start + BATCH).min(*count))));
+        shares.extend(starts.map(|start| ReadShare::Particles(cloud.1, start..(start + BATCH).min(*count))));
     }
-    shares.extend(entities.chunks(BATCH).map(Share::Entities));
+    shares.extend(entities.chunks(BATCH).map(ReadShare::Entities));
     shares
 }
 
@@ -145,10 +148,10 @@ impl VisibleShapes {
 }
 
 impl Batch {
-    fn read(&mut self, view: &View<'_, (Seen<'_>, Option<&Cloud>)>, share: &Share<'_>) {
+    fn read(&mut self, view: &View<'_, (Seen<'_>, Option<&Cloud>)>, share: &ReadShare<'_>) {
         match share {
-            Share::Entities(entities) => self.read_entities(view, entities),
-            Share::Particles(entity, range) => self.read_particles(view, *entity, range.clone()),
+            ReadShare::Entities(entities) => self.read_entities(view, entities),
+            ReadShare::Particles(entity, range) => self.read_particles(view, *entity, range.clone()),
         }
     }
 

@@ -4,7 +4,7 @@ use crate::time::{FrameRate, Time};
 
 /// The times at which the frames of a file are shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameTimes {
+pub struct FrameTiming {
     /// The time of the first frame, or of its mirror image before the start of the timeline if `is_early`.
     pub start: Time,
     /// True if the first frame is that long before the start of the timeline.
@@ -44,7 +44,7 @@ pub(super) struct FramesAt {
     pub(super) next: Option<(usize, f64)>,
 }
 
-impl FrameTimes {
+impl FrameTiming {
     /// Returns the frames at a moment, of a file with `count` frames, at least one.
     #[expect(clippy::cast_precision_loss, reason = "the share is rounded")]
     pub(super) fn frames_at(&self, time: Time, count: usize) -> FramesAt {
@@ -77,29 +77,29 @@ mod tests {
     #[test]
     fn frames_follow_from_times_exactly() {
         let time = |seconds: &str| seconds.parse::<Time>().unwrap();
-        let held = FrameTimes {
+        let held = FrameTiming {
             start: time("0.5"),
             is_early: false,
             rate: FrameRate::new(10, 1).unwrap(),
             between: Between::Hold,
             end: End::Hold,
         };
-        let at = |times: FrameTimes, seconds| {
+        let at = |times: FrameTiming, seconds| {
             let FramesAt { frame, next } = times.frames_at(time(seconds), 3);
             (frame, next)
         };
         for (seconds, frame) in [("0", 0), ("0.5", 0), ("0.599999999", 0), ("0.6", 1), ("0.7", 2), ("9", 2)] {
             assert_eq!(at(held, seconds), (frame, None), "{seconds}");
         }
-        let linear = FrameTimes { between: Between::Linear, ..held };
+        let linear = FrameTiming { between: Between::Linear, ..held };
         assert_eq!(at(linear, "0.625"), (1, Some((2, 0.25))));
         assert_eq!(at(linear, "0.6"), (1, None));
         assert_eq!(at(linear, "0.75"), (2, None));
-        let looped = FrameTimes { end: End::Loop, ..linear };
+        let looped = FrameTiming { end: End::Loop, ..linear };
         for (seconds, frame) in [("0.4", 2), ("0.2", 0), ("0.5", 0), ("0.79", 2), ("0.8", 0), ("1.5", 1)] {
             assert_eq!(at(looped, seconds).0, frame, "{seconds}");
         }
-        let early = FrameTimes { is_early: true, ..held };
+        let early = FrameTiming { is_early: true, ..held };
         assert_eq!(at(early, "0"), (2, None));
     }
 }

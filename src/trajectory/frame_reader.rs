@@ -1,0 +1,32 @@
+//! The interface of formats.
+
+use std::fmt;
+
+use super::data_file::DataFile;
+use super::error::Faults;
+use super::snapshot::Snapshot;
+
+/// The frames of a format.
+pub(super) trait FrameReader: fmt::Debug + Send + Sync {
+    /// Finds the frames of a file that has grown, or of one that was not read before. Returns warnings. After an error, the frames are as
+    /// before.
+    fn index(&mut self, file: &DataFile, end: FileEnd) -> Result<Vec<Faults>, Faults>;
+
+    /// Returns the number of frames.
+    fn frames(&self) -> usize;
+
+    /// Returns the position after the last frame, by which a longer one is recognized.
+    fn extent(&self) -> (usize, u64);
+
+    /// Reads a frame, which exists.
+    fn read(&self, file: &DataFile, frame: usize) -> Result<Snapshot, Faults>;
+}
+
+/// The meaning of a last line without a line end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FileEnd {
+    /// It is whole.
+    Final,
+    /// It may still be written.
+    Growing,
+}
