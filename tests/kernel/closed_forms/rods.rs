@@ -35,7 +35,7 @@ fn rods_are_hit_where_their_equations_say() {
         (cylinder, v(-3.0, 4.0, 0.0), v(3.0, -2.0, 0.0), f64::sqrt(13.0), DVec3::Y),
         // Along the side, on it: the end is hit at the rim.
         (cylinder, v(1.0, 5.0, 0.0), DVec3::NEG_Y, 3.0, DVec3::Y),
-        (cylinder, v(0.6, -5.0, 0.8), DVec3::Y, 5.0, DVec3::NEG_Y),
+        (cylinder, v(0.0, -5.0, -1.0), DVec3::Y, 5.0, DVec3::NEG_Y),
         // The side and the round ends of a capsule.
         (capsule, v(-3.0, 1.0, half), DVec3::X, 3.0 - root, v(-root, 0.0, half)),
         (capsule, v(half, 5.0, 0.0), DVec3::NEG_Y, 3.0 - root, v(half, root, 0.0)),

@@ -1,4 +1,5 @@
-//! The oracle: intersections by arithmetic with exact sums and products, and with quotients and roots of 400 bits.
+//! The oracle: intersections by arithmetic with exact sums and products, and with quotients and roots of 1200 bits: more than
+//! the ratio of the greatest distances to the smallest differences between them.
 //!
 //! A transform is not inverted but multiplied through by its determinant, so that every verdict is the sign of a polynomial in the numbers
 //! that define the shape and the ray. Rotated boxes use the slabs of the kernel. The agreement of these slabs with the transform is checked
@@ -24,15 +25,18 @@ pub(crate) fn rounded(value: &Exact) -> f64 {
     value.to_f64().value()
 }
 
-/// Returns the quotient with 400 bits.
+/// Number of bits of quotients and roots.
+const BITS: usize = 1200;
+
+/// Returns the quotient, rounded.
 pub(crate) fn quotient(dividend: &Exact, divisor: &Exact) -> Exact {
-    let long = |value: &Exact| value.clone().with_precision(400).value();
+    let long = |value: &Exact| value.clone().with_precision(BITS).value();
     long(dividend) / long(divisor)
 }
 
-/// Returns the square root with 400 bits.
+/// Returns the square root, rounded.
 pub(crate) fn root(value: &Exact) -> Exact {
-    value.clone().with_precision(400).value().sqrt()
+    value.clone().with_precision(BITS).value().sqrt()
 }
 
 pub(crate) fn magnitude(value: &Exact) -> Exact {
@@ -254,10 +258,10 @@ impl Slab {
     }
 }
 
-/// Returns true if one number is greater than another by more than the rounding of roots with 400 bits.
+/// Returns true if one number is greater than another by more than the rounding of quotients and roots.
 fn exceeds(one: &Exact, other: &Exact) -> bool {
     let size = magnitude(one) + magnitude(other);
-    one - other > exact(libm::ldexp(1.0, -380)) * size
+    one - other > exact(libm::ldexp(1.0, -1050)) * size
 }
 
 /// Intersects a rod with the given slab, or with spheres at its ends. `axis` and `stop` are the axis itself and the axis in the scale of the
@@ -299,7 +303,9 @@ fn rod(
     let line = parts.into_iter().flatten().reduce(|(near, far), (first, last)| {
         (if first < near { first } else { near }, if last > far { last } else { far })
     });
-    let touches = line.as_ref().is_some_and(|(near, far)| !exceeds(far, near));
+    // A line within the side of a capsule touches it from the one end to the other.
+    let is_within = a == Exact::ZERO && c == Exact::ZERO && slab.is_none();
+    let touches = is_within || line.as_ref().is_some_and(|(near, far)| !exceeds(far, near));
     Answer { line, touches }
 }
 

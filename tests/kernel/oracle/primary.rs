@@ -45,7 +45,7 @@ impl Tally {
 type Expected = Option<(Exact, usize, Option<bool>)>;
 
 fn expected(case: &Case) -> Expected {
-    // Roots have 400 bits. Values that agree in about 380 bits are equal.
+    // Roots have 1200 bits. Values that agree in about 380 bits are equal.
     let same = exact(libm::ldexp(1.0, -380));
     let mut nearest: Expected = None;
     for (index, shape) in case.shapes.iter().enumerate() {
