@@ -39,7 +39,7 @@ struct Search {
     /// Start of the frame that is searched.
     start: Option<FrameSpan>,
     has_atoms: bool,
-    /// Whether a MODEL is open, which only ENDMDL ends.
+    /// `true` within a MODEL, which only ENDMDL ends.
     is_model: bool,
     warnings: Vec<Faults>,
 }

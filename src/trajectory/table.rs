@@ -25,9 +25,9 @@ const CHUNK: usize = 256 << 10;
 pub(super) struct TableForm<'a> {
     pub separator: Separator,
     pub columns: &'a [ColumnForm],
-    /// Whether fields after the last column are an error.
+    /// Rejects fields after the last column.
     pub rejects_more: bool,
-    /// Whether lines that are blank or begin with `#` are no rows.
+    /// Skips lines that are blank or begin with `#`.
     pub skips_comments: bool,
 }
 
