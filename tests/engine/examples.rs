@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::BufReader;
+use std::path::Path;
 
 use image::AnimationDecoder;
 use image::codecs::gif::GifDecoder;
@@ -11,6 +12,7 @@ use glam::DVec3;
 use rayreel::Engine;
 use rayreel::components::Transform;
 use rayreel::output::{FrameFormat, read_frame};
+use rayreel::trajectory::Trajectory;
 
 use super::movies::animated_png;
 
@@ -23,6 +25,9 @@ mod camera_path;
 #[path = "../../scenes/code/marbles.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
 mod marbles;
+#[path = "../../scenes/code/melting.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod melting;
 #[path = "../../scenes/code/passes.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
 mod passes;
@@ -57,6 +62,33 @@ fn camera_path_keeps_the_size_of_its_subject() {
     let ((near, first), (far, last)) = (view(0), view(95));
     assert!(near.distance(far) > 40.0 && first.distance(last) < 1e-9, "{near} {first} {far} {last}");
     render_movie(engine);
+}
+
+#[test]
+fn the_crystal_of_the_shipped_scene_melts_as_its_program_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = folder.path().join("melting.extxyz");
+    melting::melt(&written, 60).unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/data/melting.extxyz.gz");
+    let [written, shipped] = [written, shipped].map(|file| Trajectory::open(&file, None).unwrap());
+    assert_eq!((written.frames(), shipped.frames()), (60, 60));
+    for frame in 0..60 {
+        assert!(written.read(frame).unwrap() == shipped.read(frame).unwrap(), "frame {frame}");
+    }
+}
+
+#[test]
+fn the_crystal_keeps_its_temperature_and_its_middle() {
+    let mut atoms = melting::Atoms::crystal();
+    let middle = |atoms: &melting::Atoms| {
+        let sum = atoms.positions.iter().fold(DVec3::ZERO, |sum, position| sum + DVec3::from(*position));
+        sum / atoms.positions.len() as f64
+    };
+    assert_eq!(atoms.positions.len(), 500);
+    assert!(middle(&atoms).length() < 1e-12);
+    (0..1000).for_each(|_| atoms.step(0.1));
+    assert!((atoms.temperature() - 0.1).abs() < 0.01, "{}", atoms.temperature());
+    assert!(middle(&atoms).length() < 1e-9, "{}", middle(&atoms));
 }
 
 #[test]

@@ -193,7 +193,8 @@ def expect_mdanalysis():
             frame = file.read()
             expect("mdanalysis.xtc", index, len(file), axes(frame.x) | {"cell": frame.box.astype(float), "time": frame.time})
     for end in ("pdb", "xyz"):
-        frames = ase.io.read(f"mdanalysis.{end}", ":")
+        # ASE adds an empty frame for the END of a PDB file.
+        frames = [atoms for atoms in ase.io.read(f"mdanalysis.{end}", ":") if len(atoms)]
         for index, atoms in enumerate(frames):
             expect(f"mdanalysis.{end}", index, len(frames), axes(atoms.positions))
     universe = MDAnalysis.Universe("mdanalysis.pdb")
