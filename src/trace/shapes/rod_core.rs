@@ -1,4 +1,4 @@
-//! What rods, which are cylinders and capsules, and their images under affine maps have in common.
+//! The common part of rods, which are cylinders and capsules, and of their images under affine maps.
 //!
 //! Both consist of the points near an axis from `start` to `stop`: with p the vector from `start` and d the vector from `start` to `stop`,
 //! the points on their side satisfy |p x d|^2 = radius^2 |d|^2. No direction is normalized, so that the numbers of a rod define it exactly.
