@@ -159,7 +159,7 @@ fn flush_faces_show_neither_speckles_nor_leaks_nor_seams() {
 #[test]
 fn goldens_do_not_depend_on_threads_or_instruction_sets() {
     let pools = [1, 2, 8].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
-    for path in scenes() {
+    for path in scenes().into_iter().chain(flush_faces()) {
         let mut engine = load(&path, (150, 85));
         let last = frames(&engine)[2];
         let mut render = |pool: &ThreadPool, level| {

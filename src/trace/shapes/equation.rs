@@ -4,8 +4,8 @@
 
 use glam::DVec3;
 
+use super::exact_rod::{ExactRod, SideEquation};
 use super::intersection::ExactCrossing;
-use super::rod::{ExactRod, SideEquation};
 use super::slabs::ExactSlab;
 use super::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 use crate::trace::math::{Double, Exact, Exact3, ExactRoot};

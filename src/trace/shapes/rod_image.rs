@@ -6,10 +6,11 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::bounds::Bounds;
 use super::end_planes::EndPlanes;
+use super::exact_rod::ExactRod;
 use super::intersection::{
     ExactCrossing, ExactHit, Face, Facet, Intersection, Intersections, Refined, RefinedHit,
 };
-use super::rod::{ExactRod, OwnRays, OwnStep, RodCore};
+use super::rod_core::{OwnRays, OwnStep, RodCore};
 use super::slabs::ExactSlab;
 use super::sphere::U;
 use super::sphere_image::{AffineMap, bounds_of_image};
@@ -68,31 +69,31 @@ impl RodImage {
     /// Returns the stop of the axis before the map.
     #[must_use]
     pub fn stop(&self) -> DVec3 {
-        self.core.stop()
+        self.core.stop[0]
     }
 
     /// Returns the radius before the map.
     #[must_use]
     pub fn radius(&self) -> f64 {
-        self.core.radius()
+        self.core.radius
     }
 
     /// Returns whether the ends are round, as those of a capsule.
     #[must_use]
     pub fn is_round(&self) -> bool {
-        self.core.planes().is_none()
+        self.core.planes.is_none()
     }
 
     /// Returns the normal of a cylinder's ends, of any length, and its products with points of both.
     #[must_use]
     pub fn slab(&self) -> Option<(DVec3, [f64; 2])> {
-        self.core.planes().map(EndPlanes::slab)
+        self.core.planes.map(|planes| planes.slab())
     }
 
     #[inline(always)]
     fn own<R: Real>(&self, rays: &Rays<R>) -> OwnRays<R> {
         let Rays { origin, direction } = self.map.back(rays);
-        let to_stop = subtract(spread(origin[0], self.core.stop()), origin);
+        let to_stop = subtract(spread(origin[0], self.core.stop[0]), origin);
         OwnRays { origin, to_stop, direction, u: self.u() }
     }
 
@@ -105,8 +106,8 @@ impl RodImage {
         let (to_start, way, determinant) = self.map.exactly_back(origin, direction);
         let zero = Exact3([Exact::ZERO, Exact::ZERO, Exact::ZERO]);
         let origin = &zero - &to_start;
-        let stop = Exact3::from(self.core.stop());
-        let radius = self.core.radius();
+        let stop = Exact3::from(self.core.stop[0]);
+        let radius = self.core.radius;
         if determinant.sign().is_lt() {
             let [origin, direction] = [&zero - &origin, &zero - &way];
             return ExactRod { origin, direction, stop, factor: -&determinant, radius };
@@ -115,7 +116,7 @@ impl RodImage {
     }
 
     pub(super) fn exact_slab(&self, origin: DVec3, direction: &Exact3) -> Option<ExactSlab> {
-        self.core.planes().map(|planes| planes.exact(origin, direction))
+        self.core.planes.map(|planes| planes.exact(origin, direction))
     }
 
     /// Returns the smallest `t >= 0` on the rod.
@@ -169,7 +170,7 @@ impl RodImage {
             normal: self.map.normal(normal),
             found: found & face.certain & moderate & moderate3(place.rounded()),
         };
-        match self.core.planes() {
+        match &self.core.planes {
             Some(planes) => planes.refined(place, rays, t, (&face, curved)),
             None => curved,
         }
@@ -190,7 +191,7 @@ impl RodImage {
     pub(crate) fn surface_point(&self, origin: DVec3, direction: DVec3, t: Double, face: Face) -> RefinedHit {
         let place = Compensated::along(origin, direction, t.rounded());
         let way = direction * t.rest();
-        let normal = match self.core.planes() {
+        let normal = match &self.core.planes {
             Some(planes) if face.axis == 1 => planes.normal(face.upper),
             _ => {
                 let own = self.core.place(self.map.compensated_back(place).0);
@@ -203,7 +204,7 @@ impl RodImage {
 
     /// Returns the plane of the flat end that is certainly hit at `t`.
     pub(crate) fn facet(&self, origin: DVec3, direction: DVec3, t: f64, far: bool) -> Option<Facet> {
-        let planes = self.core.planes()?;
+        let planes = self.core.planes?;
         let rays = Rays::new(origin, direction);
         let face = self.core.face(&rays, &self.own(&rays), t, far).face()?;
         (face.axis == 1).then(|| planes.facet(face.upper))
@@ -219,8 +220,8 @@ impl RodImage {
     /// Returns the bounding box, or `None` if the map is too ill-conditioned for a reliable one.
     #[must_use]
     pub fn bounds(&self) -> Option<Bounds> {
-        let (stop, forward) = (self.core.stop(), *self.forward());
+        let (stop, forward) = (self.core.stop[0], *self.forward());
         let middle = DAffine3 { translation: forward.transform_point3(0.5 * stop), ..forward };
-        bounds_of_image(&middle, 0.5 * stop.abs() + self.core.radius(), self.map.condition())
+        bounds_of_image(&middle, 0.5 * stop.abs() + self.core.radius, self.map.condition())
     }
 }
