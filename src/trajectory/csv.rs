@@ -10,11 +10,12 @@ use super::data_file::DataFile;
 use super::error::{DataPlace, Faults};
 use super::frame_reader::{FileEnd, FrameReader};
 use super::snapshot::Snapshot;
-use super::table::{self, ColumnForm, ColumnKind, TableForm, is_comment};
+use super::table::{self, ColumnForm, TableForm, is_comment};
 use super::text::{LineCursor, Separator, parse_number, unquote};
 
-/// Number of rows from which the kinds of columns are found.
+/// Number of rows from which the kinds of columns are found, and their bytes, where rows are long.
 const SAMPLE: usize = 100;
+const SAMPLE_BYTES: usize = 1 << 20;
 
 /// A table of text.
 #[derive(Debug, Default)]
@@ -113,7 +114,7 @@ fn read_header(file: &DataFile) -> Result<TableHeader, Faults> {
         };
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         if is_comment(bytes) {
-            let text = bytes.trim_ascii_start().trim_ascii_start();
+            let text = bytes.trim_ascii_start();
             comment = text.strip_prefix(b"#").map(|text| text.trim_ascii_start().to_vec()).or(comment);
             continue;
         }
@@ -132,6 +133,7 @@ fn read_header(file: &DataFile) -> Result<TableHeader, Faults> {
 
     let mut sample = if is_header { Vec::new() } else { vec![bytes] };
     while sample.len() < SAMPLE
+        && sample.iter().map(Vec::len).sum::<usize>() < SAMPLE_BYTES
         && let Some(line) = cursor.next_line()?
     {
         if !is_comment(line) {
@@ -149,8 +151,7 @@ fn read_header(file: &DataFile) -> Result<TableHeader, Faults> {
         let names = names.filter(|names| names.len() == row.len());
         (names.unwrap_or_else(|| vec![Vec::new(); row.len()]), (position + bom(file, position)?, line))
     };
-    let kind = |index| table::kind_of(sample.iter().filter_map(|line| separator.fields(line).nth(index)));
-    let kinds: Vec<ColumnKind> = (0..names.len()).map(kind).collect();
+    let kinds = table::kinds(names.len(), sample.iter().map(|line| separator.fields(line)));
     let names = if names.iter().any(|name| !name.is_empty()) {
         header_names(&names)
     } else {

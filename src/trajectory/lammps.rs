@@ -213,9 +213,10 @@ fn read_box(header: &[u8], lines: &mut FrameLines<'_>) -> Result<Cell, Faults> {
             })?;
         }
     }
-    // Each boundary is two letters, one for each side; `p` is periodic.
+    // Each boundary is two letters, one for each side: periodic, fixed, shrink-wrapped, or that with a minimum. Old files have none.
+    let is_boundary = |word: &[u8]| word.len() == 2 && word.iter().all(|letter| b"pfsm".contains(letter));
     let boundaries: Vec<bool> =
-        words.iter().rev().take(3).rev().map(|word| word.first() == Some(&b'p')).collect();
+        words.iter().filter(|word| is_boundary(word)).map(|word| word[0] == b'p').collect();
     let periodic = boundaries.try_into().unwrap_or([true; 3]);
     let cell = if is_general {
         let [a, b, c] = rows.map(|row| DVec3::new(row[0], row[1], row[2]));
@@ -334,6 +335,8 @@ mod tests {
             [DVec3::new(3.0, 0.0, 0.0), DVec3::new(1.0, 3.5, 0.0), DVec3::new(-2.0, 0.5, 3.0)]
         );
         assert_eq!(tilted.positions().unwrap(), [&[3.0][..], &[4.0], &[3.0]]);
+        let old = read(&dump("xy xz yz\n-1 5 1\n0 4 -2\n0 3 0.5", "x y z\n1 2 3")).unwrap();
+        assert_eq!(old.cell, tilted.cell);
         let general = "abc origin pp pp pp\n1 2 0 7\n0 3 1 8\n1 0 2 9";
         let general = read(&dump(general, "x y z\n1 2 3")).unwrap().cell.unwrap();
         assert_eq!(general.origin, DVec3::new(7.0, 8.0, 9.0));

@@ -26,8 +26,10 @@
 
 mod column_names;
 mod comment;
+mod compression;
 mod csv;
 mod data_file;
+#[cfg_attr(not(feature = "trajectories"), path = "no_decompress.rs")]
 mod decompress;
 mod element;
 mod error;
@@ -38,6 +40,7 @@ mod lammps;
 mod npy;
 mod npz;
 mod numpy;
+mod open_file;
 mod pdb;
 mod pdb_record;
 mod reader;

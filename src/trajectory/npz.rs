@@ -42,7 +42,7 @@ struct NamedArray {
 
 /// The relation of an array to frames and particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Extent {
+enum ArrayExtent {
     /// Values for each particle, the same in all frames.
     Particles,
     /// Values for each particle and frame.
@@ -110,13 +110,13 @@ impl FrameReader for NpzFrames {
             let Some((extent, width)) = self.extent_of(array) else { continue };
             let mut shaped = array.array.clone();
             let at = match extent {
-                Extent::Particles => 0,
-                Extent::FramesAndParticles => frame as u64,
+                ArrayExtent::Particles => 0,
+                ArrayExtent::FramesAndParticles => frame as u64,
             };
             // The axes of values become one.
             shaped.shape = match extent {
-                Extent::Particles => vec![self.particles, width],
-                Extent::FramesAndParticles => vec![self.frames as u64, self.particles, width],
+                ArrayExtent::Particles => vec![self.particles, width],
+                ArrayExtent::FramesAndParticles => vec![self.frames as u64, self.particles, width],
             };
             let columns = frame_columns(array.data.as_ref().unwrap_or(file), &shaped, at)?;
             let names = names(array, columns.len());
@@ -140,20 +140,22 @@ impl FrameReader for NpzFrames {
 
 impl NpzFrames {
     /// Returns the relation of an array to the particles, and its number of values for each; `None` if it has none.
-    fn extent_of(&self, array: &NamedArray) -> Option<(Extent, u64)> {
+    fn extent_of(&self, array: &NamedArray) -> Option<(ArrayExtent, u64)> {
         if ["cell", "pbc", "time", "times", "t", "lattice", "box"].contains(&array.name.as_str()) {
             return None;
         }
         let frames = self.frames as u64;
         let (extent, rest) = match &array.array.shape[..] {
             [first, second, rest @ ..] if *first == frames && *second == self.particles && frames > 1 => {
-                (Extent::FramesAndParticles, rest)
+                (ArrayExtent::FramesAndParticles, rest)
             }
             [1, second, rest @ ..] if frames == 1 && *second == self.particles && self.particles > 1 => {
-                (Extent::FramesAndParticles, rest)
+                (ArrayExtent::FramesAndParticles, rest)
             }
-            [1, 1, third] if frames == 1 && self.particles == 1 => return Some((Extent::Particles, *third)),
-            [first, rest @ ..] if *first == self.particles => (Extent::Particles, rest),
+            [1, 1, third] if frames == 1 && self.particles == 1 => {
+                return Some((ArrayExtent::Particles, *third));
+            }
+            [first, rest @ ..] if *first == self.particles => (ArrayExtent::Particles, rest),
             _ => return None,
         };
         let width = rest.iter().try_fold(1, |product: u64, length| product.checked_mul(*length))?;

@@ -14,12 +14,12 @@ const DEEPEST: usize = 8;
 pub(super) struct NumpyArray {
     /// Values of an item: one, or the fields of a structured array.
     pub fields: Vec<ArrayField>,
-    /// Whether the fields have names.
+    /// `true` if the fields have names.
     pub is_structured: bool,
     /// Bytes of an item.
     pub size: u64,
     pub shape: Vec<u64>,
-    /// Whether the first index runs fastest.
+    /// `true` if the first index runs fastest.
     pub fortran_order: bool,
     /// Position of the first item in the file.
     pub start: u64,

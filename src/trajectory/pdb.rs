@@ -39,7 +39,7 @@ struct Search {
     /// Start of the frame that is searched.
     start: Option<FrameSpan>,
     has_atoms: bool,
-    /// Whether a MODEL is open, which only ENDMDL ends.
+    /// `true` within a MODEL, which only ENDMDL ends.
     is_model: bool,
     warnings: Vec<Faults>,
 }
@@ -284,14 +284,14 @@ MODEL        1
 ATOM      1  N   MET A   1      11.104   6.134  -6.504  1.00 50.00           N
 ATOM      2  CA AMET A   1      11.639   6.071  -5.147  0.40 20.00           C
 ATOM      3  CA BMET A   1      12.639   6.071  -5.147  0.60 20.00           C
-HETATM A0000 CA    CA B   2       1.000   2.000   3.000
+HETATMA0000 CA    CA B   2       1.000   2.000   3.000
 TER
 ENDMDL
 MODEL        2
 ATOM      1  N   MET A   1      21.104   6.134  -6.504  1.00 50.00           N
 ATOM      2  CA AMET A   1      21.639   6.071  -5.147  0.40 20.00           C
 ATOM      3  CA BMET A   1      22.639   6.071  -5.147  0.60 20.00           C
-HETATM A0000 CA    CA B   2       2.000   2.000   3.000
+HETATMA0000 CA    CA B   2       2.000   2.000   3.000
 ENDMDL
 CONECT    1    3
 CONECT    3    1    2A0000

@@ -4,10 +4,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::data_file::DataFile;
-use super::decompress;
 use super::error::{DataPlace, Faults, TrajectoryError};
 use super::format::Format;
 use super::frame_reader::{FileEnd, FrameReader};
+use super::open_file;
 use super::snapshot::Snapshot;
 use super::{csv, lammps, npy, npz, pdb, xtc, xyz};
 
@@ -23,7 +23,7 @@ pub struct Trajectory {
     frames: Box<dyn FrameReader>,
     warnings: Vec<String>,
     /// Size and time of the file when it was last read.
-    stamp: Stamp,
+    stamp: FileStamp,
     /// The meaning of the file's end when it was last read.
     end: FileEnd,
     /// The first bytes, which tell a file that has grown from another.
@@ -31,7 +31,7 @@ pub struct Trajectory {
 }
 
 /// Size and time of a file.
-type Stamp = (u64, Option<std::time::SystemTime>);
+type FileStamp = (u64, Option<std::time::SystemTime>);
 
 /// Number of bytes by which a grown file is recognized.
 const HEAD: u64 = 1 << 10;
@@ -56,7 +56,7 @@ impl Trajectory {
         // The stamp comes first: what is written from now on counts as new.
         let stamp = stamp(path).map_err(|error| fail(Faults::io(&error)))?;
         let format = format.or_else(|| Format::of_name(path)).ok_or_else(|| fail(unknown_format(path)))?;
-        let (file, warning) = decompress::open(path).map_err(fail)?;
+        let (file, warning) = open_file::open(path).map_err(fail)?;
         let mut frames = reader(format);
         let mut faults = warning.into_iter().collect::<Vec<_>>();
         faults.extend(frames.index(&file, FileEnd::Final).map_err(fail)?);
@@ -112,7 +112,7 @@ impl Trajectory {
         if is_settled && self.end == FileEnd::Final {
             return Ok(false);
         }
-        let (file, warning) = decompress::open(&self.path).map_err(fail)?;
+        let (file, warning) = open_file::open(&self.path).map_err(fail)?;
         let new_head = head(&file).map_err(|error| fail(Faults::io(&error)))?;
         let grown = file.length() >= self.file.length() && new_head.starts_with(&self.head);
         let end = if is_settled || !grown { FileEnd::Final } else { FileEnd::Growing };
@@ -149,7 +149,7 @@ fn reader(format: Format) -> Box<dyn FrameReader> {
     }
 }
 
-fn stamp(path: &Path) -> std::io::Result<Stamp> {
+fn stamp(path: &Path) -> std::io::Result<FileStamp> {
     let metadata = std::fs::metadata(path)?;
     Ok((metadata.len(), metadata.modified().ok()))
 }

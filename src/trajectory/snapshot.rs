@@ -148,7 +148,10 @@ impl Cell {
             DVec3::new(c * beta, c * y, c * z),
         ];
         let cell = Self { origin: DVec3::ZERO, edges, periodic: [true; 3] };
-        (lengths.iter().all(|length| *length > 0.0) && cell.is_valid()).then_some(cell)
+        let is_cell = lengths.iter().all(|length| *length > 0.0)
+            && angles.iter().all(|angle| *angle > 0.0 && *angle < 180.0)
+            && cell.is_valid();
+        is_cell.then_some(cell)
     }
 
     /// Returns `true` if all edges are finite, and those of the periodic directions are independent.

@@ -25,9 +25,9 @@ const CHUNK: usize = 256 << 10;
 pub(super) struct TableForm<'a> {
     pub separator: Separator,
     pub columns: &'a [ColumnForm],
-    /// Whether fields after the last column are an error.
+    /// Rejects fields after the last column.
     pub rejects_more: bool,
-    /// Whether lines that are blank or begin with `#` are no rows.
+    /// Skips lines that are blank or begin with `#`.
     pub skips_comments: bool,
 }
 
@@ -301,7 +301,10 @@ fn parse_row(
 #[inline]
 fn plain_number(line: &[u8], start: usize, separator: Separator) -> Option<(f64, Option<usize>)> {
     let rest = line.get(start..)?;
-    let blanks = rest.iter().take_while(|byte| **byte == b' ').count();
+    let blanks = rest
+        .iter()
+        .take_while(|byte| **byte == b' ' || **byte == b'\t' && separator == Separator::Blanks)
+        .count();
     let rest = &rest[blanks..];
     let (value, length) = fast_float2::parse_partial::<f64, _>(rest).ok()?;
     let end = start + blanks + length;
@@ -393,25 +396,33 @@ fn close_gaps(parsed: &[ParsedChunk], rows: usize, columns: &mut [Column]) {
     }
 }
 
-/// Returns the kind of a column from some of its fields: labels if most of those that are not missing are not numbers.
-pub(super) fn kind_of<'a>(fields: impl Iterator<Item = TextField<'a>>) -> ColumnKind {
-    let (mut numbers, mut others) = (0, 0);
-    for field in fields {
-        let Some(text) = unquote(field.text) else { continue };
-        let text = text.trim_ascii();
-        // `T` and `F` alone are more often names than logical values.
-        let is_logical = text.len() > 1 && parse_logical(text).is_some();
-        // Numbers with decimal commas are reported, not taken for names.
-        let has_digits = text.iter().any(u8::is_ascii_digit)
-            && text.iter().all(|byte| byte.is_ascii_digit() || b"+-.,eE".contains(byte));
-        let is_number = parse_number(text).is_some() || is_logical || has_digits;
-        match is_number {
-            true => numbers += 1,
-            false if is_missing(text) => {}
-            false => others += 1,
+/// Returns the kinds of columns from some rows: labels if most of a column's fields that are not missing are not numbers.
+pub(super) fn kinds<'a>(
+    columns: usize,
+    rows: impl Iterator<Item = impl Iterator<Item = TextField<'a>>>,
+) -> Vec<ColumnKind> {
+    // The number of fields that are no numbers, less that of numbers.
+    let mut excess = vec![0_i32; columns];
+    for row in rows {
+        for (excess, field) in excess.iter_mut().zip(row) {
+            *excess += unquote(field.text).map_or(0, |text| match text.trim_ascii() {
+                text if is_numeric(text) => -1,
+                text if is_missing(text) => 0,
+                _ => 1,
+            });
         }
     }
-    if others > numbers { ColumnKind::Labels } else { ColumnKind::Numbers }
+    excess.iter().map(|excess| if *excess > 0 { ColumnKind::Labels } else { ColumnKind::Numbers }).collect()
+}
+
+/// Returns `true` for texts that are numbers, or that are meant to be.
+fn is_numeric(text: &[u8]) -> bool {
+    // `T` and `F` alone are more often names than logical values.
+    let is_logical = text.len() > 1 && parse_logical(text).is_some();
+    // Numbers with decimal commas are reported, not taken for names.
+    let has_digits = text.iter().any(u8::is_ascii_digit)
+        && text.iter().all(|byte| byte.is_ascii_digit() || b"+-.,eE".contains(byte));
+    parse_number(text).is_some() || is_logical || has_digits
 }
 
 impl ColumnKind {

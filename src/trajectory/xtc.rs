@@ -30,7 +30,7 @@ struct XtcHeader {
     /// Position of the frame.
     start: u64,
     atoms: u32,
-    /// Whether the number of bytes has 64 bits, as in files of GROMACS 2023 with very many atoms.
+    /// `true` if the number of bytes has 64 bits, as in files of GROMACS 2023 with very many atoms.
     is_wide: bool,
     /// Bytes of the compressed coordinates.
     bytes: u64,

@@ -93,7 +93,7 @@ fn next_frame(
     Ok(NextFrame::Found(span))
 }
 
-/// Returns `true` if the last row of a frame has as many fields as the first one; the file ends after it, without a line end.
+/// Returns `true` if the last row of a frame has as many fields as the frame needs; the file ends after it, without a line end.
 fn is_last_row_whole(
     cursor: &LineCursor<'_>,
     span: &FrameSpan,
@@ -104,10 +104,11 @@ fn is_last_row_whole(
         return Ok(false);
     }
     let bytes = cursor.file().read(span.start..span.end)?;
-    let fields = |line: &[u8]| Separator::Blanks.fields(line).count();
-    let first = bytes.split(|byte| *byte == b'\n').nth(2).map_or(0, fields);
-    let last = bytes.rsplit(|byte| *byte == b'\n').next().map_or(0, fields);
-    Ok(count <= 1 || last >= first)
+    let comment = bytes.split(|byte| *byte == b'\n').nth(1).unwrap_or_default();
+    let properties = Comment::new(comment).properties(span.line + 1).ok().flatten();
+    let needed = properties.map_or(4, |properties| properties.columns.len());
+    let last = bytes.rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
+    Ok(count == 0 || Separator::Blanks.fields(last).count() >= needed)
 }
 
 /// Reads a frame from its bytes.

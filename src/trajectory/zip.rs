@@ -1,6 +1,7 @@
 //! Members of ZIP files, as NumPy writes them: stored or deflated, without encryption.
 
 use super::data_file::DataFile;
+use super::decompress;
 use super::error::{DataPlace, Faults};
 
 /// Largest number of members that is read.
@@ -10,7 +11,7 @@ const MOST_MEMBERS: u64 = 10_000;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct ZipMember {
     pub name: String,
-    /// Whether the data is deflated; otherwise it is stored.
+    /// `true` for deflated data, `false` for stored data.
     pub is_deflated: bool,
     /// Bytes of the data in the file.
     pub compressed: u64,
@@ -120,12 +121,7 @@ fn wide_numbers(mut extra: &[u8], numbers: [&mut u64; 3]) {
 
 /// Returns a member as a file of its own. Stored members are read in place, which needs no memory.
 pub(super) fn inflate(file: &DataFile, member: &ZipMember) -> Result<DataFile, Faults> {
-    #[cfg(feature = "trajectories")]
-    return super::decompress::inflate(file, member.start, member.start + member.compressed, member.length)
-        .map_err(|faults| faults.within(&format!("array `{}`", member.name)));
-    #[cfg(not(feature = "trajectories"))]
-    {
-        let _ = (file, member);
-        Err(super::decompress::without_feature("compressed arrays"))
-    }
+    let end = member.start + member.compressed;
+    decompress::inflate(file, member.start, end, member.length)
+        .map_err(|faults| faults.within(&format!("array `{}`", member.name)))
 }

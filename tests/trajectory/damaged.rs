@@ -75,7 +75,7 @@ fn check(error: &TrajectoryError) {
     for (fault, line) in error.faults().iter().zip(message.lines()) {
         assert!(line.starts_with(&error.path().display().to_string()), "no file: {message}");
         assert!(!fault.cause.is_empty() && !fault.remedy.is_empty(), "no cause or remedy: {message}");
-        assert!(line.len() < 1000, "too long: {message}");
+        assert!(line.chars().count() < 1000, "too long: {message}");
     }
     assert!(message.lines().count() <= 5, "not grouped: {message}");
 }
