@@ -220,9 +220,9 @@ pub(super) struct RenderArguments {
 /// The warnings that are not given.
 #[derive(Clone, Debug, Args)]
 pub(super) struct AllowArguments {
-    /// Do not warn of these, as in --allow one-color,idle-light: dark-color, data-file, not-drawn, no-light, nothing-seen, passed-target,
+    /// Do not warn of these, as in --allow one-color,idle-light: dark-color, not-drawn, no-light, nothing-seen, passed-target,
     /// short-turn, distorted, replaced-value, one-color, cut-off, idle-light, too-bright, black-surface, default-view, at-origin,
-    /// out-of-date, incomplete [can be repeated]
+    /// out-of-date, incomplete, data-file [can be repeated]
     #[arg(long = "allow", value_name = "WARNINGS", value_parser = parse_warning, value_delimiter = ',')]
     pub(super) warnings: Vec<&'static str>,
 }

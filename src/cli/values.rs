@@ -106,7 +106,8 @@ pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
 /// Parses the name of a warning.
 pub(super) fn parse_warning(text: &str) -> Result<&'static str, String> {
     let named = text.trim().to_lowercase();
-    let names = || SceneWarning::NAMES.into_iter().chain(Consequence::NAMES);
+    let [color, data] = SceneWarning::NAMES;
+    let names = || [color].into_iter().chain(Consequence::NAMES).chain([data]);
     let name = names().find(|name| *name == named);
     name.ok_or_else(|| format!("the warnings are {}", names().collect::<Vec<_>>().join(", ")))
 }
