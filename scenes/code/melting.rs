@@ -3,7 +3,7 @@
 //!
 //! Atoms attract and repel each other by the Lennard-Jones potential 4 (r^-12 - r^-6), cut off at a distance of 2.5, in units of its
 //! length, its depth and the mass of an atom. A cube of 500 atoms in a face-centred cubic lattice floats in empty space. It is integrated by
-//! the velocity Verlet method in steps of 0.005, and warmed from a temperature of 0.05 to 0.55 by scaling all velocities a little in each
+//! the velocity Verlet method in steps of 0.005, and warmed from a temperature of 0.05 to 0.7 by scaling all velocities a little in each
 //! step (H. J. C. Berendsen and others, J. Chem. Phys. 81, 1984). The crystal melts, and the liquid draws itself into a drop. Only sums,
 //! products, quotients and square roots are used, so that every machine writes the same bytes.
 
@@ -21,7 +21,7 @@ const EDGE: f64 = 1.55;
 const STEP: f64 = 0.005;
 const STEPS_PER_FRAME: usize = 250;
 const COOLEST: f64 = 0.05;
-const WARMEST: f64 = 0.55;
+const WARMEST: f64 = 0.7;
 /// Steps in which a difference of temperature falls to a part of 1/e.
 const COUPLING: f64 = 200.0;
 
