@@ -12,7 +12,7 @@ use crate::trajectory::{Snapshot, Trajectory, TrajectoryError};
 #[derive(Debug)]
 pub struct TrajectoryFile {
     trajectory: Trajectory,
-    stamp: Option<FileStamp>,
+    stamp: Option<OpenedStamp>,
     /// True if frames stay in memory after use, since other settings may be applied to them.
     is_kept: bool,
     frames: Mutex<HeldFrames>,
@@ -20,7 +20,7 @@ pub struct TrajectoryFile {
 
 /// The length of a file, and the time of its last write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct FileStamp(u64, Option<SystemTime>);
+struct OpenedStamp(u64, Option<SystemTime>);
 
 #[derive(Debug, Default)]
 struct HeldFrames {
@@ -116,7 +116,7 @@ impl TrajectoryFile {
     }
 }
 
-fn stamp(path: &Path) -> Option<FileStamp> {
+fn stamp(path: &Path) -> Option<OpenedStamp> {
     let metadata = std::fs::metadata(path).ok()?;
-    Some(FileStamp(metadata.len(), metadata.modified().ok()))
+    Some(OpenedStamp(metadata.len(), metadata.modified().ok()))
 }

@@ -97,30 +97,34 @@ mod tests {
         assert_eq!(first[..3], film(1).bytes()[15..18]);
     }
 
-    /// Checks that a gradient of more colours than a palette has keeps the mean of each small block.
+    /// Checks that a gradient of more colours than a palette has is dithered, so that its equal rows differ, and keeps its means.
     #[test]
     fn gradients_are_dithered() {
-        let (width, height) = (512, 16);
-        let bytes: Vec<u8> = (0..width * height)
-            .flat_map(|index| {
-                [(index % width / 4) as u8 + 60, (index % width / 3) as u8, 90 + (index / width) as u8]
-            })
-            .collect();
-        let film = EncodedFilm::from_bytes(width, height, &bytes).unwrap();
-        let exact = DynamicImage::from(film.to_image()).into_rgba8();
+        let gradient = |x: u32| {
+            let share = f64::from(x) / 512.0;
+            [60.0 + 128.0 * share, 90.0 + 160.0 * share * share, 250.0 - 190.0 * share]
+        };
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 60 to 250")]
+        let color =
+            |x, _| image::Rgba([gradient(x)[0] as u8, gradient(x)[1] as u8, gradient(x)[2] as u8, 255]);
+        let exact = RgbaImage::from_fn(512, 16, color);
         let mut reduced = exact.clone();
         reduce_colors(&mut reduced);
         assert!(reduced.pixels().collect::<HashSet<_>>().len() <= COLORS);
-        for (x, y) in (0..width / 16).flat_map(|x| (0..height / 16).map(move |y| (16 * x, 16 * y))) {
-            for channel in 0..3 {
-                let mean = |picture: &RgbaImage| {
-                    let block = (0..256).map(|index| (x + index % 16, y + index / 16));
-                    block.map(|(x, y)| f64::from(picture.get_pixel(x, y).0[channel])).sum::<f64>() / 256.0
-                };
-                let difference = mean(&reduced) - mean(&exact);
-                assert!(difference.abs() < 2.0, "{x}, {y}: {difference}");
-            }
-        }
+        let rows: HashSet<Vec<u8>> =
+            reduced.rows().map(|row| row.flat_map(|pixel| pixel.0).collect()).collect();
+        assert_eq!(rows.len(), 4);
+        let mean = |picture: &RgbaImage, left: u32, channel: usize| {
+            let block = (0..256).map(|index| picture.get_pixel(left + index % 16, index / 16).0[channel]);
+            block.map(f64::from).sum::<f64>() / 256.0
+        };
+        let blocks = (0..512).step_by(16).flat_map(|left| (0..3).map(move |channel| (left, channel)));
+        let squares = blocks.map(|(left, channel)| {
+            let difference = mean(&reduced, left, channel) - mean(&exact, left, channel);
+            difference * difference
+        });
+        let error = (squares.sum::<f64>() / 96.0).sqrt();
+        assert!(error < 1.0, "{error}");
     }
 
     #[test]

@@ -269,9 +269,9 @@ mod tests {
                 let Some(name) = declared.and_then(|rest| rest.split(['<', ' ', '(']).next()) else {
                     continue;
                 };
-                // Keys, shots and the track type per channel have no section of their own.
+                // Keys, shots, rods and the track type per channel have no section of their own.
                 let checked = this.contains(&format!("::<{name}"))
-                    || ["KeyDocument", "ShotDocument", "TracksDocument"].contains(&name);
+                    || ["KeyDocument", "RodDocument", "ShotDocument", "TracksDocument"].contains(&name);
                 assert!(checked, "{name}");
             }
         }

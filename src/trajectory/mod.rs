@@ -27,7 +27,7 @@
 mod column_names;
 mod comment;
 mod compression;
-mod csv;
+mod csv_file;
 mod data_file;
 #[cfg_attr(not(feature = "trajectories"), path = "no_decompress.rs")]
 mod decompress;

@@ -9,7 +9,7 @@ use super::format::Format;
 use super::frame_reader::{FileEnd, FrameReader};
 use super::open_file;
 use super::snapshot::Snapshot;
-use super::{csv, lammps, npy, npz, pdb, xtc, xyz};
+use super::{csv_file, lammps, npy, npz, pdb, xtc, xyz};
 
 /// A file of particles: an index of its frames, which are read on demand.
 ///
@@ -139,7 +139,7 @@ impl Trajectory {
 
 fn reader(format: Format) -> Box<dyn FrameReader> {
     match format {
-        Format::Csv => Box::<csv::CsvFile>::default(),
+        Format::Csv => Box::<csv_file::CsvFile>::default(),
         Format::Xyz => Box::<xyz::XyzFrames>::default(),
         Format::Lammps => Box::<lammps::DumpFrames>::default(),
         Format::Pdb => Box::<pdb::PdbFrames>::default(),
