@@ -128,8 +128,9 @@ pub use {
     intersect::{CastHit, CastRay},
     reference::render as render_reference,
     scene::{
-        BvhUpdate, Geometry, LightSource, PreparedBackground, PreparedLight, PreparedScene, PreparedShape,
-        RayClass, RayVisibility, Refraction, SceneChanges, ShapeChange, SurfaceMaterial,
+        BvhUpdate, Geometry, LightSource, PreparedAmbientOcclusion, PreparedBackground, PreparedLight,
+        PreparedScene, PreparedShape, RayClass, RayVisibility, Refraction, SceneChanges, ShapeChange,
+        SurfaceMaterial,
     },
     shapes::Bounds,
 };

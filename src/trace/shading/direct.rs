@@ -20,6 +20,8 @@ pub(crate) struct ShadingPoint<'a> {
     pub(crate) material: &'a SurfaceMaterial,
     /// Diffuse colour at the point.
     pub(crate) diffuse: Rgb,
+    /// Colour in ambient light at the point, if ambient light is occluded.
+    pub(crate) ambient: Rgb,
     pub(crate) sample_id: SampleId,
     /// Unit normal on the side from which the ray arrived.
     pub(crate) normal: DVec3,
@@ -68,7 +70,7 @@ pub struct LightTerms {
     pub half_cosine: Option<f64>,
     /// I, the intensity of the light in this direction and at this distance.
     pub intensity: Rgb,
-    /// The diffuse term, k_d c I |N.L|.
+    /// The diffuse term, k_d c I |N.L|; for a dome, the ambient term k_a c I_a.
     pub diffuse: Rgb,
     /// The specular term, k_s I (N.H)^shininess.
     pub specular: Rgb,
@@ -176,26 +178,24 @@ pub(crate) fn light_terms(
             let (to_light, _) = to_light.ok_or(Unlit::NoDirection)?;
             arriving(effects, light, lit, to_light, ShadowLimit::NONE)
         }
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => Err(Unlit::Off),
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            let place = light_place((index, light), lit.point, (lit.sample_id, lit.path), sample);
-            from_place(effects, light, lit, place)
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } | LightSource::Dome { .. }
+            if !effects.extras =>
+        {
+            Err(Unlit::Off)
         }
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
+            from_place(effects, light, lit, light_place((index, light), lit, sample))
+        }
+        LightSource::Dome { .. } => from_dome(light, lit, light_place((index, light), lit, sample)),
     }
 }
 
-/// Returns sample point `sample` of an area light for a shading point. `path` is the index of the ray that hit the point in the ray tree of
-/// pixel sample `sample_id`.
-fn light_place(
-    (index, light): (usize, &PreparedLight),
-    point: DVec3,
-    (sample_id, path): (SampleId, u64),
-    sample: u32,
-) -> DVec3 {
-    let SampleId { seed, pixel: (i, j), sample: of_pixel } = sample_id;
+/// Returns sample point `sample` of an area light or a dome for a shading point.
+fn light_place((index, light): (usize, &PreparedLight), lit: &ShadingPoint<'_>, sample: u32) -> DVec3 {
+    let SampleId { seed, pixel: (i, j), sample: of_pixel } = lit.sample_id;
     let index_in_sequence = light_point(light, of_pixel, sample);
-    let square = PixelSamples::new(seed, i, j).pair(light_dimension(index, path), index_in_sequence);
-    light.source.place(point, square)
+    let square = PixelSamples::new(seed, i, j).pair(light_dimension(index, lit.path), index_in_sequence);
+    light.source.place(lit.point, lit.normal, square)
 }
 
 /// Returns the sampling dimension of light number `index`, for the ray with index `path` in its tree.
@@ -220,6 +220,25 @@ fn from_place(
 ) -> Result<LightTerms, Unlit> {
     let (to_light, scale) = scaled(place - lit.point).ok_or(Unlit::NoDirection)?;
     arriving(effects, light, lit, to_light, ShadowLimit::new(scale.recip(), place))
+}
+
+/// Returns the terms of ambient light that arrives from `place`, a point of a dome. It is at full strength from all directions: their
+/// density is the cosine to the normal.
+#[inline(always)]
+fn from_dome(light: &PreparedLight, lit: &ShadingPoint<'_>, place: DVec3) -> Result<LightTerms, Unlit> {
+    let (to_light, scale) = scaled(place - lit.point).ok_or(Unlit::NoDirection)?;
+    // Rounding can put points of the rim behind the surface.
+    let cosine = lit.normal.dot(to_light) / length::<f64>(to_light.into());
+    let terms = LightTerms {
+        to_light,
+        limit: ShadowLimit::new(scale.recip(), place),
+        cosine: if cosine > 0.0 { cosine } else { 0.0 },
+        half_cosine: None,
+        intensity: light.intensity,
+        diffuse: lit.ambient * light.intensity,
+        specular: Rgb::ZERO,
+    };
+    if terms.diffuse == Rgb::ZERO { Err(Unlit::OtherColor) } else { Ok(terms) }
 }
 
 /// Returns the terms of a light in direction `to_light`, which is [`scaled`]; `limit` is the end of the shadow ray, at the light.

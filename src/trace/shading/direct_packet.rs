@@ -32,19 +32,25 @@ pub(crate) fn sample_light_lanes<S: Simd>(
     }
     let Some(target) = target(simd, light, effects, lit, sample, light_samples) else { return };
     let Aim { cosines, lengths, facing, behind, escalated } = aim(simd, &target, lit, light_samples);
-    if effects.transparent_shadows() {
-        light_samples.from_behind = behind & lit.transparent;
-    }
-    light_samples.lanes = facing | light_samples.from_behind;
-    let arriving = intensities(simd, effects, light, &lengths, light_samples);
-    let (diffuse, cosine) = (lit.diffuse.load(simd), cosines.rounded(simd));
-    light_samples.colors.store([
-        diffuse[0] * arriving[0] * cosine,
-        diffuse[1] * arriving[1] * cosine,
-        diffuse[2] * arriving[2] * cosine,
-    ]);
-    if effects.extras {
-        add_highlights(simd, scene, lit, arriving, light_samples);
+    if let LightSource::Dome { .. } = light.source {
+        light_samples.lanes = lit.surfaces.lanes & !escalated;
+        let (color, intensity) = (lit.ambient.load(simd), light.intensity.to_array());
+        light_samples.colors.store([0, 1, 2].map(|channel| color[channel] * intensity[channel]));
+    } else {
+        if effects.transparent_shadows() {
+            light_samples.from_behind = behind & lit.transparent;
+        }
+        light_samples.lanes = facing | light_samples.from_behind;
+        let arriving = intensities(simd, effects, light, &lengths, light_samples);
+        let (diffuse, cosine) = (lit.diffuse.load(simd), cosines.rounded(simd));
+        light_samples.colors.store([
+            diffuse[0] * arriving[0] * cosine,
+            diffuse[1] * arriving[1] * cosine,
+            diffuse[2] * arriving[2] * cosine,
+        ]);
+        if effects.extras {
+            add_highlights(simd, scene, lit, arriving, light_samples);
+        }
     }
     let black = f32x16::splat(simd, 0.0);
     let [red, green, blue] = light_samples.colors.load(simd);
@@ -127,6 +133,7 @@ fn lit_point<'a>(
         normal: facing_normal(lit.surfaces, lane),
         material,
         diffuse: lit.diffuse.get(lane),
+        ambient: lit.ambient.get(lane),
         sample_id,
     }
 }
@@ -135,13 +142,14 @@ fn lit_point<'a>(
 enum LightPosition {
     /// The position of a point light or spot light.
     Place(DVec3),
-    /// The sample points of an area light, one per lane.
+    /// The sample points of an area light or a dome, one per lane.
     Places,
     /// The direction to a directional light; [`scaled`].
     Direction(DVec3),
 }
 
-/// Returns the origin of a light's rays; `None` if it contributes nothing. The sample points of area lights are stored in `light_samples`.
+/// Returns the origin of a light's rays; `None` if it contributes nothing. The sample points of area lights and domes are stored in
+/// `light_samples`.
 #[inline(always)]
 fn target<S: Simd>(
     simd: S,
@@ -154,10 +162,13 @@ fn target<S: Simd>(
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => Some(LightPosition::Place(place)),
         LightSource::Directional(direction) => Some(LightPosition::Direction(scaled(direction)?.0)),
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            let (surfaces, places) = (lit.surfaces, &mut light_samples.places);
-            lit.places.find(simd, &light.source, &surfaces.points, surfaces.lanes, sample, places);
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } | LightSource::Dome { .. }
+            if !effects.extras =>
+        {
+            None
+        }
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } | LightSource::Dome { .. } => {
+            lit.places.find(simd, &light.source, lit.surfaces, sample, &mut light_samples.places);
             Some(LightPosition::Places)
         }
     }
