@@ -33,6 +33,7 @@ macro_rules! with_components {
             Shots: rewritten,
             FilmSettings: rewritten,
             Ambient: rewritten,
+            AmbientOcclusion: rewritten,
             Background: rewritten,
             Fog: rewritten,
             Sun: rewritten,

@@ -17,13 +17,13 @@ mod tests {
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
     use crate::components::{Property, Quantity};
     use crate::scene::document::{
-        AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument, ChannelDocument,
-        EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument, LensDocument,
-        LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument, QualityDocument,
-        ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument,
-        StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument, TransformDocument,
-        Triple,
+        AmbientOcclusionDocument, AnimationDocument, AreaShapeDocument, BackgroundDocument, CameraDocument,
+        ChannelDocument, EasingDocument, EntityDocument, FilmDocument, FogDocument, IncludeDocument,
+        LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument,
+        QualityDocument, ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument,
+        SamplingDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument,
+        SpecularDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument,
+        TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::scene::reference::{self, FieldEntry, ManualSection, VariantEntry};
@@ -103,6 +103,7 @@ mod tests {
         let all = &mut sections;
         check_fields::<SceneDocument>("Scene", all);
         check_fields::<IncludeDocument>("Include", all);
+        check_fields::<AmbientOcclusionDocument>("AmbientOcclusion", all);
         check_named::<BackgroundDocument>("Gradient", all, BackgroundDocument::FIELDS);
         check_fields::<SunDocument>("Sun", all);
         check_fields::<StarsDocument>("Stars", all);
