@@ -1,5 +1,7 @@
 //! The rays of one sample of a pixel, with all that is needed to explain its colour.
 
+use glam::DVec3;
+
 use crate::color::Rgb;
 use crate::trace::intersect::SurfacePoint;
 use crate::trace::rays::{PreparedRay, ShapeId};
@@ -150,6 +152,16 @@ pub enum LightReach {
         /// The number of occluded samples.
         occluded: u32,
     },
+}
+
+impl LitSurface {
+    /// Returns V_a, the share of ambient light that is not occluded; `None` if none can be occluded.
+    #[must_use]
+    pub fn ambient_visibility(&self) -> Option<Rgb> {
+        let sum: DVec3 = self.ambient_samples.iter().map(|sample| sample.visibility.as_dvec3()).sum();
+        let count = self.ambient_samples.len();
+        (count > 0).then(|| (sum / count as f64).as_vec3())
+    }
 }
 
 impl LightReach {

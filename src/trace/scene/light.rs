@@ -168,9 +168,8 @@ impl LightSource {
         Some((center, reach + (center.abs() + reach) * ROUNDING))
     }
 
-    /// Returns the point of an area light or a dome that corresponds to a point of the unit square, as seen from `lit`, where the surface
-    /// has a unit normal.
-    pub(crate) fn place(&self, lit: DVec3, normal: DVec3, square: [f64; 2]) -> DVec3 {
+    /// Returns the point of an area light that corresponds to a point of the unit square, as seen from `lit`; for a dome, `lit` itself.
+    pub(crate) fn place(&self, lit: DVec3, square: [f64; 2]) -> DVec3 {
         match *self {
             Self::Point(place) | Self::Spot(place, _) | Self::Directional(place) => place,
             Self::Sphere { center, radius } => {
@@ -180,7 +179,7 @@ impl LightSource {
                 on_sphere(center, radius, towards.into(), square).into()
             }
             Self::Rectangle { center, halves } => on_rectangle(center, halves, square).into(),
-            Self::Dome { radius } => on_dome(lit.into(), radius, normal.into(), square).into(),
+            Self::Dome { .. } => lit,
         }
     }
 }
@@ -200,17 +199,16 @@ pub(crate) fn on_rectangle<R: Real>(center: DVec3, [right, up]: [DVec3; 2], [x, 
     add(place, times(spread(x, up), y * 2.0 - 1.0))
 }
 
-/// Returns points of half spheres about `centers`, on the side of unit normals, whose density is the cosine to the normal: the points of
-/// the disc across the normal, raised to the half sphere (Malley's method).
+/// Returns unit vectors on the side of unit normals, whose density is the cosine to the normal: the points of the unit disc across the
+/// normal, raised to the half sphere (Malley's method).
 #[inline(always)]
-pub(crate) fn on_dome<R: Real>(centers: [R; 3], radius: f64, normals: [R; 3], square: [R; 2]) -> [R; 3] {
+pub(crate) fn on_dome<R: Real>(normals: [R; 3], square: [R; 2]) -> [R; 3] {
     let [x, y] = on_disc(square);
     let height = x.of(1.0) - x * x - y * y;
     // Rounding can put points of the rim outside the disc.
     let height = R::pick(height.greater(x.of(0.0)), height, x.of(0.0)).sqrt();
     let (right, up) = across(normals);
-    let across = add(times(right, x), times(up, y));
-    add(centers, times(add(across, times(normals, height)), x.of(radius)))
+    add(add(times(right, x), times(up, y)), times(normals, height))
 }
 
 #[inline(always)]

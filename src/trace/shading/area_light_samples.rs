@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::direct::{light_dimension, light_point};
-use super::light_sample_packet::{facing_normal, facing_normals};
+use super::light_sample_packet::facing_normals;
 use crate::trace::intersect::SurfacePacket;
 use crate::trace::math::{
     LANES, PixelSamples, SampleKeys, Scaled, Vectors, bits, half_lanes, lanes, scaled_lanes, splat3, subtract,
@@ -39,8 +39,8 @@ impl AreaLightSamples {
         }
     }
 
-    /// Computes sample point `sample` of a light for each shading point: [`LightSource::place`], which is defined for all
-    /// lights, not only area lights.
+    /// Computes sample point `sample` of a light for each shading point: [`LightSource::place`], which is defined for all lights, not only
+    /// area lights. For a dome, computes the direction to it.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &self,
@@ -65,9 +65,9 @@ impl AreaLightSamples {
                 LightSource::Rectangle { center, halves } => {
                     places.store(half, on_rectangle(*center, *halves, square));
                 }
-                LightSource::Dome { radius } => {
+                LightSource::Dome { .. } => {
                     let normals = facing_normals(simd, surfaces, half);
-                    places.store(half, on_dome(points.load(simd, half), *radius, normals, square));
+                    places.store(half, on_dome(normals, square));
                 }
                 LightSource::Point(place) | LightSource::Spot(place, _) | LightSource::Directional(place) => {
                     places.store(half, splat3(simd, *place));
@@ -76,7 +76,7 @@ impl AreaLightSamples {
         }
         for lane in lanes(escalated) {
             let square = [squares[0].get(lane), squares[1].get(lane)];
-            places.set(lane, source.place(points.get(lane), facing_normal(surfaces, lane), square));
+            places.set(lane, source.place(points.get(lane), square));
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::trace::effects::Effects;
 use crate::trace::intersect::SurfacePoint;
 use crate::trace::math::{Dimension, PixelSamples, scaled};
 use crate::trace::rays::{PreparedRay, ShadowLimit};
-use crate::trace::scene::{LightSource, PreparedLight, SurfaceMaterial};
+use crate::trace::scene::{LightSource, PreparedLight, SurfaceMaterial, on_dome};
 
 /// A shading point.
 pub(crate) struct ShadingPoint<'a> {
@@ -101,7 +101,7 @@ impl LightTerms {
     pub(crate) fn light_sample(&self, effects: Effects, light: &PreparedLight) -> LightSample {
         let Self { to_light: direction, limit, cosine, .. } = *self;
         let segment = ShadowSegment { direction, limit, from_behind: cosine < 0.0 };
-        let shadow = (effects.shadows() && light.casts_shadows).then_some(segment);
+        let shadow = (effects.shadows() && light.casts_shadows && limit.t() > 0.0).then_some(segment);
         LightSample { color: self.contribution(), shadow }
     }
 }
@@ -184,18 +184,21 @@ pub(crate) fn light_terms(
             Err(Unlit::Off)
         }
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            from_place(effects, light, lit, light_place((index, light), lit, sample))
+            let place = light.source.place(lit.point, light_square((index, light), lit, sample));
+            from_place(effects, light, lit, place)
         }
-        LightSource::Dome { .. } => from_dome(light, lit, light_place((index, light), lit, sample)),
+        LightSource::Dome { radius } => {
+            let towards = on_dome(lit.normal.into(), light_square((index, light), lit, sample));
+            from_dome((light, radius), lit, towards.into())
+        }
     }
 }
 
-/// Returns sample point `sample` of an area light or a dome for a shading point.
-fn light_place((index, light): (usize, &PreparedLight), lit: &ShadingPoint<'_>, sample: u32) -> DVec3 {
+/// Returns the point of the unit square for sample `sample` of an area light or a dome at a shading point.
+fn light_square((index, light): (usize, &PreparedLight), lit: &ShadingPoint<'_>, sample: u32) -> [f64; 2] {
     let SampleId { seed, pixel: (i, j), sample: of_pixel } = lit.sample_id;
     let index_in_sequence = light_point(light, of_pixel, sample);
-    let square = PixelSamples::new(seed, i, j).pair(light_dimension(index, lit.path), index_in_sequence);
-    light.source.place(lit.point, lit.normal, square)
+    PixelSamples::new(seed, i, j).pair(light_dimension(index, lit.path), index_in_sequence)
 }
 
 /// Returns the sampling dimension of light number `index`, for the ray with index `path` in its tree.
@@ -222,16 +225,24 @@ fn from_place(
     arriving(effects, light, lit, to_light, ShadowLimit::new(scale.recip(), place))
 }
 
-/// Returns the terms of ambient light that arrives from `place`, a point of a dome. It is at full strength from all directions: their
-/// density is the cosine to the normal.
+/// Returns the terms of ambient light from a point of a dome in the direction `towards`, of length 1. It is at full strength from all
+/// directions: their density is the cosine to the normal.
 #[inline(always)]
-fn from_dome(light: &PreparedLight, lit: &ShadingPoint<'_>, place: DVec3) -> Result<LightTerms, Unlit> {
-    let (to_light, scale) = scaled(place - lit.point).ok_or(Unlit::NoDirection)?;
-    // Rounding can put points of the rim behind the surface.
+fn from_dome(
+    (light, radius): (&PreparedLight, f64),
+    lit: &ShadingPoint<'_>,
+    towards: DVec3,
+) -> Result<LightTerms, Unlit> {
+    let place = lit.point + towards * radius;
+    // Nothing occludes the light of a dome that is smaller than the spacing of representable points.
+    let scaled = scaled(towards).filter(|_| place.is_finite() && place != lit.point);
+    let (to_light, t) =
+        scaled.map_or((lit.normal, 0.0), |(to_light, scale)| (to_light, radius * scale.recip()));
+    // Rounding can put directions of the rim behind the surface.
     let cosine = lit.normal.dot(to_light) / length::<f64>(to_light.into());
     let terms = LightTerms {
         to_light,
-        limit: ShadowLimit::new(scale.recip(), place),
+        limit: ShadowLimit::new(t, place),
         cosine: if cosine > 0.0 { cosine } else { 0.0 },
         half_cosine: None,
         intensity: light.intensity,

@@ -8,8 +8,8 @@ use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normal
 use super::terms_packet::{add_highlights, intensities};
 use crate::trace::effects::Effects;
 use crate::trace::math::{
-    F64s, F64s3, Mask, Numbers, Scaled, bits, bits16, dot, finite3, half_of, lanes, scaled, scaled_lanes,
-    splat, splat3, subtract,
+    F64s, F64s3, Mask, Numbers, Scaled, add, bits, bits16, dot, finite3, half_of, lanes, scaled,
+    scaled_lanes, splat, splat3, subtract, times,
 };
 use crate::trace::scene::{LightSource, PreparedLight, PreparedScene, SurfaceMaterial};
 
@@ -142,14 +142,16 @@ fn lit_point<'a>(
 enum LightPosition {
     /// The position of a point light or spot light.
     Place(DVec3),
-    /// The sample points of an area light or a dome, one per lane.
+    /// The sample points of an area light, one per lane.
     Places,
+    /// The directions to the points of a dome of this radius, one per lane.
+    Dome(f64),
     /// The direction to a directional light; [`scaled`].
     Direction(DVec3),
 }
 
-/// Returns the origin of a light's rays; `None` if it contributes nothing. The sample points of area lights and domes are stored in
-/// `light_samples`.
+/// Returns the origin of a light's rays; `None` if it contributes nothing. The sample points of area lights and the directions to those of
+/// domes are stored in `light_samples`.
 #[inline(always)]
 fn target<S: Simd>(
     simd: S,
@@ -169,22 +171,35 @@ fn target<S: Simd>(
         }
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } | LightSource::Dome { .. } => {
             lit.places.find(simd, &light.source, lit.surfaces, sample, &mut light_samples.places);
-            Some(LightPosition::Places)
+            Some(match light.source {
+                LightSource::Dome { radius } => LightPosition::Dome(radius),
+                _ => LightPosition::Places,
+            })
         }
     }
 }
 
-/// Returns the directions to the light, its `t` along them, and a mask of the lanes in which both are valid.
+/// Returns the directions to the light, its `t` along them, and a mask of the lanes in which both are valid. Replaces the directions to the
+/// points of a dome by these points.
 #[inline(always)]
 fn way<S: Simd>(
     simd: S,
     target: &LightPosition,
     point: F64s3<S>,
-    (light_samples, half): (&LightSamplePacket, usize),
+    (light_samples, half): (&mut LightSamplePacket, usize),
 ) -> (F64s3<S>, F64s<S>, Mask<S>) {
     let place = match *target {
         LightPosition::Place(place) => splat3(simd, place),
         LightPosition::Places => light_samples.places.load(simd, half),
+        LightPosition::Dome(radius) => {
+            let towards = light_samples.places.load(simd, half);
+            let place = add(point, times(towards, splat(simd, radius)));
+            light_samples.places.store(half, place);
+            let Scaled { direction, length, in_range } = scaled_lanes(simd, towards);
+            let is_same =
+                place[0].simd_eq(point[0]) & place[1].simd_eq(point[1]) & place[2].simd_eq(point[2]);
+            return (direction, length * radius, in_range & finite3(simd, place) & !is_same);
+        }
         LightPosition::Direction(direction) => {
             return (splat3(simd, direction), splat(simd, f64::INFINITY), finite3(simd, point));
         }
