@@ -6,7 +6,7 @@ use super::{assert_near, exponent, film, root_mean_square};
 
 /// The error of 4096 samples: an occluder is a region of the unit disc, and points of a low-discrepancy sequence count its area with an
 /// error of about n^-3/4.
-const ERROR: f64 = 4e-3;
+const ERROR: f64 = 2e-3;
 
 /// Returns the light of the point (x, 0, z) of a floor, which is seen from a little above it. The scene's axes are rotated by `turn`
 /// (degrees about all three axes).
