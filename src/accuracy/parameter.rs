@@ -156,7 +156,7 @@ pub(super) fn sweep(
 fn is_called_for(parameter: Parameter, plan: &Plan) -> bool {
     match parameter {
         Parameter::Samples | Parameter::MaxError | Parameter::Precision | Parameter::Size => true,
-        Parameter::LightSamples => plan.needs(Effect::AreaLights),
+        Parameter::LightSamples => plan.needs(Effect::AreaLights) || plan.needs(Effect::AmbientOcclusion),
         Parameter::Instants => plan.needs(Effect::MotionBlur),
         Parameter::Depth | Parameter::Cutoff => {
             plan.needs(Effect::Reflection) || plan.needs(Effect::Refraction)

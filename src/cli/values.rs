@@ -68,8 +68,10 @@ pub(super) fn parse_count(path: &str, text: &str) -> Result<Override, String> {
 }
 
 /// Other words for effects.
-const EFFECT_WORDS: [(&str, Effect); 19] = [
+const EFFECT_WORDS: [(&str, Effect); 21] = [
     ("ambient", Effect::Ambient),
+    ("ao", Effect::AmbientOcclusion),
+    ("occlusion", Effect::AmbientOcclusion),
     ("diffuse", Effect::Diffuse),
     ("emissive", Effect::Emission),
     ("emitted", Effect::Emission),

@@ -36,6 +36,7 @@ macro_rules! with_components {
             Shots: rewritten,
             FilmSettings: rewritten,
             Ambient: rewritten,
+            AmbientOcclusion: rewritten,
             Background: rewritten,
             Fog: rewritten,
             Sun: rewritten,

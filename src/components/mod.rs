@@ -16,7 +16,7 @@
 //! | [`Camera`], [`FilmSettings`] | the view, and the size and encoding of the image |
 //! | [`LookAt`], [`Target`] | the entity that a camera looks at, or the entity or point that another entity points to |
 //! | [`Follow`], [`Shots`] | the entity that a camera follows, and the active camera over time |
-//! | [`Ambient`], [`Background`], [`Sun`], [`Stars`], [`Fog`], [`Quality`], [`Sampling`], [`Space`] | settings of the whole scene; at most one of each in a world |
+//! | [`Ambient`], [`AmbientOcclusion`], [`Background`], [`Sun`], [`Stars`], [`Fog`], [`Quality`], [`Sampling`], [`Space`] | settings of the whole scene; at most one of each in a world |
 //! | [`Animated`] | motions of the values above, each a [`Property`] and a [`Motion`] |
 //! | [`Name`], [`Order`] | the name of an entity and its index in document order |
 //! | [`WorldTransform`] | the transform to world space; derived by [`systems::propagate`](crate::systems::propagate), never written by hand |
@@ -49,7 +49,9 @@ pub(crate) use property::Requirement;
 pub(crate) use quantity::Quantity;
 pub(crate) use range::Figure;
 pub use range::{RangeError, ValidRange};
-pub use settings::{Ambient, Background, FilmSettings, Fog, Noise, Quality, Sampling, Space, Stars, Sun};
+pub use settings::{
+    Ambient, AmbientOcclusion, Background, FilmSettings, Fog, Noise, Quality, Sampling, Space, Stars, Sun,
+};
 pub use shape::Shape;
 pub(crate) use table::table;
 pub use transform::{Parent, Transform, WorldTransform};

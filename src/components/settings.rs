@@ -2,11 +2,30 @@
 
 use glam::DVec3;
 
+use super::AreaShape;
 use crate::color::{ColorRamp, ErrorNorm, Rgb, Transfer};
 
 /// The intensity I_a of the ambient light, constant everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ambient(pub Rgb);
+
+/// The occlusion of ambient light. A point receives the share of the ambient light that arrives from the half space in front of its
+/// surface without meeting a shape within a distance, weighted by the cosine of its angle to the normal. Transparent shapes transmit ambient
+/// light like that of a light source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmbientOcclusion {
+    /// The number of directions that are tested per point, 1..=[`AmbientOcclusion::LARGEST_SAMPLES`].
+    pub samples: u32,
+    /// The distance in scene units up to which shapes occlude, greater than 0.
+    pub distance: f64,
+}
+
+impl AmbientOcclusion {
+    /// The default number of samples.
+    pub const DEFAULT_SAMPLES: u32 = 8;
+    /// The maximum number of samples.
+    pub const LARGEST_SAMPLES: u32 = AreaShape::LARGEST_SAMPLES;
+}
 
 /// The radiance of a ray that hits nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]

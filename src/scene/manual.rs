@@ -17,14 +17,14 @@ mod tests {
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
     use crate::components::{Property, Quantity};
     use crate::scene::document::{
-        AnimationDocument, AreaShapeDocument, BackgroundDocument, BetweenDocument, CameraDocument,
-        ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument, EasingDocument, EndDocument,
-        EntityDocument, FilmDocument, FogDocument, FramesDocument, IncludeDocument, LensDocument,
-        LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument, QualityDocument,
-        ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument,
-        SpecularDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument,
-        TransformDocument, Triple,
+        AmbientOcclusionDocument, AnimationDocument, AreaShapeDocument, BackgroundDocument, BetweenDocument,
+        CameraDocument, ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument, EasingDocument,
+        EndDocument, EntityDocument, FilmDocument, FogDocument, FramesDocument, IncludeDocument,
+        LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument,
+        QualityDocument, ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument,
+        SamplingDocument, ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument,
+        SpaceDocument, SpecularDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument,
+        TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::scene::reference::{self, FieldEntry, ManualSection, VariantEntry};
@@ -104,6 +104,7 @@ mod tests {
         let all = &mut sections;
         check_fields::<SceneDocument>("Scene", all);
         check_fields::<IncludeDocument>("Include", all);
+        check_fields::<AmbientOcclusionDocument>("AmbientOcclusion", all);
         check_named::<BackgroundDocument>("Gradient", all, BackgroundDocument::FIELDS);
         check_fields::<SunDocument>("Sun", all);
         check_fields::<StarsDocument>("Stars", all);

@@ -24,6 +24,7 @@ impl Preparation {
     fn remove(&mut self, effect: Effect) {
         match effect {
             Effect::Ambient => self.scene.ambient = Rgb::ZERO,
+            Effect::AmbientOcclusion => self.scene.ambient_occlusion = None,
             Effect::Emission => self.repaint(|material| material.emission = Rgb::ZERO),
             Effect::Diffuse => self.repaint(|material| {
                 material.diffuse = Rgb::ZERO;

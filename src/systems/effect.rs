@@ -15,6 +15,8 @@ table! {
     pub enum Effect: (&'static str, bool) {
         /// Ambient light.
         Ambient => ("ambient light", APART),
+        /// Occlusion of ambient light.
+        AmbientOcclusion => ("ambient occlusion", EXTRA),
         /// Light that surfaces give off.
         Emission => ("emission", EXTRA),
         /// Diffuse reflection of lights.

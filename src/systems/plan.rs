@@ -8,7 +8,7 @@ use hecs::{Component, World};
 use super::{Effect, EffectSet, Preparation};
 use crate::color::Rgb;
 use crate::components::{
-    Emission, Fog, Light, Pattern, Reflective, Refractive, Specular, Stars, Sun, Visibility,
+    AmbientOcclusion, Emission, Fog, Light, Pattern, Reflective, Refractive, Specular, Stars, Sun, Visibility,
 };
 use crate::trace::{self, Effects, LightSource, Lighting, Paths, PreparedBackground, RayClass, ShapeId};
 
@@ -151,9 +151,13 @@ impl<'a> EffectScan<'a> {
             Effect::Ambient if scene.ambient == Rgb::ZERO => Omitted("there is no ambient light"),
             Effect::Ambient if surfaces.ambient == 0.0 => Omitted("k_a is 0 on all surfaces"),
             Effect::Ambient => Needed("k_a is above 0"),
+            Effect::AmbientOcclusion => self.ambient_occlusion(),
             Effect::Emission if !self.has::<Emission>() => Omitted("no material has `emission`"),
             Effect::Emission if surfaces.emission == 0.0 => Omitted("emission is 0 at this time"),
             Effect::Emission => Needed("emission is above 0"),
+            Effect::TransparentShadows if self.is_ambient_filtered() => {
+                Needed("ambient light is occluded, and a surface is transparent")
+            }
             Effect::Diffuse | Effect::Specular | Effect::Shadows | Effect::TransparentShadows
                 if !self.is_lit() =>
             {
@@ -200,6 +204,29 @@ impl<'a> EffectScan<'a> {
             Effect::Antialiasing | Effect::DepthOfField => self.sampled(effect),
             Effect::MotionBlur => Omitted("the camera has no shutter"),
         }
+    }
+
+    fn ambient_occlusion(&self) -> Need {
+        use Need::{Needed, Omitted};
+        let scene = self.preparation.scene();
+        let (ambient, geometry) = (self.need(Effect::Ambient), scene.geometry());
+        match scene.ambient_occlusion {
+            None if self.has::<AmbientOcclusion>() => Omitted("its distance is not above 0"),
+            None => Omitted("the scene has no `ambient_occlusion`"),
+            Some(_) if !ambient.is_needed() => ambient,
+            Some(_) if geometry.hidden_from(RayClass::Shadow).count() == geometry.len() => {
+                Omitted("no shape casts a shadow")
+            }
+            Some(_) if !self.can_occlude() => Omitted("no surface can occlude another"),
+            Some(_) => Needed("the scene has `ambient_occlusion`"),
+        }
+    }
+
+    /// Returns whether transparent shapes may attenuate ambient light.
+    fn is_ambient_filtered(&self) -> bool {
+        let scene = self.preparation.scene();
+        let casts = |id: &ShapeId| scene.geometry().visibility(*id).sees(RayClass::Shadow);
+        self.need(Effect::AmbientOcclusion).is_needed() && scene.surfaces().transparent.iter().any(casts)
     }
 
     fn sky(&self, effect: Effect) -> Need {
@@ -343,11 +370,12 @@ impl<'a> EffectScan<'a> {
     fn effects(&self) -> Effects {
         let needs = |effect| self.need(effect).is_needed();
         let transparent = !self.preparation.scene().surfaces().transparent.is_empty();
-        let lighting = if !self.scatters() {
+        let is_occluded = needs(Effect::AmbientOcclusion);
+        let lighting = if !self.scatters() && !is_occluded {
             Lighting::None
         } else if transparent {
             Lighting::TransparentShadows
-        } else if needs(Effect::Shadows) {
+        } else if needs(Effect::Shadows) || is_occluded {
             Lighting::Shadows
         } else {
             Lighting::Unshadowed

@@ -34,7 +34,7 @@ pub struct Effects {
     pub lighting: Lighting,
     /// The secondary rays that follow camera rays.
     pub paths: Paths,
-    /// The extras: emission, highlights, spot lights, falloff, area lights, patterns and fog.
+    /// The extras: emission, highlights, spot lights, falloff, area lights, ambient occlusion, patterns and fog.
     pub extras: bool,
 }
 

@@ -23,7 +23,8 @@
 //!    point, `shading/direct` for a single lane; `shading/area_light_samples` chooses the sample points on area lights. Shadow rays are traced
 //!    with `intersect/occlusion` and, through transparent shapes, `intersect/crossings`. `stages/transparent_shadows` attenuates the light by
 //!    transparent shapes, `shading/transmission` for single rays. The light that remains is added. The possible occluders between a tile and a
-//!    light that is not directional are collected once for all samples of the light, by `intersect/candidates` and `bvh/traverse/beam`.
+//!    light at a place are collected once for all samples of the light, by `intersect/candidates` and `bvh/traverse/beam`. Ambient light that
+//!    can be occluded is the first of the lights: a dome about each point.
 //! 6. `stages/sample` adds the radiance of each ray to its pixel, in the order of the wavefront, after attenuation by fog and media along the
 //!    ray (`shading/passage_packet`). A tile's pixels are stored by packet of its camera rays, and light is added to them lane by lane.
 //! 7. `stages/next_rays` spawns reflected and refracted rays, with `shading/secondary_packet` and `shading/refraction_packet`, and
@@ -128,8 +129,9 @@ pub use {
     intersect::{CastHit, CastRay},
     reference::render as render_reference,
     scene::{
-        BvhUpdate, Geometry, LightSource, PreparedBackground, PreparedLight, PreparedScene, PreparedShape,
-        RayClass, RayVisibility, Refraction, SceneChanges, ShapeChange, SurfaceMaterial,
+        BvhUpdate, Geometry, LightSource, PreparedAmbientOcclusion, PreparedBackground, PreparedLight,
+        PreparedScene, PreparedShape, RayClass, RayVisibility, Refraction, SceneChanges, ShapeChange,
+        SurfaceMaterial,
     },
     shapes::Bounds,
 };

@@ -1,5 +1,7 @@
 //! The rays of one sample of a pixel, with all that is needed to explain its colour.
 
+use glam::DVec3;
+
 use crate::color::Rgb;
 use crate::trace::intersect::SurfacePoint;
 use crate::trace::rays::{PreparedRay, ShapeId};
@@ -79,6 +81,8 @@ pub struct LitSurface {
     pub coincident: Vec<ShapeId>,
     /// Ambient light scattered back along the ray.
     pub ambient: Rgb,
+    /// The samples of ambient light, if it can be occluded.
+    pub ambient_samples: Vec<TracedLightSample>,
     /// Light that the surface gives off.
     pub emission: Rgb,
     /// The result of every light of the scene, in document order.
@@ -150,6 +154,27 @@ pub enum LightReach {
     },
 }
 
+impl LitSurface {
+    /// Returns V_a, the share of ambient light that is not occluded; `None` if none can be occluded.
+    #[must_use]
+    pub fn ambient_visibility(&self) -> Option<Rgb> {
+        let sum: DVec3 = self.ambient_samples.iter().map(|sample| sample.visibility.as_dvec3()).sum();
+        let count = self.ambient_samples.len();
+        (count > 0).then(|| (sum / count as f64).as_vec3())
+    }
+}
+
+impl LightReach {
+    /// Returns the light that is scattered back along the ray.
+    #[must_use]
+    pub fn color(&self) -> Rgb {
+        match self {
+            Self::Reaches { color, .. } => *color,
+            Self::NoShadowRay(_) | Self::Occluded(_) | Self::Absorbed => Rgb::ZERO,
+        }
+    }
+}
+
 impl RayTree {
     /// Returns the sample's colour: the sum of the contributions of all rays, in order.
     #[must_use]
@@ -199,10 +224,7 @@ impl RayEnd {
         match self {
             Self::Background(terms) | Self::BeyondDepth(terms) => terms.color,
             Self::Surface(lit) => {
-                clamped(lit.lights.iter().fold(lit.ambient + lit.emission, |sum, reach| match reach {
-                    LightReach::Reaches { color, .. } => sum + *color,
-                    LightReach::NoShadowRay(_) | LightReach::Occluded(_) | LightReach::Absorbed => sum,
-                }))
+                clamped(lit.lights.iter().fold(lit.ambient + lit.emission, |sum, reach| sum + reach.color()))
             }
         }
     }

@@ -323,13 +323,19 @@ fn lit(
     let TreeRay { ray, state } = arrived;
     let normal = surface.facing_normal();
     let (arriving, path, point) = (ray.direction(), state.path, surface.point);
-    let lit = ShadingPoint { arriving, path, point, material, diffuse, sample_id, normal };
+    let lit =
+        ShadingPoint { arriving, path, point, material, diffuse, ambient: ambient_color, sample_id, normal };
     let coincident = arrived_in.tied(&surface, &scratch.search.ties);
     let (left, medium) =
         handed_over(context, (arrived_in, context.shadow), (ray, &surface), state.medium, scratch);
     let (seen, mut samples) = ((&left, medium), Vec::new());
     let lights = scene.lights.iter().enumerate();
     let lights = lights.map(|light| reach(context, scratch, light, &lit, seen, &mut samples)).collect();
+    let (mut ambient, mut ambient_samples) = (ambient(scene, ambient_color), Vec::new());
+    if let Some(dome) = context.dome() {
+        let dome = (RenderContext::DOME, dome);
+        ambient = reach(context, scratch, dome, &lit, seen, &mut ambient_samples).color();
+    }
     let terms = SurfaceTerms {
         pattern: material.pattern_share(surface.point, surface.normal),
         ambient_color,
@@ -339,8 +345,8 @@ fn lit(
         shininess: material.shininess,
         secondary: SecondaryTerms::default(),
     };
-    let (ambient, emission) = (ambient(scene, ambient_color), emission(context.effects, material));
-    LitSurface { ambient, emission, lights, samples, terms, surface, coincident }
+    let emission = emission(context.effects, material);
+    LitSurface { ambient, ambient_samples, emission, lights, samples, terms, surface, coincident }
 }
 
 fn reach(

@@ -10,8 +10,9 @@ use crate::trace::math::SimdLevel;
 use crate::trace::scene::{Cone, FogLayer, PreparedFalloff, PreparedFog, PreparedStars, PreparedSun};
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 use crate::trace::{
-    Effects, Film, Geometry, LightSource, PixelSampling, PreparedCamera, PreparedLight, PreparedScene,
-    PreparedShape, Refraction, RenderJob, ShapeId, Signals, SurfaceMaterial, reference,
+    Effects, Film, Geometry, LightSource, PixelSampling, PreparedAmbientOcclusion, PreparedCamera,
+    PreparedLight, PreparedScene, PreparedShape, Refraction, RenderJob, ShapeId, Signals, SurfaceMaterial,
+    reference,
 };
 
 fn clay(color: Rgb) -> SurfaceMaterial {
@@ -110,6 +111,7 @@ fn all_effects_have_the_reference_s_bits_at_every_level() {
     let mut scene = PreparedScene::new(geometry, materials);
     scene.lights = lights(ids[7]);
     (scene.ambient, scene.depth) = (Rgb::splat(0.8), 6);
+    scene.ambient_occlusion = Some(PreparedAmbientOcclusion { samples: 2, distance: 3.0 });
     let fog = PreparedFog { color: Rgb::new(0.5, 0.6, 0.7), density: 0.03, ..PreparedFog::default() };
     let resolution = (27, 18);
     let (eye, view) = (DVec3::new(0.3, 1.6, -6.0), DVec3::new(0.0, -0.1, 1.0));
@@ -211,8 +213,10 @@ proptest! {
         (absorbs, bends, branches) in any::<(bool, bool, bool)>(),
         cutoff in prop_oneof![Just(0.0_f32), Just(4e-3), Just(0.1)],
         samples in 1..3_u32,
+        occlusion in prop::option::of(prop_oneof![Just(1.0), 0.1..8.0, Just(1e6)]),
     ) {
         let mut scene = glass_scene(&places, Glass { absorbs, bends, branches });
+        scene.ambient_occlusion = occlusion.map(|distance| PreparedAmbientOcclusion { samples, distance });
         scene.cutoff = cutoff;
         let resolution = (19, 17);
         let eye = DVec3::new(0.3, 1.6, -6.0);

@@ -82,6 +82,7 @@ fn every_effect_has_its_frames_and_reasons() {
     assert_eq!(report["measured"], Value::Null);
     let expected = [
         ("ambient light", vec![(json!([[0, 9]]), true, "k_a is above 0")]),
+        ("ambient occlusion", vec![(json!([[0, 9]]), false, "the scene has no `ambient_occlusion`")]),
         ("emission", vec![(json!([[0, 9]]), false, "no material has `emission`")]),
         (
             "diffuse light",

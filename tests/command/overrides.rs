@@ -163,7 +163,7 @@ fn invalid_override_syntax_is_a_usage_error() {
         (["--only", "ambient-lihgt"], "did you mean `ambient-light`?"),
         (
             ["--without", "xyz"],
-            "the effects are ambient-light, emission, diffuse-light, highlights, shadows, transparent-shadows",
+            "the effects are ambient-light, ambient-occlusion, emission, diffuse-light, highlights, shadows, transparent-shadows",
         ),
     ] {
         let output = rayreel(folder.path(), ["render", "a.ron"].into_iter().chain(arguments));

@@ -171,7 +171,7 @@ fn impossible_variants_are_rejected() {
         assert_eq!(crate::text(&output.stderr), format!("error: {message}\n"));
     }
     for (word, remedy) in
-        [("frensel", "did you mean `fresnel`?"), ("xyz", "the effects are ambient-light, emission,")]
+        [("frensel", "did you mean `fresnel`?"), ("xyz", "the effects are ambient-light, ambient-occlusion,")]
     {
         let variants = format!("fog,{word}");
         let output =

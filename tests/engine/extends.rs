@@ -253,6 +253,13 @@ impl Generator<'_> {
         self.add(&mut fields, "cameras", |this| Map(vec![("side".to_owned(), this.camera())]));
         self.add(&mut fields, "shots", |_| List(vec![Plain("(0, \"camera\")".to_owned())]));
         self.add(&mut fields, "ambient", |this| Plain(this.random.light()));
+        self.add(&mut fields, "ambient_occlusion", |this| {
+            let distance = this.number();
+            if this.is_change && this.random.once_in(3) {
+                return Plain("None".to_owned());
+            }
+            this.group("", &[("samples", "2".to_owned()), ("distance", distance)])
+        });
         let colors = [self.random.color(), self.random.color()];
         self.add(&mut fields, "background", |this| {
             if this.is_change && this.random.once_in(2) {

@@ -11,9 +11,9 @@ use serde_json::Value;
 
 use rayreel::color::ErrorNorm;
 use rayreel::components::{
-    Ambient, AreaShape, Background, Camera, Emission, Falloff, FilmSettings, Fog, Follow, Lens, Light,
-    LightKind, LookAt, Material, Noise, Parent, Pattern, PatternKind, Projection, Quality, Reflective,
-    Refractive, Sampling, Shape, Shot, Shots, Specular, Stars, Sun, Transform, View, Visibility,
+    Ambient, AmbientOcclusion, AreaShape, Background, Camera, Emission, Falloff, FilmSettings, Fog, Follow,
+    Lens, Light, LightKind, LookAt, Material, Noise, Parent, Pattern, PatternKind, Projection, Quality,
+    Reflective, Refractive, Sampling, Shape, Shot, Shots, Specular, Stars, Sun, Transform, View, Visibility,
     WorldTransform,
 };
 use rayreel::systems::{Consequence, FaultCause};
@@ -215,7 +215,7 @@ struct Settings {
     follows: Option<prop::sample::Index>,
     looks_at: Option<prop::sample::Index>,
     shots: bool,
-    ambient: Rgb,
+    ambient: (Rgb, Option<AmbientOcclusion>),
     background: Background,
     fog: Fog,
     sky: Option<(Sun, Stars)>,
@@ -256,6 +256,8 @@ fn settings() -> impl Strategy<Value = Settings> {
     ];
     let fog = (color(), number(), prop::option::of(number()), number())
         .prop_map(|(color, density, height, level)| Fog { height, level, ..Fog::new(color, density) });
+    let occlusion = (prop_oneof![Just(0u32), Just(2)], number())
+        .prop_map(|(samples, distance)| AmbientOcclusion { samples, distance });
     let sun = (vector(), color(), number(), number(), number()).prop_map(
         |(direction, intensity, size, glow, glow_size)| Sun { direction, intensity, size, glow, glow_size },
     );
@@ -284,7 +286,7 @@ fn settings() -> impl Strategy<Value = Settings> {
     (
         prop::option::weighted(0.8, camera()),
         (link(), link(), any::<bool>()),
-        (color(), background, fog, prop::option::weighted(0.3, (sun, stars))),
+        ((color(), prop::option::of(occlusion)), background, fog, prop::option::weighted(0.3, (sun, stars))),
         (quality, sampling, film),
     )
         .prop_map(
@@ -361,13 +363,16 @@ fn world(things: &[Thing], settings: &Settings) -> World {
     }
     let (width, height) = settings.film;
     let scene = world.spawn((
-        Ambient(settings.ambient),
+        Ambient(settings.ambient.0),
         settings.background,
         settings.fog,
         settings.quality,
         settings.sampling,
         FilmSettings::new(width, height),
     ));
+    if let Some(occlusion) = settings.ambient.1 {
+        world.insert_one(scene, occlusion).unwrap();
+    }
     if let Some(sky) = settings.sky {
         world.insert(scene, sky).unwrap();
     }

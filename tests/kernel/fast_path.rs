@@ -11,9 +11,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use rayreel::animation::{Easing, Key, Track};
 use rayreel::color::ColorRamp;
 use rayreel::components::{
-    Ambient, Animated, AreaShape, Background, Camera, Channel, Emission, Falloff, FilmSettings, Fog, Lens,
-    Light, LightKind, Material, Pattern, PatternKind, Projection, Property, Quality, Reflective, Refractive,
-    Sampling, Shape, Specular, Stars, Sun, Transform, View, Visibility,
+    Ambient, AmbientOcclusion, Animated, AreaShape, Background, Camera, Channel, Emission, Falloff,
+    FilmSettings, Fog, Lens, Light, LightKind, Material, Pattern, PatternKind, Projection, Property, Quality,
+    Reflective, Refractive, Sampling, Shape, Specular, Stars, Sun, Transform, View, Visibility,
 };
 use rayreel::trace::SimdLevel;
 use rayreel::{Effect, Engine, Film, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -36,6 +36,8 @@ struct Effects {
     motion: bool,
     orthographic: bool,
     hidden: bool,
+    /// The distance of ambient occlusion.
+    occlusion: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -180,7 +182,9 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
 fn effects() -> impl Strategy<Value = Effects> {
     let some = prop::bool::weighted;
     let surroundings = (some(0.3), some(0.3), some(0.5), some(0.5), some(0.3), some(0.2), some(0.2));
-    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), surroundings, some(0.25), some(0.2), some(0.4))
+    let distance = prop_oneof![Just(1.0), 0.1..6.0f64, Just(1e-7), Just(1e9)];
+    let hidden = (some(0.4), prop::option::weighted(0.4, distance));
+    (some(0.85), some(0.5), some(0.4), some(0.3), some(0.3), surroundings, some(0.25), some(0.2), hidden)
         .prop_map(
             |(
                 lights,
@@ -191,7 +195,7 @@ fn effects() -> impl Strategy<Value = Effects> {
                 (fog, gradient, horizon, layer, clear_sky, sun, stars),
                 motion,
                 orthographic,
-                hidden,
+                (hidden, occlusion),
             )| Effects {
                 lights,
                 mirrors,
@@ -208,6 +212,7 @@ fn effects() -> impl Strategy<Value = Effects> {
                 motion,
                 orthographic,
                 hidden,
+                occlusion,
             },
         )
 }
@@ -308,6 +313,9 @@ fn world(
         Quality { depth: 4, cutoff },
         Sampling { samples, instants: 3, ..Sampling::default() },
     ));
+    if let Some(distance) = effects.occlusion {
+        world.insert_one(settings, AmbientOcclusion { samples: 1 + samples, distance }).unwrap();
+    }
     if effects.sun {
         let sun = Sun::new(DVec3::new(0.2, 0.5, 1.0), Rgb::new(9.0, 7.0, 5.0));
         world.insert_one(settings, Sun { size: 0.4, glow: 0.1, ..sun }).unwrap();

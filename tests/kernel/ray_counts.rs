@@ -359,6 +359,15 @@ fn every_effect_is_needed_with_and_omitted_without_its_cause() {
             ("(k_a: 1)", "]", each(1, 0, 0, 0)),
         ),
         (
+            Effect::AmbientOcclusion,
+            (
+                "(k_a: 1)",
+                "], ambient: (1, 1, 1), ambient_occlusion: (samples: 4, distance: 2)",
+                each(1, 4, 0, 0),
+            ),
+            ("(k_a: 1)", "], ambient: (1, 1, 1)", each(1, 0, 0, 0)),
+        ),
+        (
             Effect::Emission,
             ("(emission: (1, 1, 1))", "]", each(1, 0, 0, 0)),
             ("(k_a: 1)", "]", each(1, 0, 0, 0)),
@@ -475,6 +484,29 @@ const OMITTED: &[(&str, Effect, &str)] = &[
         r#"ambient: (1, 1, 1), materials: { "m": (k_d: 1) }, entities: [(shape: Sphere(radius: 1), material: "m")]"#,
         Effect::Ambient,
         "k_a is 0 on all surfaces",
+    ),
+    (
+        r#"ambient: (1, 1, 1), materials: { "m": (k_a: 1) }, entities: [(shape: Sphere(radius: 1), material: "m")]"#,
+        Effect::AmbientOcclusion,
+        "the scene has no `ambient_occlusion`",
+    ),
+    (
+        r#"ambient_occlusion: (distance: 1), materials: { "m": (k_a: 1) },
+            entities: [(shape: Sphere(radius: 1), material: "m")]"#,
+        Effect::AmbientOcclusion,
+        "there is no ambient light",
+    ),
+    (
+        r#"ambient: (1, 1, 1), ambient_occlusion: (distance: 1), materials: { "m": (k_a: 1) },
+            entities: [(shape: Plane(normal: (0, 1, 0)), material: "m")]"#,
+        Effect::AmbientOcclusion,
+        "no surface can occlude another",
+    ),
+    (
+        r#"ambient: (1, 1, 1), ambient_occlusion: (distance: 1), materials: { "m": (k_a: 1) },
+            entities: [(shape: Sphere(radius: 1), material: "m", casts_shadow: false)]"#,
+        Effect::AmbientOcclusion,
+        "no shape casts a shadow",
     ),
     ("", Effect::Diffuse, "there are no lights"),
     ("", Effect::Specular, "there are no lights"),

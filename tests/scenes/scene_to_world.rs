@@ -2,8 +2,8 @@
 
 use rayreel::color::{ErrorNorm, Transfer};
 use rayreel::components::{
-    AreaShape, Background, Camera, Falloff, FilmSettings, Fog, Light, LightKind, Material, Name, Noise,
-    Pattern, PatternKind, Quality, Refractive, Sampling, Specular, Transform,
+    AmbientOcclusion, AreaShape, Background, Camera, Falloff, FilmSettings, Fog, Light, LightKind, Material,
+    Name, Noise, Pattern, PatternKind, Quality, Refractive, Sampling, Specular, Transform,
 };
 use rayreel::{Engine, Rgb, Scene, Time, World};
 
@@ -196,6 +196,15 @@ fn defaults_are_the_same_in_files_and_in_code() {
     assert_eq!(setting(&world), Some(Quality::default()));
     assert_eq!(setting(&world), Some(Sampling::default()));
     assert_eq!(FilmSettings::default().transfer, Transfer::Srgb);
+}
+
+#[test]
+fn ambient_occlusion_is_read_from_the_scene() {
+    let occlusion = |body: &str| setting::<AmbientOcclusion>(&scene(&format!("{CLASSIC}, {body}")).world);
+    assert_eq!(occlusion(""), None);
+    let with = |samples| Some(AmbientOcclusion { samples, distance: 2.5 });
+    assert_eq!(occlusion("ambient_occlusion: (distance: 2.5)"), with(8));
+    assert_eq!(occlusion("ambient_occlusion: (samples: 64, distance: 2.5)"), with(64));
 }
 
 #[test]

@@ -28,21 +28,22 @@ pub(in crate::cli) struct OverrideArguments {
     /// Maximum ray depth, 1 for camera rays only; same as --set quality.depth=COUNT
     #[arg(long, value_name = "COUNT", value_parser = parse_depth, allow_hyphen_values = true)]
     depth: Option<Override>,
-    /// Disable effects that the scene uses, as in --without shadows,reflection: ambient-light, emission, diffuse-light, highlights,
-    /// shadows, transparent-shadows, area-lights, spot-lights, falloff, reflection, refraction, fresnel, absorption, patterns, fog,
-    /// gradient, sun, stars, ray-visibility, antialiasing, depth-of-field, motion-blur. Words as specular, reflected and refracted are
-    /// accepted, too [can be repeated]
+    /// Disable effects that the scene uses, as in --without shadows,reflection: ambient-light, ambient-occlusion, emission,
+    /// diffuse-light, highlights, shadows, transparent-shadows, area-lights, spot-lights, falloff, reflection, refraction, fresnel,
+    /// absorption, patterns, fog, gradient, sun, stars, ray-visibility, antialiasing, depth-of-field, motion-blur. Words as specular,
+    /// reflected and refracted are accepted, too [can be repeated]
     #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
     without: Vec<Effect>,
-    /// Disable the other terms of light: ambient and diffuse light, emission, highlights, shadows, reflection, refraction, absorption
-    /// and fog, but for those that are named, as in --only ambient-light,diffuse-light [can be repeated]
+    /// Disable the other terms of light: ambient and diffuse light, ambient occlusion, emission, highlights, shadows, reflection,
+    /// refraction, absorption and fog, but for those that are named, as in --only ambient-light,diffuse-light [can be repeated]
     #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
     only: Vec<Effect>,
 }
 
 /// The effects that `--only` disables unless they are named: the terms of a picture's light.
-const LIGHT_TERMS: [Effect; 11] = [
+const LIGHT_TERMS: [Effect; 12] = [
     Effect::Ambient,
+    Effect::AmbientOcclusion,
     Effect::Emission,
     Effect::Diffuse,
     Effect::Specular,

@@ -242,6 +242,7 @@ impl<'a> Terms<'a> {
             "c": color.to_array(),
             "c_ambient": ambient_color.to_array(),
             "I_a": ambient_light.to_array(),
+            "V_a": lit.ambient_visibility().unwrap_or(Rgb::ONE).to_array(),
             "k_s": specular,
             "shininess": shininess,
             "k_r": secondary.mirror,
@@ -378,7 +379,8 @@ fn refraction_facts(refraction: &RefractionTerms, angles: &RefractionAngles) -> 
 
 /// Explains the ambient light.
 pub(super) fn ambient_node(lit: &LitSurface) -> TreeNode {
-    let facts = vec![("k_a c", color(lit.terms.ambient_color)), ("I_a", color(lit.terms.ambient_light))];
+    let mut facts = vec![("k_a c", color(lit.terms.ambient_color)), ("I_a", color(lit.terms.ambient_light))];
+    facts.extend(lit.ambient_visibility().map(|share| ("V_a", color(share))));
     TreeNode { facts, ..TreeNode::default() }
 }
 

@@ -27,9 +27,9 @@ pub(super) use entity::{
 pub(super) use include::IncludeDocument;
 pub(super) use material::{MaterialDocument, PatternDocument};
 pub(super) use settings::{
-    CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument, QualityDocument,
-    SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument,
-    TimelineDocument, TransferDocument,
+    AmbientOcclusionDocument, CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument,
+    QualityDocument, SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument,
+    SunDocument, TimelineDocument, TransferDocument,
 };
 pub(super) use surface::SurfaceDocument;
 pub(super) use values::{

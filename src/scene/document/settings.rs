@@ -8,7 +8,7 @@ use super::{
     AnimationDocument, BackgroundDocument, CloudDocument, ColorDocument, EntityDocument, Entries,
     IncludeDocument, MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
 };
-use crate::components::{FilmSettings, Quality, Sampling, Stars};
+use crate::components::{AmbientOcclusion, FilmSettings, Quality, Sampling, Stars};
 
 /// A whole scene file.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -24,6 +24,7 @@ pub(crate) struct SceneDocument {
     pub(crate) cameras: Entries<CameraDocument>,
     pub(crate) shots: Vec<ShotDocument>,
     pub(crate) ambient: Triple,
+    pub(crate) ambient_occlusion: Option<AmbientOcclusionDocument>,
     pub(crate) background: BackgroundDocument,
     pub(crate) sun: Option<SunDocument>,
     pub(crate) stars: Option<StarsDocument>,
@@ -76,6 +77,19 @@ impl SceneDocument {
     expecting = "a shot: when it starts, in seconds, and a camera's name, as (2.5, \"side\")"
 )]
 pub(crate) struct ShotDocument(pub(crate) f64, pub(crate) String);
+
+/// The occlusion of ambient light.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "AmbientOcclusion")]
+pub(crate) struct AmbientOcclusionDocument {
+    #[serde(default = "occlusion_samples", deserialize_with = "whole")]
+    pub(crate) samples: u64,
+    pub(crate) distance: f64,
+}
+
+fn occlusion_samples() -> u64 {
+    AmbientOcclusion::DEFAULT_SAMPLES.into()
+}
 
 /// A sun in the sky.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]

@@ -12,10 +12,11 @@ use rayon::prelude::*;
 use self::entities::{Links, MaterialComponents, surface};
 use super::document::particle;
 use super::document::{
-    AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument, EntityDocument, FilmDocument,
-    FogDocument, KeyDocument, MaterialDocument, NoiseDocument, NormDocument, QualityDocument,
-    RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShotDocument, SpaceDocument,
-    StarsDocument, SunDocument, TimelineDocument, TrackDocument, TracksDocument, TransferDocument, Triple,
+    AmbientOcclusionDocument, AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument,
+    EntityDocument, FilmDocument, FogDocument, KeyDocument, MaterialDocument, NoiseDocument, NormDocument,
+    QualityDocument, RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShotDocument,
+    SpaceDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument, TracksDocument,
+    TransferDocument, Triple,
 };
 use super::files::Merged;
 use super::paths::motion_along;
@@ -23,9 +24,9 @@ use super::playback::{ValueDocument, keys, playback};
 use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ColorRamp, ErrorNorm, Rgb, Transfer};
 use crate::components::{
-    Ambient, Animated, AtParticle, Background, Camera, Channel, FilmSettings, Fog, Follow, Lens, LookAt,
-    Motion, Name, Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots,
-    Space, Stars, Sun, Transform, View, Way, WorldTransform,
+    Ambient, AmbientOcclusion, Animated, AtParticle, Background, Camera, Channel, FilmSettings, Fog, Follow,
+    Lens, LookAt, Motion, Name, Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn,
+    Shot, Shots, Space, Stars, Sun, Transform, View, Way, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -165,6 +166,9 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
         sampling(&document.sampling),
         space(document.space),
     ));
+    if let Some(AmbientOcclusionDocument { samples, distance }) = document.ambient_occlusion {
+        builder.add(AmbientOcclusion { samples: u32::try_from(samples).unwrap_or(u32::MAX), distance });
+    }
     if let Some(sun) = document.sun {
         let SunDocument { direction, intensity, size, glow, glow_size } = sun;
         let [size, glow_size] = [size, glow_size].map(f64::to_radians);

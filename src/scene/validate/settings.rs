@@ -2,10 +2,10 @@
 
 use super::{At, Problems, check};
 use crate::color::ColorRamp;
-use crate::components::{FilmSettings, Quality, Quantity, Sampling, Stars, ValidRange};
+use crate::components::{AmbientOcclusion, FilmSettings, Quality, Quantity, Sampling, Stars, ValidRange};
 use crate::scene::document::{
-    BackgroundDocument, ColorDocument, FilmDocument, FogDocument, QualityDocument, SamplingDocument,
-    SceneDocument, StarsDocument, SunDocument, TimelineDocument,
+    AmbientOcclusionDocument, BackgroundDocument, ColorDocument, FilmDocument, FogDocument, QualityDocument,
+    SamplingDocument, SceneDocument, StarsDocument, SunDocument, TimelineDocument,
 };
 use crate::scene::quote::Figure;
 use crate::time::{FrameRate, Timeline};
@@ -14,6 +14,9 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     timeline(&document.timeline, &scene.field("timeline"), problems);
     film(&document.film, &scene.field("film"), problems);
     check::intensity(document.ambient, "ambient light", &scene.field("ambient"), problems);
+    if let Some(occlusion) = &document.ambient_occlusion {
+        ambient_occlusion(occlusion, &scene.field("ambient_occlusion"), problems);
+    }
     background(&document.background, &scene.field("background"), problems);
     if let Some(sun) = &document.sun {
         self::sun(sun, &scene.field("sun"), problems);
@@ -26,6 +29,13 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     }
     quality(&document.quality, &scene.field("quality"), problems);
     sampling(&document.sampling, &scene.field("sampling"), problems);
+}
+
+fn ambient_occlusion(document: &AmbientOcclusionDocument, at: &At<'_>, problems: &mut Problems) {
+    let help = "8 is enough with several samples per pixel, 64 is smooth with one";
+    let most = AmbientOcclusion::LARGEST_SAMPLES;
+    check::count(document.samples, most, "samples", help, &at.field("samples"), problems);
+    check::size(document.distance, "the distance of ambient occlusion", &at.field("distance"), problems);
 }
 
 fn background(document: &BackgroundDocument, at: &At<'_>, problems: &mut Problems) {

@@ -15,9 +15,9 @@ use super::settings::first_entity;
 use super::shape::prepared_shape;
 use crate::color::Rgb;
 use crate::components::{
-    Ambient, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light, LightKind, LookAt,
-    Material, Motion, Order, Parent, Pattern, PatternKind, Projection, Property, Quality, Quantity,
-    Refractive, Sampling, Shape, Shots, Specular, Stars, Sun, Target, Transform, ValidRange, View,
+    Ambient, AmbientOcclusion, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light,
+    LightKind, LookAt, Material, Motion, Order, Parent, Pattern, PatternKind, Projection, Property, Quality,
+    Quantity, Refractive, Sampling, Shape, Shots, Specular, Stars, Sun, Target, Transform, ValidRange, View,
     Visibility, WorldTransform,
 };
 use crate::systems::aim::circular_aims;
@@ -439,6 +439,12 @@ fn turn_faults(world: &World, faults: &mut Vec<Fault>) {
 fn setting_faults(world: &World, faults: &mut Vec<Fault>) {
     let mut check = |fault: Option<Fault>| faults.extend(fault);
     check(setting(world, |checked, Ambient(intensity)| checked.color("ambient light", *intensity)));
+    check(setting(world, |checked, AmbientOcclusion { samples, distance }| {
+        let what = "distance of ambient occlusion";
+        checked.part(what, *distance, *distance > 0.0, Quantity::Length.range());
+        checked.number(what, *distance, Quantity::Length.range());
+        checked.count("number of samples of ambient occlusion", *samples, AmbientOcclusion::LARGEST_SAMPLES);
+    }));
     check(setting(world, |checked, background| match background {
         Background::Flat(color) => checked.color("background", *color),
         Background::Gradient { bottom, horizon, top } => {

@@ -83,6 +83,7 @@ impl Preparation {
                 let Some((center, half)) = light.source.extent() else { return false };
                 Region::around(center, half)
             }
+            LightSource::Dome { .. } => return false,
         };
         walls.iter().any(|(id, bounds)| {
             // Exact tests are slow, and most shapes are around neither.

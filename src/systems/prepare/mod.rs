@@ -34,7 +34,8 @@ use light::prepared_light;
 use material::{Surfaced, surface_material};
 use read::{VisibleShapes, read_all, read_shapes};
 use settings::{
-    first, first_of, linear_cutoff, prepared_background, prepared_fog, prepared_sky, sane, sane_sampling,
+    first, first_of, linear_cutoff, prepared_ambient_occlusion, prepared_background, prepared_fog,
+    prepared_sky, sane, sane_sampling,
 };
 
 pub use camera::{ActiveCamera, active_camera};
@@ -299,6 +300,7 @@ impl Preparation {
             depth: self.scene.depth,
             cutoff: self.scene.cutoff,
             lights: self.scene.lights.iter().map(own_settings).collect(),
+            ambient_samples: self.scene.ambient_occlusion.map_or(1, |occlusion| occlusion.samples),
         }
     }
 
@@ -318,6 +320,9 @@ impl Preparation {
         for (light, settings) in self.scene.lights.iter_mut().zip(&settings.lights) {
             light.samples = settings.samples;
             light.casts_shadows = settings.casts_shadows;
+        }
+        if let Some(occlusion) = &mut self.scene.ambient_occlusion {
+            occlusion.samples = settings.ambient_samples;
         }
         before
     }
@@ -365,6 +370,7 @@ impl Preparation {
         let sampling = sane_sampling(first(world));
         let quality = first::<Quality>(world);
         let ambient = sane(first::<Ambient>(world).0);
+        let ambient_occlusion = first_of(world).and_then(prepared_ambient_occlusion);
         let background = prepared_background(first(world));
         let sky = prepared_sky(first_of(world), first_of(world));
         let fog = prepared_fog(first(world));
@@ -375,6 +381,7 @@ impl Preparation {
         let lights_differ = set(&mut scene.lights, lights.1);
         let camera_differs = set(&mut self.camera, camera);
         let settings = set(&mut scene.ambient, ambient)
+            | set(&mut scene.ambient_occlusion, ambient_occlusion)
             | set(&mut scene.background, background)
             | set(&mut scene.sky, sky)
             | set(&mut scene.fog, fog)

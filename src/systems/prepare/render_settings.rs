@@ -20,6 +20,8 @@ pub(crate) struct FrameSettings {
     pub(crate) cutoff: f32,
     /// The settings of each light.
     pub(crate) lights: Vec<LightSettings>,
+    /// The number of samples of ambient occlusion, 1 or more.
+    pub(crate) ambient_samples: u32,
 }
 
 /// The settings of a light.
@@ -67,9 +69,9 @@ pub struct RenderSettings {
     pub seed: Option<u64>,
     /// The maximum number of instants while the shutter is open: [`Sampling::instants`].
     pub instants: Option<u32>,
-    /// The number of samples of each area light per lit point.
+    /// The number of samples of each area light, and of ambient occlusion, per point.
     pub light_samples: Option<u32>,
-    /// The maximum number of samples of each area light per lit point.
+    /// The maximum number of samples of each area light, and of ambient occlusion, per point.
     pub max_light_samples: Option<u32>,
     /// The maximum ray depth: [`Quality::depth`].
     pub depth: Option<u32>,
@@ -169,11 +171,13 @@ impl RenderSettings {
         if let Some(cutoff) = self.cutoff {
             settings.cutoff = linear_cutoff(cutoff, settings.film.transfer);
         }
+        let most = self.max_light_samples.map_or(AreaShape::LARGEST_SAMPLES, |most| most.max(1));
+        let samples =
+            |own: u32| self.light_samples.unwrap_or(own).clamp(1, most.min(AreaShape::LARGEST_SAMPLES));
+        settings.ambient_samples = samples(settings.ambient_samples);
         for light in &mut settings.lights {
             // Lights without an extent take one sample, regardless of this number.
-            let samples = self.light_samples.unwrap_or(light.samples);
-            let most = self.max_light_samples.map_or(AreaShape::LARGEST_SAMPLES, |most| most.max(1));
-            light.samples = samples.clamp(1, most.min(AreaShape::LARGEST_SAMPLES));
+            light.samples = samples(light.samples);
             light.casts_shadows &= !self.without.contains(Effect::Shadows);
         }
     }

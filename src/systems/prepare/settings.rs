@@ -8,7 +8,9 @@ use hecs::{Entity, World};
 use super::shape::towards_one;
 use crate::animation::limits::SMALLEST;
 use crate::color::{Rgb, Transfer};
-use crate::components::{Background, FilmSettings, Fog, Order, Quality, Sampling, Stars, Sun};
+use crate::components::{
+    AmbientOcclusion, Background, FilmSettings, Fog, Order, Quality, Sampling, Stars, Sun,
+};
 use crate::trace;
 
 /// Returns the component of the first entity in document order that has it, or its default.
@@ -81,6 +83,18 @@ pub(super) fn linear_cutoff(codes: f32, transfer: Transfer) -> f32 {
         Transfer::Srgb => 12.92,
     };
     if codes > 0.0 { codes.min(Quality::LARGEST_CUTOFF) / (255.0 * steepest) } else { 0.0 }
+}
+
+/// Returns the occlusion of ambient light, clamped to its limits; `None` if its distance is not above 0.
+pub(super) fn prepared_ambient_occlusion(
+    AmbientOcclusion { samples, distance }: AmbientOcclusion,
+) -> Option<trace::PreparedAmbientOcclusion> {
+    /// Farther than any two shapes are apart whose coordinates can be squared.
+    const FARTHEST: f64 = 1e150;
+    (distance > 0.0).then(|| trace::PreparedAmbientOcclusion {
+        samples: samples.clamp(1, AmbientOcclusion::LARGEST_SAMPLES),
+        distance: distance.min(FARTHEST),
+    })
 }
 
 pub(super) fn prepared_background(background: Background) -> trace::PreparedBackground {

@@ -120,8 +120,8 @@ impl FrameHasher {
 
     /// Adds the next instant.
     pub(crate) fn add(&mut self, scene: &PreparedScene, camera: &PreparedCamera, sampling: PixelSampling) {
-        // A single sample without area lights uses no random numbers.
-        let is_sampled = sampling.samples > 1 || scene.lights.iter().any(|light| light.source.is_extended());
+        // A single sample without area lights and ambient occlusion uses no random numbers.
+        let is_sampled = sampling.samples > 1 || scene.samples_light();
         self.0.count(is_sampled);
         self.0.count(if is_sampled { sampling.seed } else { 0 });
         camera.write(&mut self.0);

@@ -15,7 +15,7 @@ pub struct PreparedLight {
     pub intensity: Rgb,
     /// Attenuation with distance, if any.
     pub falloff: Option<PreparedFalloff>,
-    /// Number of sample points that light a point; 1 unless it is an area light.
+    /// Number of sample points that light a point; 1 unless it is an area light or a dome.
     pub samples: u32,
     /// True if it casts shadows, so that shadow rays are traced to it.
     pub casts_shadows: bool,
@@ -68,6 +68,34 @@ pub enum LightSource {
         /// The vectors from the centre to the midpoints of two adjacent edges.
         halves: [DVec3; 2],
     },
+    /// A half sphere about each lit point, in front of its surface: ambient light. Directions are weighted by their cosine to the normal.
+    Dome {
+        /// The radius, greater than 0: shapes farther away do not occlude the light.
+        radius: f64,
+    },
+}
+
+/// The occlusion of ambient light by near shapes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PreparedAmbientOcclusion {
+    /// Number of directions that are tested per point, 1 or more.
+    pub samples: u32,
+    /// The distance up to which shapes occlude, greater than 0.
+    pub distance: f64,
+}
+
+impl PreparedAmbientOcclusion {
+    /// Returns ambient light of an intensity as a light source.
+    pub(super) fn dome(self, intensity: Rgb) -> PreparedLight {
+        PreparedLight {
+            source: LightSource::Dome { radius: self.distance },
+            intensity,
+            falloff: None,
+            samples: self.samples,
+            casts_shadows: true,
+            own_shape: None,
+        }
+    }
 }
 
 impl PreparedLight {
@@ -84,7 +112,7 @@ impl PreparedLight {
         bytes.count(own_shape.map_or(0, |shape| 1 + rank(shape)));
     }
 
-    /// Returns the number of sample points that light a point: 1 unless it is an area light.
+    /// Returns the number of sample points that light a point: 1 unless it is an area light or a dome.
     pub(crate) fn sample_count(&self) -> u32 {
         if self.source.is_extended() { self.samples.max(1) } else { 1 }
     }
@@ -115,13 +143,17 @@ impl LightSource {
                 bytes.count(4_u32);
                 bytes.vectors([center, right, up]);
             }
+            Self::Dome { radius } => {
+                bytes.count(5_u32);
+                bytes.number(radius);
+            }
         }
     }
 
-    /// Returns whether it is an area light.
+    /// Returns whether it lights a point from many directions: an area light or a dome.
     #[must_use]
     pub fn is_extended(&self) -> bool {
-        matches!(self, Self::Sphere { .. } | Self::Rectangle { .. })
+        matches!(self, Self::Sphere { .. } | Self::Rectangle { .. } | Self::Dome { .. })
     }
 
     /// Returns the centre of an area light, and upper bounds of its half-extents.
@@ -129,14 +161,14 @@ impl LightSource {
         /// 2^-40, more than rounding shifts points by.
         const ROUNDING: f64 = f64::from_bits((1023 - 40) << 52);
         let (center, reach) = match *self {
-            Self::Point(_) | Self::Spot(..) | Self::Directional(_) => return None,
+            Self::Point(_) | Self::Spot(..) | Self::Directional(_) | Self::Dome { .. } => return None,
             Self::Sphere { center, radius } => (center, DVec3::splat(radius)),
             Self::Rectangle { center, halves: [right, up] } => (center, right.abs() + up.abs()),
         };
         Some((center, reach + (center.abs() + reach) * ROUNDING))
     }
 
-    /// Returns the point of an area light that corresponds to a point of the unit square, as seen from `lit`.
+    /// Returns the point of an area light that corresponds to a point of the unit square, as seen from `lit`; for a dome, `lit` itself.
     pub(crate) fn place(&self, lit: DVec3, square: [f64; 2]) -> DVec3 {
         match *self {
             Self::Point(place) | Self::Spot(place, _) | Self::Directional(place) => place,
@@ -147,6 +179,7 @@ impl LightSource {
                 on_sphere(center, radius, towards.into(), square).into()
             }
             Self::Rectangle { center, halves } => on_rectangle(center, halves, square).into(),
+            Self::Dome { .. } => lit,
         }
     }
 }
@@ -164,6 +197,18 @@ pub(crate) fn on_sphere<R: Real>(center: DVec3, radius: f64, towards: [R; 3], sq
 pub(crate) fn on_rectangle<R: Real>(center: DVec3, [right, up]: [DVec3; 2], [x, y]: [R; 2]) -> [R; 3] {
     let place = add(spread(x, center), times(spread(x, right), x * 2.0 - 1.0));
     add(place, times(spread(x, up), y * 2.0 - 1.0))
+}
+
+/// Returns unit vectors on the side of unit normals, whose density is the cosine to the normal: the points of the unit disc across the
+/// normal, raised to the half sphere (Malley's method).
+#[inline(always)]
+pub(crate) fn on_dome<R: Real>(normals: [R; 3], square: [R; 2]) -> [R; 3] {
+    let [x, y] = on_disc(square);
+    let height = x.of(1.0) - x * x - y * y;
+    // Rounding can put points of the rim outside the disc.
+    let height = R::pick(height.greater(x.of(0.0)), height, x.of(0.0)).sqrt();
+    let (right, up) = across(normals);
+    add(add(times(right, x), times(up, y)), times(normals, height))
 }
 
 #[inline(always)]

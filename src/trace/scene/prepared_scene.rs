@@ -10,7 +10,7 @@ use super::environment::{GradientTerms, PreparedBackground, PreparedFog};
 use super::equal_shapes::EqualShapes;
 use super::geometry::{Geometry, PreparedShape};
 use super::leaf_shapes::LeafShapes;
-use super::light::PreparedLight;
+use super::light::{PreparedAmbientOcclusion, PreparedLight};
 use super::material::SurfaceMaterial;
 use super::material_summary::MaterialSummary;
 use super::material_table::MaterialTable;
@@ -64,6 +64,8 @@ pub struct PreparedScene {
     pub lights: Vec<PreparedLight>,
     /// The ambient light, I_a.
     pub ambient: Rgb,
+    /// The occlusion of ambient light, if any.
+    pub ambient_occlusion: Option<PreparedAmbientOcclusion>,
     /// The background, seen by rays that hit nothing.
     pub background: PreparedBackground,
     /// The sun and the stars in front of the background.
@@ -106,6 +108,7 @@ impl PreparedScene {
             digest: OnceLock::new(),
             lights: Vec::new(),
             ambient: Rgb::ZERO,
+            ambient_occlusion: None,
             background: PreparedBackground::default(),
             sky: PreparedSky::default(),
             fog: PreparedFog::default(),
@@ -331,6 +334,23 @@ impl PreparedScene {
         // Absent parts write nothing, so that frames of scenes without them stay valid.
         self.fog.write_layer(bytes);
         self.sky.write(bytes);
+        if let Some(PreparedAmbientOcclusion { samples, distance }) = self.ambient_occlusion {
+            // Another number than those of fog and sky.
+            bytes.count(16_u32);
+            bytes.count(samples);
+            bytes.number(distance);
+        }
+    }
+
+    /// Returns the ambient light as a light source, if it can be occluded.
+    pub(crate) fn dome(&self) -> Option<PreparedLight> {
+        let occlusion = self.ambient_occlusion.filter(|_| self.ambient != Rgb::ZERO)?;
+        Some(occlusion.dome(self.ambient))
+    }
+
+    /// Returns whether points are lit from directions that are sampled.
+    pub(crate) fn samples_light(&self) -> bool {
+        self.dome().is_some() || self.lights.iter().any(|light| light.source.is_extended())
     }
 
     fn sort_equal_shapes(&mut self) {

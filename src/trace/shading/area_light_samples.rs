@@ -3,10 +3,12 @@
 use fearless_simd::prelude::*;
 
 use super::direct::{light_dimension, light_point};
+use super::light_sample_packet::facing_normals;
+use crate::trace::intersect::SurfacePacket;
 use crate::trace::math::{
     LANES, PixelSamples, SampleKeys, Scaled, Vectors, bits, half_lanes, lanes, scaled_lanes, splat3, subtract,
 };
-use crate::trace::scene::{LightSource, PreparedLight, on_rectangle, on_sphere};
+use crate::trace::scene::{LightSource, PreparedLight, on_dome, on_rectangle, on_sphere};
 
 /// The sequences of sample points on an area light, one per lane.
 #[derive(Clone, Debug)]
@@ -37,19 +39,19 @@ impl AreaLightSamples {
         }
     }
 
-    /// Computes sample point `sample` of a light for each shading point in some lanes: [`LightSource::place`], which is defined for all
-    /// lights, not only area lights.
+    /// Computes sample point `sample` of a light for each shading point: [`LightSource::place`], which is defined for all lights, not only
+    /// area lights. For a dome, computes the direction to it.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &self,
         simd: S,
         source: &LightSource,
-        points: &Vectors,
-        active: u32,
+        surfaces: &SurfacePacket,
         sample: u32,
         places: &mut Vectors,
     ) {
         let squares = self.keys.pairs(simd, &self.first.map(|first| first.wrapping_add(sample)));
+        let points = &surfaces.points;
         let mut escalated = 0;
         for half in 0..2 {
             let square = [squares[0].load(simd, half), squares[1].load(simd, half)];
@@ -57,11 +59,15 @@ impl AreaLightSamples {
                 LightSource::Sphere { center, radius } => {
                     let from_point = subtract(splat3(simd, *center), points.load(simd, half));
                     let Scaled { direction, in_range, .. } = scaled_lanes(simd, from_point);
-                    escalated |= active & half_lanes(half) & !bits(in_range, half);
+                    escalated |= surfaces.lanes & half_lanes(half) & !bits(in_range, half);
                     places.store(half, on_sphere(*center, *radius, direction, square));
                 }
                 LightSource::Rectangle { center, halves } => {
                     places.store(half, on_rectangle(*center, *halves, square));
+                }
+                LightSource::Dome { .. } => {
+                    let normals = facing_normals(simd, surfaces, half);
+                    places.store(half, on_dome(normals, square));
                 }
                 LightSource::Point(place) | LightSource::Spot(place, _) | LightSource::Directional(place) => {
                     places.store(half, splat3(simd, *place));

@@ -28,8 +28,9 @@ pub(crate) struct RenderContext<'a> {
     pub(crate) effects: Effects,
     pub(crate) radiance_bound: RadianceBound,
     pub(crate) pixel_centers: PixelCenters,
-    /// Lights with nonzero intensity, with their indices in document order.
-    pub(crate) lights: Vec<(usize, &'a PreparedLight)>,
+    /// Lights with nonzero intensity, with their indices in document order; before them the [dome](RenderContext::DOME), if ambient light is
+    /// occluded, so that it is added to emission first like ambient light that is not.
+    pub(crate) lights: Vec<(usize, PreparedLight)>,
     start: StartMedia,
 }
 
@@ -37,14 +38,19 @@ pub(crate) struct RenderContext<'a> {
 struct StartMedia(Vec<ShapeId>);
 
 impl<'a> RenderContext<'a> {
+    /// The index of the dome, which is no light of the document.
+    pub(crate) const DOME: usize = usize::MAX;
+
     pub(crate) fn new(
         scene: &'a PreparedScene,
         camera: &'a PreparedCamera,
         sampling: PixelSampling,
         effects: Effects,
     ) -> Self {
-        let lights = scene.lights.iter().enumerate();
-        let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO).collect();
+        let dome = scene.dome().filter(|_| effects.extras && effects.shadows());
+        let lights = scene.lights.iter().copied().enumerate();
+        let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO);
+        let lights = dome.map(|dome| (Self::DOME, dome)).into_iter().chain(lights).collect();
         let (radiance_bound, start) = (RadianceBound::of(scene), StartMedia::near(scene, camera.eye()));
         let pixel_centers = PixelCenters::of(camera);
         let [secondary, shadow] = [RayClass::Secondary, RayClass::Shadow].map(|class| scene.seen_by(class));
@@ -70,6 +76,12 @@ impl<'a> RenderContext<'a> {
             RayClass::Secondary => self.secondary,
             RayClass::Shadow => self.shadow,
         }
+    }
+
+    /// Returns the ambient light as a light source, if it is occluded.
+    #[inline]
+    pub(crate) fn dome(&self) -> Option<&PreparedLight> {
+        self.lights.first().filter(|(index, _)| *index == Self::DOME).map(|(_, dome)| dome)
     }
 
     /// Returns the number of bounces to trace. Camera rays are the first one, which is always traced.

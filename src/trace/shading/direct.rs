@@ -8,7 +8,7 @@ use crate::trace::effects::Effects;
 use crate::trace::intersect::SurfacePoint;
 use crate::trace::math::{Dimension, PixelSamples, scaled};
 use crate::trace::rays::{PreparedRay, ShadowLimit};
-use crate::trace::scene::{LightSource, PreparedLight, SurfaceMaterial};
+use crate::trace::scene::{LightSource, PreparedLight, SurfaceMaterial, on_dome};
 
 /// A shading point.
 pub(crate) struct ShadingPoint<'a> {
@@ -20,6 +20,8 @@ pub(crate) struct ShadingPoint<'a> {
     pub(crate) material: &'a SurfaceMaterial,
     /// Diffuse colour at the point.
     pub(crate) diffuse: Rgb,
+    /// Colour in ambient light at the point, if ambient light is occluded.
+    pub(crate) ambient: Rgb,
     pub(crate) sample_id: SampleId,
     /// Unit normal on the side from which the ray arrived.
     pub(crate) normal: DVec3,
@@ -68,7 +70,7 @@ pub struct LightTerms {
     pub half_cosine: Option<f64>,
     /// I, the intensity of the light in this direction and at this distance.
     pub intensity: Rgb,
-    /// The diffuse term, k_d c I |N.L|.
+    /// The diffuse term, k_d c I |N.L|; for a dome, the ambient term k_a c I_a.
     pub diffuse: Rgb,
     /// The specular term, k_s I (N.H)^shininess.
     pub specular: Rgb,
@@ -99,7 +101,7 @@ impl LightTerms {
     pub(crate) fn light_sample(&self, effects: Effects, light: &PreparedLight) -> LightSample {
         let Self { to_light: direction, limit, cosine, .. } = *self;
         let segment = ShadowSegment { direction, limit, from_behind: cosine < 0.0 };
-        let shadow = (effects.shadows() && light.casts_shadows).then_some(segment);
+        let shadow = (effects.shadows() && light.casts_shadows && limit.t() > 0.0).then_some(segment);
         LightSample { color: self.contribution(), shadow }
     }
 }
@@ -176,26 +178,27 @@ pub(crate) fn light_terms(
             let (to_light, _) = to_light.ok_or(Unlit::NoDirection)?;
             arriving(effects, light, lit, to_light, ShadowLimit::NONE)
         }
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => Err(Unlit::Off),
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } | LightSource::Dome { .. }
+            if !effects.extras =>
+        {
+            Err(Unlit::Off)
+        }
         LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            let place = light_place((index, light), lit.point, (lit.sample_id, lit.path), sample);
+            let place = light.source.place(lit.point, light_square((index, light), lit, sample));
             from_place(effects, light, lit, place)
+        }
+        LightSource::Dome { radius } => {
+            let towards = on_dome(lit.normal.into(), light_square((index, light), lit, sample));
+            from_dome((light, radius), lit, towards.into())
         }
     }
 }
 
-/// Returns sample point `sample` of an area light for a shading point. `path` is the index of the ray that hit the point in the ray tree of
-/// pixel sample `sample_id`.
-fn light_place(
-    (index, light): (usize, &PreparedLight),
-    point: DVec3,
-    (sample_id, path): (SampleId, u64),
-    sample: u32,
-) -> DVec3 {
-    let SampleId { seed, pixel: (i, j), sample: of_pixel } = sample_id;
+/// Returns the point of the unit square for sample `sample` of an area light or a dome at a shading point.
+fn light_square((index, light): (usize, &PreparedLight), lit: &ShadingPoint<'_>, sample: u32) -> [f64; 2] {
+    let SampleId { seed, pixel: (i, j), sample: of_pixel } = lit.sample_id;
     let index_in_sequence = light_point(light, of_pixel, sample);
-    let square = PixelSamples::new(seed, i, j).pair(light_dimension(index, path), index_in_sequence);
-    light.source.place(point, square)
+    PixelSamples::new(seed, i, j).pair(light_dimension(index, lit.path), index_in_sequence)
 }
 
 /// Returns the sampling dimension of light number `index`, for the ray with index `path` in its tree.
@@ -220,6 +223,33 @@ fn from_place(
 ) -> Result<LightTerms, Unlit> {
     let (to_light, scale) = scaled(place - lit.point).ok_or(Unlit::NoDirection)?;
     arriving(effects, light, lit, to_light, ShadowLimit::new(scale.recip(), place))
+}
+
+/// Returns the terms of ambient light from a point of a dome in the direction `towards`, of length 1. It is at full strength from all
+/// directions: their density is the cosine to the normal.
+#[inline(always)]
+fn from_dome(
+    (light, radius): (&PreparedLight, f64),
+    lit: &ShadingPoint<'_>,
+    towards: DVec3,
+) -> Result<LightTerms, Unlit> {
+    let place = lit.point + towards * radius;
+    // Nothing occludes the light of a dome that is smaller than the spacing of representable points.
+    let scaled = scaled(towards).filter(|_| place.is_finite() && place != lit.point);
+    let (to_light, t) =
+        scaled.map_or((lit.normal, 0.0), |(to_light, scale)| (to_light, radius * scale.recip()));
+    // Rounding can put directions of the rim behind the surface.
+    let cosine = lit.normal.dot(to_light) / length::<f64>(to_light.into());
+    let terms = LightTerms {
+        to_light,
+        limit: ShadowLimit::new(t, place),
+        cosine: if cosine > 0.0 { cosine } else { 0.0 },
+        half_cosine: None,
+        intensity: light.intensity,
+        diffuse: lit.ambient * light.intensity,
+        specular: Rgb::ZERO,
+    };
+    if terms.diffuse == Rgb::ZERO { Err(Unlit::OtherColor) } else { Ok(terms) }
 }
 
 /// Returns the terms of a light in direction `to_light`, which is [`scaled`]; `limit` is the end of the shadow ray, at the light.

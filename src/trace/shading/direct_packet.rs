@@ -8,8 +8,8 @@ use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normal
 use super::terms_packet::{add_highlights, intensities};
 use crate::trace::effects::Effects;
 use crate::trace::math::{
-    F64s, F64s3, Mask, Numbers, Scaled, bits, bits16, dot, finite3, half_of, lanes, scaled, scaled_lanes,
-    splat, splat3, subtract,
+    F64s, F64s3, Mask, Numbers, Scaled, add, bits, bits16, dot, finite3, half_of, lanes, scaled,
+    scaled_lanes, splat, splat3, subtract, times,
 };
 use crate::trace::scene::{LightSource, PreparedLight, PreparedScene, SurfaceMaterial};
 
@@ -32,19 +32,25 @@ pub(crate) fn sample_light_lanes<S: Simd>(
     }
     let Some(target) = target(simd, light, effects, lit, sample, light_samples) else { return };
     let Aim { cosines, lengths, facing, behind, escalated } = aim(simd, &target, lit, light_samples);
-    if effects.transparent_shadows() {
-        light_samples.from_behind = behind & lit.transparent;
-    }
-    light_samples.lanes = facing | light_samples.from_behind;
-    let arriving = intensities(simd, effects, light, &lengths, light_samples);
-    let (diffuse, cosine) = (lit.diffuse.load(simd), cosines.rounded(simd));
-    light_samples.colors.store([
-        diffuse[0] * arriving[0] * cosine,
-        diffuse[1] * arriving[1] * cosine,
-        diffuse[2] * arriving[2] * cosine,
-    ]);
-    if effects.extras {
-        add_highlights(simd, scene, lit, arriving, light_samples);
+    if let LightSource::Dome { .. } = light.source {
+        light_samples.lanes = lit.surfaces.lanes & !escalated;
+        let (color, intensity) = (lit.ambient.load(simd), light.intensity.to_array());
+        light_samples.colors.store([0, 1, 2].map(|channel| color[channel] * intensity[channel]));
+    } else {
+        if effects.transparent_shadows() {
+            light_samples.from_behind = behind & lit.transparent;
+        }
+        light_samples.lanes = facing | light_samples.from_behind;
+        let arriving = intensities(simd, effects, light, &lengths, light_samples);
+        let (diffuse, cosine) = (lit.diffuse.load(simd), cosines.rounded(simd));
+        light_samples.colors.store([
+            diffuse[0] * arriving[0] * cosine,
+            diffuse[1] * arriving[1] * cosine,
+            diffuse[2] * arriving[2] * cosine,
+        ]);
+        if effects.extras {
+            add_highlights(simd, scene, lit, arriving, light_samples);
+        }
     }
     let black = f32x16::splat(simd, 0.0);
     let [red, green, blue] = light_samples.colors.load(simd);
@@ -127,6 +133,7 @@ fn lit_point<'a>(
         normal: facing_normal(lit.surfaces, lane),
         material,
         diffuse: lit.diffuse.get(lane),
+        ambient: lit.ambient.get(lane),
         sample_id,
     }
 }
@@ -137,11 +144,14 @@ enum LightPosition {
     Place(DVec3),
     /// The sample points of an area light, one per lane.
     Places,
+    /// The directions to the points of a dome of this radius, one per lane.
+    Dome(f64),
     /// The direction to a directional light; [`scaled`].
     Direction(DVec3),
 }
 
-/// Returns the origin of a light's rays; `None` if it contributes nothing. The sample points of area lights are stored in `light_samples`.
+/// Returns the origin of a light's rays; `None` if it contributes nothing. The sample points of area lights and the directions to those of
+/// domes are stored in `light_samples`.
 #[inline(always)]
 fn target<S: Simd>(
     simd: S,
@@ -154,26 +164,42 @@ fn target<S: Simd>(
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => Some(LightPosition::Place(place)),
         LightSource::Directional(direction) => Some(LightPosition::Direction(scaled(direction)?.0)),
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } if !effects.extras => None,
-        LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
-            let (surfaces, places) = (lit.surfaces, &mut light_samples.places);
-            lit.places.find(simd, &light.source, &surfaces.points, surfaces.lanes, sample, places);
-            Some(LightPosition::Places)
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } | LightSource::Dome { .. }
+            if !effects.extras =>
+        {
+            None
+        }
+        LightSource::Sphere { .. } | LightSource::Rectangle { .. } | LightSource::Dome { .. } => {
+            lit.places.find(simd, &light.source, lit.surfaces, sample, &mut light_samples.places);
+            Some(match light.source {
+                LightSource::Dome { radius } => LightPosition::Dome(radius),
+                _ => LightPosition::Places,
+            })
         }
     }
 }
 
-/// Returns the directions to the light, its `t` along them, and a mask of the lanes in which both are valid.
+/// Returns the directions to the light, its `t` along them, and a mask of the lanes in which both are valid. Replaces the directions to the
+/// points of a dome by these points.
 #[inline(always)]
 fn way<S: Simd>(
     simd: S,
     target: &LightPosition,
     point: F64s3<S>,
-    (light_samples, half): (&LightSamplePacket, usize),
+    (light_samples, half): (&mut LightSamplePacket, usize),
 ) -> (F64s3<S>, F64s<S>, Mask<S>) {
     let place = match *target {
         LightPosition::Place(place) => splat3(simd, place),
         LightPosition::Places => light_samples.places.load(simd, half),
+        LightPosition::Dome(radius) => {
+            let towards = light_samples.places.load(simd, half);
+            let place = add(point, times(towards, splat(simd, radius)));
+            light_samples.places.store(half, place);
+            let Scaled { direction, length, in_range } = scaled_lanes(simd, towards);
+            let is_same =
+                place[0].simd_eq(point[0]) & place[1].simd_eq(point[1]) & place[2].simd_eq(point[2]);
+            return (direction, length * radius, in_range & finite3(simd, place) & !is_same);
+        }
         LightPosition::Direction(direction) => {
             return (splat3(simd, direction), splat(simd, f64::INFINITY), finite3(simd, point));
         }

@@ -22,6 +22,8 @@ pub(crate) struct ShadingPacket<'a> {
     pub(crate) surfaces: &'a SurfacePacket,
     /// Diffuse colours at the points.
     pub(crate) diffuse: &'a Colors,
+    /// Colours in ambient light at the points, if it is occluded.
+    pub(crate) ambient: &'a Colors,
     /// Sample sequences on area lights.
     pub(crate) places: &'a AreaLightSamples,
     /// Lanes whose materials have highlights.
@@ -70,7 +72,7 @@ impl LightSamplePacket {
                 ShadowLimit::new(self.limits.get(lane), place)
             }
             LightSource::Directional(_) => ShadowLimit::NONE,
-            LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
+            LightSource::Sphere { .. } | LightSource::Rectangle { .. } | LightSource::Dome { .. } => {
                 ShadowLimit::new(self.limits.get(lane), self.places.get(lane))
             }
         };

@@ -85,6 +85,7 @@ fn sample_lights(
                 hits: &hits[packet],
                 surfaces: &surfaces[packet],
                 diffuse: &material_flags[packet].diffuse,
+                ambient: &material_flags[packet].ambient,
                 places: &area_light_samples[packet],
                 shiny: material_flags[packet].shiny,
                 transparent: material_flags[packet].transparent,
@@ -261,7 +262,10 @@ fn occluders(sample: &Sample<'_>, light: &PreparedLight) -> Occluders {
 fn light_point(light: &PreparedLight) -> Option<DVec3> {
     match light.source {
         LightSource::Point(place) | LightSource::Spot(place, _) => Some(place),
-        LightSource::Directional(_) | LightSource::Sphere { .. } | LightSource::Rectangle { .. } => None,
+        LightSource::Directional(_)
+        | LightSource::Sphere { .. }
+        | LightSource::Rectangle { .. }
+        | LightSource::Dome { .. } => None,
     }
 }
 

@@ -9,6 +9,8 @@ use crate::trace::scene::SurfaceMaterial;
 pub(super) struct MaterialFlags {
     /// The diffuse colours.
     pub(super) diffuse: Colors,
+    /// The colours in ambient light, if it is occluded.
+    pub(super) ambient: Colors,
     /// Lanes with specular highlights.
     pub(super) shiny: u32,
     /// Lanes with transparent materials.
@@ -25,6 +27,7 @@ impl MaterialFlags {
     /// No surfaces.
     pub(super) const EMPTY: Self = Self {
         diffuse: Colors::splat(Rgb::ZERO),
+        ambient: Colors::splat(Rgb::ZERO),
         shiny: 0,
         transparent: 0,
         continues: 0,

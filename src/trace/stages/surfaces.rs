@@ -40,8 +40,10 @@ pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
             // Among coincident surfaces, the visible one can differ from the first one hit.
             let material = scene.material(point.hit.id);
             material_flags[packet].record(1 << lane, material);
+            let flags = &mut material_flags[packet];
             radiance[packet].set(lane, unlit(context, material.ambient, material));
-            material_flags[packet].diffuse.set(lane, material.diffuse);
+            flags.ambient.set(lane, material.ambient);
+            flags.diffuse.set(lane, material.diffuse);
         }
         if context.effects.extras {
             for lane in lanes(material_flags[packet].patterned & surfaces.lanes) {
@@ -50,8 +52,10 @@ pub(super) fn surfaces(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
                 };
                 let material = scene.material(hit.id);
                 let (color, diffuse) = material.colors_at(point, normal);
+                let flags = &mut material_flags[packet];
                 radiance[packet].set(lane, unlit(context, color, material));
-                material_flags[packet].diffuse.set(lane, diffuse);
+                flags.ambient.set(lane, color);
+                flags.diffuse.set(lane, diffuse);
             }
         }
     }
@@ -82,6 +86,9 @@ fn find<S: Simd>(
         let (color, diffuse) = (unlit(context, material.ambient, material), material.diffuse);
         material_flags.record(hit, material);
         material_flags.diffuse = Colors::splat(diffuse);
+        if context.dome().is_some() {
+            material_flags.ambient = Colors::splat(material.ambient);
+        }
         if hit == rays.lanes {
             *radiance = Colors::splat(color);
         } else {
@@ -94,6 +101,9 @@ fn find<S: Simd>(
             let material = scene.material(id);
             material_flags.record(1 << lane, material);
             material_flags.diffuse.set(lane, material.diffuse);
+            if context.dome().is_some() {
+                material_flags.ambient.set(lane, material.ambient);
+            }
             radiance.set(lane, unlit(context, material.ambient, material));
             material_flags.wanted |= u32::from(needs_point(context, material)) << lane;
         }
@@ -109,10 +119,12 @@ fn find<S: Simd>(
     }
 }
 
-/// Returns the light of a surface that does not come from light sources: the ambient term of a colour, and the emission.
+/// Returns the light of a surface that does not come from light sources: the ambient term of a colour, unless it is occluded, and the
+/// emission.
 #[inline(always)]
 fn unlit(context: &RenderContext<'_>, color: Rgb, material: &SurfaceMaterial) -> Rgb {
-    ambient(context.scene, color) + emission(context.effects, material)
+    let emission = emission(context.effects, material);
+    if context.dome().is_some() { emission } else { ambient(context.scene, color) + emission }
 }
 
 /// Sets the radiance of all rays of a packet to the background.
@@ -130,7 +142,8 @@ fn background(context: &RenderContext<'_>, rays: &RayPacket, radiance: &mut Colo
 /// Returns whether a hit on this material needs its surface point.
 #[inline]
 fn needs_point(context: &RenderContext<'_>, material: &SurfaceMaterial) -> bool {
-    let lit = context.effects.lights() && !context.lights.is_empty() && material.scatters();
+    let lit = context.effects.lights() && !context.lights.is_empty() && material.scatters()
+        || context.dome().is_some() && material.ambient != Rgb::ZERO;
     let continues = (context.effects.mirrors() && material.reflected > 0.0)
         || (context.effects.media() && material.refraction.is_some());
     let rare = context.effects.extras && (context.scene.fog.density > 0.0 || material.pattern.is_some());

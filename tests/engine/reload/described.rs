@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::fmt::Debug;
 
 use rayreel::components::{
-    Ambient, Animated, Background, Camera, Emission, FilmSettings, Fog, Follow, Light, LookAt, Material,
-    Name, Order, Parent, Pattern, Quality, Reflective, Refractive, Sampling, Shape, Shots, Space, Specular,
-    Stars, Sun, Target, Transform, Visibility, WorldTransform,
+    Ambient, AmbientOcclusion, Animated, Background, Camera, Emission, FilmSettings, Fog, Follow, Light,
+    LookAt, Material, Name, Order, Parent, Pattern, Quality, Reflective, Refractive, Sampling, Shape, Shots,
+    Space, Specular, Stars, Sun, Target, Transform, Visibility, WorldTransform,
 };
 use rayreel::{Entity, Film, World};
 
@@ -54,6 +54,7 @@ impl Words<'_> {
             self.one::<Camera>(),
             self.one::<FilmSettings>(),
             self.one::<Ambient>(),
+            self.one::<AmbientOcclusion>(),
             self.one::<Background>(),
             self.one::<Sun>(),
             self.one::<Stars>(),

@@ -34,13 +34,14 @@ struct Thing {
     fields: [String; 5],
 }
 
-const SETTINGS: [&str; 11] = [
+const SETTINGS: [&str; 12] = [
     "timeline",
     "film",
     "quality",
     "sampling",
     "camera",
     "ambient",
+    "ambient_occlusion",
     "background",
     "space",
     "sun",
@@ -366,7 +367,10 @@ fn setting(field: &str, names: &[String], random: &mut Random) -> String {
             format!("(bottom: {}, {horizon}top: {})", random.color(), random.color())
         }
         "background" => random.color(),
-        "sun" | "stars" if random.once_in(2) => String::new(),
+        "sun" | "stars" | "ambient_occlusion" if random.once_in(2) => String::new(),
+        "ambient_occlusion" => {
+            format!("(samples: {}, distance: {:?})", 1 + random.index(3), 0.1 + 5.0 * random.share())
+        }
         "sun" => {
             let rest = random.pick(&["", ", size: 20", ", glow: 0.5", ", size: 9, glow: 0.2, glow_size: 20"]);
             format!("(direction: ({:?}, 0.5, 1), intensity: {}{rest})", random.number(), random.light())

@@ -1,6 +1,7 @@
 //! Tests of light against closed forms, with whole pictures and with ray trees. Sampled effects are also tested for their rate of
 //! convergence.
 
+mod ambient_occlusion;
 mod area_lights;
 mod emission;
 mod media;

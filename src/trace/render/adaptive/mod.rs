@@ -81,9 +81,7 @@ pub(crate) enum Convergence {
 impl Convergence {
     /// Returns the convergence for a camera's view of a scene; `is_open` is true if the shutter is open.
     pub(crate) fn of(scene: &PreparedScene, camera: &PreparedCamera, is_open: bool) -> Self {
-        let has_effects =
-            is_open || camera.has_lens() || scene.lights.iter().any(|light| light.source.is_extended());
-        if has_effects { Self::Effects } else { Self::Edges }
+        if is_open || camera.has_lens() || scene.samples_light() { Self::Effects } else { Self::Edges }
     }
 
     /// Returns the factor of a squared error when the sample count is doubled.

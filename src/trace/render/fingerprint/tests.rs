@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::*;
 use crate::color::{ColorRamp, Rgb};
 use crate::trace::scene::{
-    FogLayer, Geometry, LightSource, Precision, PreparedBackground, PreparedLight, PreparedShape,
-    PreparedStars, PreparedSun, SurfaceMaterial,
+    FogLayer, Geometry, LightSource, Precision, PreparedAmbientOcclusion, PreparedBackground, PreparedLight,
+    PreparedShape, PreparedStars, PreparedSun, SurfaceMaterial,
 };
 use crate::trace::shapes::Sphere;
 
@@ -68,6 +68,7 @@ fn all_that_reaches_a_picture_changes_it() {
         change(&mut scene);
         fingerprint(&ONE, &scene, &camera())
     };
+    let occlusion = PreparedAmbientOcclusion { samples: 8, distance: 1.0 };
     let red = SurfaceMaterial { diffuse: Rgb::X, ..SurfaceMaterial::default() };
     let ids: Vec<_> = plain.geometry().ids().collect();
     let mut all = vec![
@@ -94,6 +95,13 @@ fn all_that_reaches_a_picture_changes_it() {
             scene.replace_materials([(ids[0], SurfaceMaterial { emission, ..SurfaceMaterial::default() })]);
         }),
         changed(&|scene| scene.ambient = Rgb::splat(0.1)),
+        changed(&|scene| scene.ambient_occlusion = Some(occlusion)),
+        changed(&|scene| {
+            scene.ambient_occlusion = Some(PreparedAmbientOcclusion { samples: 9, ..occlusion })
+        }),
+        changed(&|scene| {
+            scene.ambient_occlusion = Some(PreparedAmbientOcclusion { distance: 2.0, ..occlusion })
+        }),
         changed(&|scene| scene.fog.density = 0.1),
         changed(&|scene| scene.fog.hides_background = false),
         changed(&|scene| scene.sky.sun = Some(sun)),
