@@ -17,14 +17,14 @@ mod tests {
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
     use crate::components::{Property, Quantity};
     use crate::scene::document::{
-        AnimationDocument, AreaShapeDocument, BackgroundDocument, BetweenDocument, CameraDocument,
-        ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument, EasingDocument, EndDocument,
-        EntityDocument, FilmDocument, FogDocument, FramesDocument, IncludeDocument, LensDocument,
-        LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument, QualityDocument,
-        ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument,
-        ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument,
-        SpecularDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument,
-        TransformDocument, Triple,
+        AnimationDocument, AreaShapeDocument, BackgroundDocument, BetweenDocument, BondsDocument,
+        CameraDocument, ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument, EasingDocument,
+        EndDocument, EntityDocument, FilmDocument, FogDocument, FramesDocument, IncludeDocument,
+        LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument,
+        QualityDocument, ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument,
+        SamplingDocument, ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument,
+        SpaceDocument, SpecularDocument, StarsDocument, StyleDocument, SunDocument, TimelineDocument,
+        TrackDocument, TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::scene::reference::{self, FieldEntry, ManualSection, VariantEntry};
@@ -121,6 +121,7 @@ mod tests {
         check_fields::<RefractiveDocument>("Refractive", all);
         check_fields::<EntityDocument>("Entity", all);
         check_fields::<CloudDocument>("Cloud", all);
+        check_fields::<BondsDocument>("Bonds", all);
         check_fields::<FramesDocument>("Frames", all);
         check_fields::<TransformDocument>("Transform", all);
         check_fields::<AnimationDocument>("Animation", all);
@@ -128,6 +129,7 @@ mod tests {
         check_variants::<SpaceDocument>("Space", all);
         check_variants::<NormDocument>("Norm", all);
         check_variants::<NoiseDocument>("Noise", all);
+        check_variants::<StyleDocument>("Style", all);
         check_variants::<ScaleByDocument>("ScaleBy", all);
         check_variants::<ColorMapDocument>("ColorMap", all);
         check_variants::<BetweenDocument>("Between", all);
