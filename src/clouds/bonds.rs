@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::columns::{FrameColumns, NearestImage};
 use super::error::{CloudError, CloudPart};
 use super::mapping::{ELEMENT, by_element};
+use crate::color::Rgb;
 use crate::trajectory::Snapshot;
 
 /// The rods between bonded particles.
@@ -22,7 +23,7 @@ pub struct BondSettings {
     /// The radius of the rods.
     pub radius: f64,
     /// The colour of all rods, linear; `None` if they have those of their particles.
-    pub color: Option<crate::color::Rgb>,
+    pub color: Option<Rgb>,
     /// The distance below which particles are bonded; `None` for the bonds of the file and, by their elements, of atoms.
     pub distance: Option<f64>,
 }
