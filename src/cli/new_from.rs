@@ -120,19 +120,20 @@ impl Look {
     fn of(snapshot: &Snapshot, extent: &ParticleBounds) -> Self {
         let has_words = |name: &str| matches!(snapshot.column(name), Some(Values::Labels { .. }));
         if has_words("element") {
-            let (look, about) = if snapshot.count < MOST_BONDED {
-                ("style: BallAndStick", "Atoms and bonds; `style: Licorice` shows the bonds alone.")
+            let (look, about, largest) = if snapshot.count < MOST_BONDED {
+                ("style: BallAndStick", "Atoms and bonds; `style: Licorice` shows the bonds alone.", 0.5)
             } else {
                 (
                     "shape: Sphere(radius: 1), scale_by: VanDerWaals",
                     "Atoms by their van der Waals radii, in angstroms; `style: BallAndStick` in place of both adds bonds.",
+                    2.0,
                 )
             };
             return Self {
                 shape: look.to_owned(),
                 settings: ", color_by: Element".to_owned(),
                 about,
-                largest: 2.0,
+                largest,
             };
         }
         let color = match snapshot.column("type") {
