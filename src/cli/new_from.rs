@@ -45,7 +45,7 @@ Scene(
     ],
     clouds: [
         // {about}
-        (name: \"particles\", source: {source}, shape: {shape}, material: \"particle\"{settings},
+        (name: \"particles\", source: {source}, {shape}, material: \"particle\"{settings},
          frames: (fps: {FRAMES_PER_SECOND}, end: Loop)),
     ],
     // A turntable: one turn around the particles.
@@ -60,6 +60,9 @@ Scene(
 }
 
 const FRAMES_PER_SECOND: usize = 24;
+
+/// The number of atoms from which on bonds are too small to be seen.
+const MOST_BONDED: usize = 20_000;
 
 /// The vertical field of view, in degrees.
 const FIELD_OF_VIEW: f64 = 30.0;
@@ -117,11 +120,20 @@ impl Look {
     fn of(snapshot: &Snapshot, extent: &ParticleBounds) -> Self {
         let has_words = |name: &str| matches!(snapshot.column(name), Some(Values::Labels { .. }));
         if has_words("element") {
+            let (look, about, largest) = if snapshot.count < MOST_BONDED {
+                ("style: BallAndStick", "Atoms and bonds; `style: Licorice` shows the bonds alone.", 0.5)
+            } else {
+                (
+                    "shape: Sphere(radius: 1), scale_by: VanDerWaals",
+                    "Atoms by their van der Waals radii, in angstroms; `style: BallAndStick` in place of both adds bonds.",
+                    2.0,
+                )
+            };
             return Self {
-                shape: "Sphere(radius: 1)".to_owned(),
-                settings: ", scale_by: VanDerWaals, color_by: Element".to_owned(),
-                about: "Atoms by their van der Waals radii, in angstroms; a radius of 0.25 leaves room for bonds.",
-                largest: 2.0,
+                shape: look.to_owned(),
+                settings: ", color_by: Element".to_owned(),
+                about,
+                largest,
             };
         }
         let color = match snapshot.column("type") {
@@ -135,7 +147,7 @@ impl Look {
         if let Some((name, largest)) = radii {
             let settings = format!(", scale_by: Column({name:?}){color}");
             return Self {
-                shape: "Sphere(radius: 1)".to_owned(),
+                shape: "shape: Sphere(radius: 1)".to_owned(),
                 settings,
                 about: "Radii from the data.",
                 largest,
@@ -143,7 +155,7 @@ impl Look {
         }
         let radius = spacing(snapshot, extent) * 0.4;
         Self {
-            shape: format!("Sphere(radius: {})", rounded(radius)),
+            shape: format!("shape: Sphere(radius: {})", rounded(radius)),
             settings: color,
             about: "The radius leaves some space between particles; `scale_by` takes it from a column.",
             largest: radius,

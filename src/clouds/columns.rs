@@ -173,7 +173,7 @@ fn axes(snapshot: &Snapshot) -> Result<[&[f64]; 3], CloudError> {
 }
 
 /// The displacements that are shortest among the periodic images of a cell (minimum image convention).
-struct NearestImage {
+pub(super) struct NearestImage {
     /// The edges, as columns.
     edges: DMat3,
     /// From a displacement to multiples of the edges.
@@ -184,7 +184,7 @@ struct NearestImage {
 
 impl NearestImage {
     /// Returns `None` for a cell without periodic edges, and for a flat one.
-    fn of(cell: &Cell) -> Option<Self> {
+    pub(super) fn of(cell: &Cell) -> Option<Self> {
         let [a, b, c] = std::array::from_fn(|axis| {
             let (edge, others) = (cell.edges[axis], [1, 2].map(|step| cell.edges[(axis + step) % 3]));
             // Edges without a period may be missing; any other direction takes their place.
@@ -202,7 +202,7 @@ impl NearestImage {
         (!is_flat && periodic != DVec3::ZERO).then_some(Self { edges, multiples, periodic })
     }
 
-    fn nearest(&self, way: DVec3) -> DVec3 {
+    pub(super) fn nearest(&self, way: DVec3) -> DVec3 {
         let turns = (self.multiples * way).round() * self.periodic;
         // Without a turn the displacement stays exact.
         if turns == DVec3::ZERO || !turns.is_finite() { way } else { way - self.edges * turns }

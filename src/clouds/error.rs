@@ -27,6 +27,8 @@ pub enum CloudPart {
     ScaleBy,
     /// The colours.
     ColorBy,
+    /// The bonds.
+    Bonds,
 }
 
 impl CloudError {

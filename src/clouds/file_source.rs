@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::bonds::BondSettings;
 use super::columns::FrameColumns;
 use super::error::CloudError;
 use super::filter::ParticleFilter;
@@ -9,7 +10,7 @@ use super::frame_timing::{FrameTiming, FramesAt};
 use super::mapping::{ColorBy, FirstFrame, ScaleBy};
 use super::trajectory_file::TrajectoryFile;
 use crate::color::Transfer;
-use crate::components::{Cloud, Particles};
+use crate::components::{Cloud, CloudBonds, Particles};
 use crate::time::Time;
 use crate::trajectory::{Snapshot, Values};
 
@@ -24,6 +25,8 @@ pub struct CloudSettings {
     pub scale_by: Option<ScaleBy>,
     /// Their colours.
     pub color_by: Option<ColorBy>,
+    /// The rods between them.
+    pub bonds: Option<BondSettings>,
     /// The conversion of the colours to light.
     pub transfer: Transfer,
 }
@@ -73,7 +76,8 @@ impl FileParticles {
         if let Some(scale_by) = &self.settings.scale_by {
             scale_by.scales(&columns)?;
         }
-        self.first_frame(&columns).map(|_| ())
+        self.first_frame(&columns)?;
+        self.bonds(&snapshot, None).map(|_| ())
     }
 
     /// Returns the facts of the first frame, whose columns are these if it is at hand.
@@ -116,7 +120,7 @@ impl FileParticles {
     fn mapped(
         &self,
         columns: &FrameColumns<'_>,
-        snapshot: &Snapshot,
+        snapshot: &Arc<Snapshot>,
         at: FramesAt,
     ) -> Result<Cloud, CloudError> {
         let CloudSettings { filter, scale_by, color_by, transfer, .. } = &self.settings;
@@ -146,8 +150,25 @@ impl FileParticles {
             scales,
             colors,
             numbers: numbers.map(Arc::new),
+            bonds: self.bonds(snapshot, rows)?,
             origin: Some(origin.into()),
         })
+    }
+
+    /// Returns the bonds between the particles in these rows, or between all.
+    fn bonds(&self, frame: &Arc<Snapshot>, rows: Option<&[u32]>) -> Result<Option<CloudBonds>, CloudError> {
+        let Some(BondSettings { radius, color, distance }) = self.settings.bonds else { return Ok(None) };
+        let mut pairs = self.file.bonds(frame, distance)?;
+        if let Some(rows) = rows {
+            let mut particles = vec![None; frame.count];
+            for (particle, row) in (0..).zip(rows) {
+                particles[*row as usize] = Some(particle);
+            }
+            let kept =
+                |[one, other]: &[u32; 2]| Some([particles[*one as usize]?, particles[*other as usize]?]);
+            pairs = Arc::new(pairs.iter().filter_map(kept).collect());
+        }
+        Ok(Some(CloudBonds { pairs, radius, color }))
     }
 
     /// Reads the frame ahead that follows if frames go on as from the last moment to this one.

@@ -51,7 +51,7 @@ pub(super) struct FirstFrame {
 }
 
 /// The column with the elements.
-const ELEMENT: &str = "element";
+pub(super) const ELEMENT: &str = "element";
 
 impl ScaleBy {
     /// Returns the factors of all particles.
@@ -68,7 +68,7 @@ impl ScaleBy {
 }
 
 /// Returns a value for the element of each particle.
-fn by_element<T: Copy + Send + Sync>(
+pub(super) fn by_element<T: Copy + Send + Sync>(
     columns: &FrameColumns<'_>,
     part: &CloudPart,
     value: impl Fn(&ChemicalElement) -> T + Sync,

@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! moment -> FrameTiming -> frames of the file -> TrajectoryFile (reads, reads ahead) -> FrameColumns (one frame, or between two)
-//!     FrameColumns -> ParticleFilter -> positions, sizes, colours -> components::Cloud
+//!     FrameColumns -> ParticleFilter -> positions, sizes, colours, bonds -> components::Cloud
 //! ```
 
+mod bonds;
 mod columns;
 mod elements;
 mod error;
@@ -15,6 +16,7 @@ mod mapping;
 mod palette;
 mod trajectory_file;
 
+pub use bonds::BondSettings;
 pub use error::{CloudError, CloudPart};
 pub use file_source::{CloudSettings, FileParticles};
 pub use filter::ParticleFilter;

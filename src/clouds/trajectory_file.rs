@@ -1,10 +1,11 @@
 //! Reading of frames, ahead of their use.
 
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::SystemTime;
 
+use super::bonds::bonds_of;
 use super::error::{CloudError, CloudPart};
 use crate::trajectory::{Snapshot, Trajectory, TrajectoryError};
 
@@ -16,6 +17,15 @@ pub struct TrajectoryFile {
     /// True if frames stay in memory after use, since other settings may be applied to them.
     is_kept: bool,
     frames: Mutex<HeldFrames>,
+    bonds: Mutex<Vec<FrameBonds>>,
+}
+
+/// The bonds of a frame in use, as found with a distance.
+#[derive(Debug)]
+struct FrameBonds {
+    frame: Weak<Snapshot>,
+    distance: Option<f64>,
+    pairs: Arc<Vec<[u32; 2]>>,
 }
 
 /// The length of a file, and the time of its last write.
@@ -41,7 +51,7 @@ impl TrajectoryFile {
     pub fn open(path: &Path, is_kept: bool) -> Result<Arc<Self>, TrajectoryError> {
         let stamp = stamp(path);
         let trajectory = Trajectory::open(path, None)?;
-        Ok(Arc::new(Self { trajectory, stamp, is_kept, frames: Mutex::default() }))
+        Ok(Arc::new(Self { trajectory, stamp, is_kept, frames: Mutex::default(), bonds: Mutex::default() }))
     }
 
     /// Returns the file.
@@ -84,6 +94,26 @@ impl TrajectoryFile {
         }
         frames.held.push((index, Arc::clone(&snapshot)));
         Ok(snapshot)
+    }
+
+    /// Returns the bonds of a frame. They are found once while it is in use.
+    pub(super) fn bonds(
+        &self,
+        frame: &Arc<Snapshot>,
+        distance: Option<f64>,
+    ) -> Result<Arc<Vec<[u32; 2]>>, CloudError> {
+        let all = || self.bonds.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_same =
+            |known: &&FrameBonds| known.frame.as_ptr() == Arc::as_ptr(frame) && known.distance == distance;
+        if let Some(known) = all().iter().find(is_same) {
+            return Ok(Arc::clone(&known.pairs));
+        }
+        // Nothing is locked while threads work, as above.
+        let pairs = Arc::new(bonds_of(frame, distance)?);
+        let mut all = all();
+        all.retain(|known| known.frame.strong_count() > 0);
+        all.push(FrameBonds { frame: Arc::downgrade(frame), distance, pairs: Arc::clone(&pairs) });
+        Ok(pairs)
     }
 
     fn lock(&self) -> MutexGuard<'_, HeldFrames> {

@@ -39,8 +39,33 @@ pub struct Cloud {
     pub colors: Option<CloudColors>,
     /// The numbers by which the particles are called; `None` if these are their indices.
     pub numbers: Option<Arc<Vec<u64>>>,
+    /// Rods between particles; `None` for none.
+    pub bonds: Option<CloudBonds>,
     /// The file and the frame that the particles are from, for messages.
     pub origin: Option<Arc<str>>,
+}
+
+/// Rods between the particles of a [`Cloud`], which move with them: cylinders from one position to the other.
+///
+/// If the particles have colours of their own, each half of a rod has that of its particle. Not drawn are the rods of particles that are not
+/// drawn, and rods without length.
+#[derive(Clone, Debug, Default)]
+pub struct CloudBonds {
+    /// The particles at the ends, by index.
+    pub pairs: Arc<Vec<[u32; 2]>>,
+    /// The radius, in the entity's own space.
+    pub radius: f64,
+    /// The colour of all bonds; `None` if they have those of their particles.
+    pub color: Option<Rgb>,
+}
+
+/// A copy of the shape of a [`Cloud`], or a rod between two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CloudMember {
+    /// The number of a particle.
+    Particle(u64),
+    /// The numbers of the particles that a bond joins.
+    Bond([u64; 2]),
 }
 
 /// The colours of the particles of a [`Cloud`], which replace the colour of the entity's material. They are shared by many particles, so that a
@@ -89,7 +114,33 @@ impl Cloud {
             (Some(own), Some(other)) => Arc::ptr_eq(own, other),
             (own, other) => own.is_none() && other.is_none(),
         };
-        scales && Arc::ptr_eq(&self.positions, &other.positions)
+        let bonds = match (&self.bonds, &other.bonds) {
+            (Some(own), Some(other)) => own.radius == other.radius && Arc::ptr_eq(&own.pairs, &other.pairs),
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        scales
+            && bonds
+            && self.rods_per_bond() == other.rods_per_bond()
+            && Arc::ptr_eq(&self.positions, &other.positions)
+    }
+
+    /// Returns the number of rods of each bond: halves of two colours, or one.
+    pub(crate) fn rods_per_bond(&self) -> usize {
+        let is_divided =
+            self.colors.is_some() && self.bonds.as_ref().is_some_and(|bonds| bonds.color.is_none());
+        if is_divided { 2 } else { 1 }
+    }
+
+    /// Returns the number of all bonds, of which some may not be drawn.
+    pub(crate) fn bond_count(&self) -> usize {
+        self.bonds.as_ref().map_or(0, |bonds| bonds.pairs.len())
+    }
+
+    /// Returns a rod of a bond: the particles at the ends of the bond, and the end to which the rod belongs, if it is a half.
+    pub(crate) fn rod(&self, rod: usize) -> Option<([usize; 2], Option<usize>)> {
+        let rods = self.rods_per_bond();
+        let pair = self.bonds.as_ref()?.pairs.get(rod / rods)?.map(|particle| particle as usize);
+        Some((pair, (rods == 2).then_some(rod % 2)))
     }
 
     /// Returns whether both share the column of colours. The palettes may differ.
@@ -128,11 +179,23 @@ impl PartialEq for Cloud {
             (Some(own), Some(other)) => Arc::ptr_eq(&own.palette, &other.palette),
             (own, other) => own.is_none() && other.is_none(),
         };
+        let bond_color = |cloud: &Self| cloud.bonds.as_ref().and_then(|bonds| bonds.color);
         numbers
             && palettes
+            && bond_color(self) == bond_color(other)
             && self.shares_shapes(other)
             && self.shares_colors(other)
             && self.origin == other.origin
+    }
+}
+
+impl fmt::Display for CloudMember {
+    /// Formats a particle as `1234`, and a bond as `12-57`.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Particle(number) => write!(formatter, "{number}"),
+            Self::Bond([one, other]) => write!(formatter, "{one}-{other}"),
+        }
     }
 }
 

@@ -39,7 +39,7 @@ mod visibility;
 
 pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn, Way};
 pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, View};
-pub use cloud::{AtParticle, Cloud, CloudColors, CloudSource, Particles};
+pub use cloud::{AtParticle, Cloud, CloudBonds, CloudColors, CloudMember, CloudSource, Particles};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub(crate) use list::with_components;

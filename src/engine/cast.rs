@@ -3,6 +3,7 @@
 use glam::DVec3;
 use hecs::Entity;
 
+use crate::components::CloudMember;
 use crate::systems::Preparation;
 use crate::trace;
 
@@ -22,6 +23,8 @@ pub struct Hit {
     pub entity: Entity,
     /// The number of the particle that is hit, if the entity is a [`Cloud`](crate::components::Cloud).
     pub particle: Option<u64>,
+    /// The numbers of the particles whose bond is hit, if it is one of a [`Cloud`](crate::components::Cloud).
+    pub bond: Option<[u64; 2]>,
     /// The ray parameter for the direction as given: the point is origin + t direction. `None` if no `f64` can represent it, because the
     /// direction is so short that the distance is more than 1.8e308 times its length; [`Hit::distance`] is correct in that case too.
     pub t: Option<f64>,
@@ -45,9 +48,15 @@ impl Hit {
         // A hit at the origin has t = 0 for any scaling. Adding zero makes negative zeros positive.
         let t = if surface.t.rounded() == 0.0 { 0.0 } else { libm::ldexp(surface.t.rounded(), exponent) };
         let slot = surface.hit.id;
+        let (particle, bond) = match prepared.particle(slot) {
+            Some((CloudMember::Particle(number), _)) => (Some(number), None),
+            Some((CloudMember::Bond(pair), _)) => (None, Some(pair)),
+            None => (None, None),
+        };
         Self {
             entity: prepared.entity(slot),
-            particle: prepared.particle(slot).map(|(number, _)| number),
+            particle,
+            bond,
             t: t.is_finite().then_some(t),
             distance: surface.distance(ray) + 0.0,
             point: surface.point,

@@ -77,8 +77,8 @@ impl SurfaceInfo {
         let (world, id) = (engine.world(), engine.prepared()?.entity(surface.hit.id));
         let prepared = engine.prepared()?;
         let (mut entity, mut place) = name_and_place(world, sources, id);
-        if let Some((number, origin)) = prepared.particle(surface.hit.id) {
-            entity = format!("{entity}/{number}");
+        if let Some((member, origin)) = prepared.particle(surface.hit.id) {
+            entity = format!("{entity}/{member}");
             place = Some(place.into_iter().chain(origin.map(str::to_owned)).collect::<Vec<_>>().join(", "));
         }
         Some(Self {

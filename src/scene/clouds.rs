@@ -16,8 +16,8 @@ use super::spawn::transfer;
 use super::suggest_file::nearby;
 use super::validate::{At, Problems, frame_rate, start_time};
 use crate::clouds::{
-    Between, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End, FileParticles, FrameTiming,
-    ParticleFilter, ScaleBy, TrajectoryFile,
+    Between, BondSettings, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End, FileParticles,
+    FrameTiming, ParticleFilter, ScaleBy, TrajectoryFile,
 };
 use crate::components::CloudSource;
 
@@ -63,7 +63,7 @@ impl CloudFiles {
         for (index, (cloud, folder)) in document.clouds.iter().zip(folders).enumerate() {
             let at = list.index(index);
             let source = self.source(cloud, folder, film, before, inputs);
-            let source = source.map_err(|error| add_error(error, &at, problems)).ok();
+            let source = source.map_err(|error| add_error(error, cloud, &at, problems)).ok();
             for warning in source.iter().flat_map(|particles| particles.warnings()) {
                 let help = "complete the file, or render what there is";
                 problems.warn(&at.field("source"), warning, DATA_LABEL, help);
@@ -147,7 +147,7 @@ fn entity(cloud: &CloudDocument, source: Option<Box<CloudSource>>) -> EntityDocu
         name: cloud.name.clone(),
         parent: cloud.parent.clone(),
         transform: cloud.transform.clone(),
-        shape: Some(cloud.shape.clone()),
+        shape: Some(cloud.particle_shape()),
         material: cloud.material.clone(),
         color: cloud.color.or(white).map(Box::new),
         visible,
@@ -177,8 +177,8 @@ fn settings(cloud: &CloudDocument, film: TransferDocument) -> Result<CloudSettin
         Some(filter) => Some(ParticleFilter::parse(filter)?),
         None => None,
     };
-    let scale_by = cloud.scale_by.as_ref().map(|scale_by| match scale_by {
-        ScaleByDocument::Column(column) => ScaleBy::Column(column.clone()),
+    let scale_by = cloud.sizes().map(|scale_by| match scale_by {
+        ScaleByDocument::Column(column) => ScaleBy::Column(column),
         ScaleByDocument::VanDerWaals => ScaleBy::VanDerWaals,
         ScaleByDocument::Covalent => ScaleBy::Covalent,
     });
@@ -189,7 +189,13 @@ fn settings(cloud: &CloudDocument, film: TransferDocument) -> Result<CloudSettin
             ColorBy::Map { column: column.clone(), map: color_map(*map), range: *range }
         }
     });
-    Ok(CloudSettings { times, filter, scale_by, color_by, transfer: transfer(film) })
+    let transfer = transfer(film);
+    let bonds = cloud.rods().map(|(radius, bonds)| BondSettings {
+        radius,
+        color: bonds.color.map(|color| transfer.decode(color.0)),
+        distance: bonds.distance,
+    });
+    Ok(CloudSettings { times, filter, scale_by, color_by, bonds, transfer })
 }
 
 fn color_map(document: ColorMapDocument) -> ColorMap {
@@ -204,9 +210,22 @@ fn color_map(document: ColorMapDocument) -> ColorMap {
     }
 }
 
-fn add_error(CloudError { part, message, help }: CloudError, at: &At<'_>, problems: &mut Problems) {
+fn add_error(
+    CloudError { part, message, help }: CloudError,
+    cloud: &CloudDocument,
+    at: &At<'_>,
+    problems: &mut Problems,
+) {
     const MISFIT: &str = "does not fit the data";
+    // A style stands for fields that are not written.
+    let is_of_style = match part {
+        CloudPart::ScaleBy => cloud.scale_by.is_none(),
+        CloudPart::Bonds => cloud.bonds.is_none(),
+        _ => false,
+    };
     match part {
+        _ if is_of_style => problems.add(&at.field("style"), message, MISFIT, help),
+        CloudPart::Bonds => problems.add(&at.field("bonds"), message, MISFIT, help),
         CloudPart::Source => problems.add(&at.field("source"), message, "cannot be shown", help),
         CloudPart::Frames => problems.add(&at.field("frames"), message, MISFIT, help),
         CloudPart::ScaleBy => problems.add(&at.field("scale_by"), message, MISFIT, help),

@@ -18,13 +18,13 @@ mod tests {
     use crate::components::{Property, Quantity};
     use crate::scene::document::{
         AmbientOcclusionDocument, AnimationDocument, AreaShapeDocument, BackgroundDocument, BetweenDocument,
-        CameraDocument, ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument, EasingDocument,
-        EndDocument, EntityDocument, FilmDocument, FogDocument, FramesDocument, IncludeDocument,
-        LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument, PatternDocument,
-        QualityDocument, ReflectiveDocument, RefractiveDocument, RepeatDocument, RotationDocument,
-        SamplingDocument, ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument,
-        SpaceDocument, SpecularDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument,
-        TransferDocument, TransformDocument, Triple,
+        BondsDocument, CameraDocument, ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument,
+        EasingDocument, EndDocument, EntityDocument, FilmDocument, FogDocument, FramesDocument,
+        IncludeDocument, LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument,
+        PatternDocument, QualityDocument, ReflectiveDocument, RefractiveDocument, RepeatDocument,
+        RotationDocument, SamplingDocument, ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument,
+        ShapeDocument, SpaceDocument, SpecularDocument, StarsDocument, StyleDocument, SunDocument,
+        TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::scene::reference::{self, FieldEntry, ManualSection, VariantEntry};
@@ -122,6 +122,7 @@ mod tests {
         check_fields::<RefractiveDocument>("Refractive", all);
         check_fields::<EntityDocument>("Entity", all);
         check_fields::<CloudDocument>("Cloud", all);
+        check_fields::<BondsDocument>("Bonds", all);
         check_fields::<FramesDocument>("Frames", all);
         check_fields::<TransformDocument>("Transform", all);
         check_fields::<AnimationDocument>("Animation", all);
@@ -129,6 +130,7 @@ mod tests {
         check_variants::<SpaceDocument>("Space", all);
         check_variants::<NormDocument>("Norm", all);
         check_variants::<NoiseDocument>("Noise", all);
+        check_variants::<StyleDocument>("Style", all);
         check_variants::<ScaleByDocument>("ScaleBy", all);
         check_variants::<ColorMapDocument>("ColorMap", all);
         check_variants::<BetweenDocument>("Between", all);

@@ -287,12 +287,12 @@ fn new_from_data_writes_a_scene_that_shows_it() {
     stdout_of(folder.path(), ["new", "--from", "data/water.xyz", "water.ron"]);
     let checked = stdout_of(folder.path(), ["check", "water.ron"]);
     assert_eq!(checked, "water.ron: ok, 96 frames\n");
-    // The oxygen is in the middle of the picture.
-    let probed = stdout_of(folder.path(), ["probe", "water.ron", "--pixel", "640,400"]);
-    assert!(
-        probed.contains("\"particles/0\" (water.ron:") && probed.contains("data/water.xyz, frame 0)"),
-        "{probed}"
-    );
+    // The oxygen is to the left of the middle of the picture, and below it; its bonds go to the right and up.
+    for (pixel, name) in [("545,482", "particles/0"), ("680,482", "particles/0-1")] {
+        let probed = stdout_of(folder.path(), ["probe", "water.ron", "--pixel", pixel]);
+        let is_there = probed.contains(&format!("\"{name}\" (water.ron:"));
+        assert!(is_there && probed.contains("data/water.xyz, frame 0)"), "{probed}");
+    }
     let output = rayreel(folder.path(), ["new", "--from", "data/wine.xyz", "wine.ron"]);
     assert!(!output.status.success() && text(&output.stderr).contains("data/wine.xyz"));
     assert!(!folder.path().join("wine.ron").exists());

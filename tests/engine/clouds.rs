@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use rayreel::components::{
-    Ambient, Camera, Cloud, CloudColors, CloudSource, FilmSettings, Material, Order, Shape, Transform,
-    Visibility,
+    Ambient, Camera, Cloud, CloudBonds, CloudColors, CloudMember, CloudSource, FilmSettings, Material, Order,
+    Shape, Transform, Visibility,
 };
 use rayreel::scene::Reader;
 use rayreel::time::Timeline;
-use rayreel::trace::ShapeId;
+use rayreel::trace::{Bounds, ShapeId};
 use rayreel::{Context, Engine, Film, Ray, Rgb, Scene, Time, World};
 
 use super::named;
@@ -99,7 +99,7 @@ fn particles_have_their_places_sizes_and_colours() {
     assert_eq!((hit.entity, hit.particle, hit.distance), (named(&engine, "gas"), Some(7), 20.0 - 3.75));
     assert_eq!(engine.prepared().unwrap().drawn().len(), 1 + 3);
     let found = engine.prepared().unwrap().particle(ShapeId(1));
-    assert_eq!(found, Some((8, Some("gas.extxyz, frame 1"))));
+    assert_eq!(found, Some((CloudMember::Particle(8), Some("gas.extxyz, frame 1"))));
 }
 
 #[test]
@@ -155,6 +155,200 @@ fn moving_particles_are_blurred_while_the_shutter_is_open() {
     // Nothing moves between the frames of the file, until the last instants before the next one.
     fs::write(&path, text.replace("Linear", "Hold").replace(", shutter: 1", "")).unwrap();
     assert_eq!(Engine::load(&path).unwrap().render_frame(1).unwrap(), held.render_frame(1).unwrap());
+}
+
+/// Two frames of water, the second moved, turned and without one of its bonds, and a lone atom far away.
+const WATER: &str = "4
+water
+O 0 0 0
+H 0.96 0 0
+H -0.24 0.93 0
+C 8 0 0
+4
+water
+O 1 1 0
+H 1 1 0.96
+H 1 -1.5 0
+C 8 0 0
+";
+
+/// Loads a scene with water of these settings.
+fn water(folder: &Path, cloud: &str) -> Engine {
+    fs::write(folder.join("gas.extxyz"), WATER).unwrap();
+    load(folder, cloud)
+}
+
+/// Returns a number of nine decimals, without what subtraction lost.
+fn rounded(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9
+}
+
+/// Returns what a ray along -z meets first at these x and y, and the height of the hit above the plane z = 0.
+fn below(engine: &Engine, x: f64, y: f64) -> Option<(Option<u64>, Option<[u64; 2]>, f64)> {
+    let hit = engine.cast(Ray { origin: DVec3::new(x, y, 20.0), direction: DVec3::NEG_Z })?;
+    Some((hit.particle, hit.bond, rounded(20.0 - hit.distance)))
+}
+
+#[test]
+fn bonds_join_the_atoms_and_follow_them() {
+    let folder = folder();
+    let mut engine = water(
+        folder.path(),
+        "color_by: Element, shape: Sphere(radius: 0.1), bonds: (radius: 0.05), frames: (fps: 1)",
+    );
+    engine.seek(Time::ZERO).unwrap();
+    // The rods are as thick as said, as long as the bonds, and have two colours.
+    assert_eq!(below(&engine, 0.3, 0.0), Some((None, Some([0, 1]), 0.05)));
+    assert_eq!(below(&engine, 0.3, 0.03).unwrap().2, 0.04);
+    assert_eq!(below(&engine, 0.0, 0.0), Some((Some(0), None, 0.1)));
+    assert_eq!(below(&engine, 0.3, 0.06), None);
+    assert_eq!(below(&engine, 1.0, 0.0).unwrap().0, Some(1));
+    assert_eq!(below(&engine, 2.0, 0.0), None);
+    let transfer = engine.effective_settings().film.transfer;
+    let color = |x: f64| {
+        let prepared = engine.prepared().unwrap();
+        let drawn = u32::try_from(prepared.drawn().len()).unwrap();
+        let is_there = |slot: &ShapeId| {
+            let Some(Bounds { min, max }) = prepared.scene().geometry().bounds(*slot) else { return false };
+            (min.x..max.x).contains(&x) && min.y > -0.06 && max.y < 0.06
+        };
+        // After the box and the atoms.
+        let slot = (5..drawn).map(ShapeId).find(is_there).unwrap();
+        transfer.encode(prepared.particle_color(slot).unwrap())
+    };
+    assert_eq!([color(0.1), color(0.479), color(0.481)], [[255, 13, 13], [255, 13, 13], [255; 3]]);
+    // A box before them, four atoms, four halves.
+    assert_eq!(engine.prepared().unwrap().drawn().len(), 1 + 4 + 4);
+    engine.seek("1".parse().unwrap()).unwrap();
+    assert_eq!(below(&engine, 0.3, 0.0), None);
+    assert_eq!(below(&engine, 1.0, 0.0), None);
+    assert_eq!(engine.prepared().unwrap().drawn().len(), 1 + 4 + 2);
+    let along = Ray { origin: DVec3::new(20.0, 1.0, 0.3), direction: DVec3::NEG_X };
+    let hit = engine.cast(along).unwrap();
+    assert_eq!((hit.bond, rounded(hit.distance)), (Some([0, 1]), 18.95));
+    let found = engine.prepared().unwrap().particle(ShapeId(5)).unwrap();
+    assert_eq!((found.0.to_string(), found.1), ("0-1".to_owned(), Some("gas.extxyz, frame 1")));
+}
+
+#[test]
+fn bonds_have_a_colour_of_their_own_or_none() {
+    let folder = folder();
+    let settings = "color_by: Element, shape: Sphere(radius: 0.1), bonds: (color: (0, 0, 255))";
+    let mut engine = water(folder.path(), settings);
+    engine.seek(Time::ZERO).unwrap();
+    // One rod for each bond.
+    let prepared = engine.prepared().unwrap();
+    assert_eq!(prepared.drawn().len(), 1 + 4 + 2);
+    let transfer = engine.effective_settings().film.transfer;
+    assert_eq!(prepared.particle_color(ShapeId(5)).map(|color| transfer.encode(color)), Some([0, 0, 255]));
+    let material = |slot| prepared.scene().material(ShapeId(slot));
+    assert!(material(5) == material(6) && material(5) != material(1));
+    let mut plain = water(folder.path(), "material: \"clay\", shape: Sphere(radius: 0.1), bonds: ()");
+    plain.seek(Time::ZERO).unwrap();
+    let prepared = plain.prepared().unwrap();
+    assert_eq!((prepared.drawn().len(), prepared.particle_color(ShapeId(5))), (1 + 4 + 2, None));
+    assert_eq!(prepared.scene().material(ShapeId(5)), prepared.scene().material(ShapeId(1)));
+    assert_eq!(below(&plain, 0.3, 0.0).unwrap().2, 0.15);
+}
+
+#[test]
+fn bonds_of_hidden_particles_are_not_drawn() {
+    let folder = folder();
+    let drawn = |settings: &str| {
+        let mut engine = water(folder.path(), settings);
+        engine.seek(Time::ZERO).unwrap();
+        let prepared = engine.prepared().unwrap();
+        let last = ShapeId(u32::try_from(prepared.drawn().len()).unwrap() - 1);
+        (prepared.drawn().len() - 1, prepared.particle(last).unwrap().0.to_string())
+    };
+    let look = "color: (255, 0, 0), shape: Sphere(radius: 0.1), bonds: ()";
+    assert_eq!(drawn(look), (4 + 2, "0-2".to_owned()));
+    assert_eq!(drawn(&format!("{look}, filter: \"index != 1\"")), (3 + 1, "0-2".to_owned()));
+    assert_eq!(drawn(&format!("{look}, filter: \"element == 'H'\"")), (2, "2".to_owned()));
+    // Column y is negative or 0 for all but one: particles without a size are not drawn, nor their bonds.
+    assert_eq!(drawn(&format!("{look}, scale_by: Column(\"y\")")), (1, "2".to_owned()));
+    // By distance alone, whatever the elements are.
+    assert_eq!(drawn("color: (255, 0, 0), bonds: (distance: 1.6)"), (4 + 3, "1-2".to_owned()));
+}
+
+#[test]
+fn bonds_are_those_of_the_file() {
+    let folder = folder();
+    let atom = |serial: u32, element: char, x: f64| {
+        format!(
+            "HETATM{serial:>5}  {element}   LIG A   1    {x:>8.3}{:>8.3}{:>8.3}  1.00  0.00           {element}\n",
+            0.0, 0.0
+        )
+    };
+    let atoms = [atom(1, 'C', 0.0), atom(2, 'C', 3.0), atom(3, 'O', 6.0), atom(4, 'H', 6.9)].concat();
+    let drawn = |bonds: &str| {
+        fs::write(folder.path().join("ligand.pdb"), format!("{atoms}{bonds}END\n")).unwrap();
+        let settings = "color: (255, 0, 0), shape: Sphere(radius: 0.1), bonds: ()";
+        let text = scene(settings).replace("gas.extxyz", "ligand.pdb");
+        let path = folder.path().join("scene.ron");
+        fs::write(&path, text).unwrap();
+        let mut engine = Engine::load(&path).unwrap();
+        engine.seek(Time::ZERO).unwrap();
+        let prepared = engine.prepared().unwrap();
+        let slots = 5..u32::try_from(prepared.drawn().len()).unwrap();
+        slots.map(|slot| prepared.particle(ShapeId(slot)).unwrap().0.to_string()).collect::<Vec<_>>()
+    };
+    // Bonds of at least half the atoms are all that there are; fewer are completed.
+    assert_eq!(drawn("CONECT    1    2\nCONECT    2    3\n").len(), 2);
+    assert_eq!(drawn("CONECT    1    2\n").len(), 2);
+    assert_eq!(drawn("").len(), 1);
+}
+
+#[test]
+fn a_style_stands_for_its_fields() {
+    let folder = folder();
+    for (style, fields) in [
+        ("style: BallAndStick", "shape: Sphere(radius: 0.25), scale_by: VanDerWaals, bonds: (radius: 0.15)"),
+        ("style: Licorice", "shape: Sphere(radius: 0.3), bonds: (radius: 0.3)"),
+        (
+            "style: Licorice, bonds: (distance: 1.6)",
+            "shape: Sphere(radius: 0.3), bonds: (radius: 0.3, distance: 1.6)",
+        ),
+    ] {
+        let film =
+            |look: &str| water(folder.path(), &format!("{look}, color_by: Element")).render_frame(0).unwrap();
+        assert_eq!(film(style), film(fields), "{style}");
+        assert_ne!(film(style), film("scale_by: Covalent"));
+    }
+}
+
+#[test]
+fn frames_of_bonds_alone_equal_those_of_the_sequence_and_of_reloads() {
+    let folder = folder();
+    let path = folder.path().join("scene.ron");
+    let mut reader = Reader::new();
+    let mut engine: Option<Engine> = None;
+    for settings in [
+        "style: BallAndStick, color_by: Element, frames: (fps: 2, end: Loop)",
+        "style: BallAndStick, color_by: Element, frames: (fps: 1, between: Linear)",
+        "style: BallAndStick, color_by: Category(\"element\"), frames: (fps: 1, between: Linear)",
+        "style: BallAndStick, color_by: Element, bonds: (color: (9, 9, 9)), frames: (fps: 1)",
+        "style: BallAndStick, color_by: Element, bonds: (color: (99, 9, 9)), frames: (fps: 1)",
+        "style: Licorice, color: (200, 10, 10), bonds: (distance: 2), frames: (fps: 1)",
+        "style: Licorice, color: (200, 10, 10), transform: (scale: (1, 2, 1), rotation: Euler(0, 0, 30))",
+    ] {
+        let mut cold = water(folder.path(), settings);
+        let scene = reader.load(&path).unwrap().0;
+        match &mut engine {
+            Some(engine) => engine.reload(scene),
+            None => engine = Some(Engine::from_scene(scene)),
+        }
+        let engine = engine.as_mut().unwrap();
+        for frame in [0, 3, 4, 5, 11, 0] {
+            let film = cold.render_frame(frame).unwrap();
+            assert_eq!(
+                film,
+                water(folder.path(), settings).render_frame(frame).unwrap(),
+                "{settings} {frame}"
+            );
+            assert_eq!(film, engine.render_frame(frame).unwrap(), "{settings} {frame}");
+        }
+    }
 }
 
 #[test]
@@ -303,6 +497,93 @@ fn a_cloud_looks_like_an_entity_for_each_particle() {
 }
 
 #[test]
+fn a_bond_looks_like_cylinders_between_its_particles() {
+    let turned = Transform {
+        rotation: glam::DQuat::from_rotation_z(0.5),
+        scale: DVec3::new(1.0, 1.5, 1.0),
+        ..Transform::at(0.0, 0.5, 0.0)
+    };
+    let pairs = [[0_u32, 1], [7, 4], [3, 3], [2, 90]];
+    for (color, transform) in [(None, Transform::IDENTITY), (Some(Rgb::X), turned), (None, turned)] {
+        let bonds = CloudBonds { pairs: Arc::new(pairs.to_vec()), radius: 0.125, color };
+        let plain = Cloud { scales: None, ..cloud() };
+        let shape = Shape::Sphere { radius: 0.25 };
+        let mut many = world(plain.clone(), shape, transform);
+        let parent = many.spawn((transform,));
+        let colors = plain.colors.clone().unwrap();
+        // A pair of one particle, and one with a particle that there is not, have no bond.
+        for [one, other] in &pairs[..2] {
+            let [from, to] = [one, other].map(|particle| plain.positions[*particle as usize]);
+            let of = |particle: &u32| colors.palette[usize::from(colors.indices[*particle as usize])];
+            let middle = from.midpoint(to);
+            let rods = match color {
+                Some(color) => vec![(from, to, color)],
+                None => vec![(from, middle, of(one)), (middle, to, of(other))],
+            };
+            for (from, to, color) in rods {
+                let rod = Shape::Cylinder { radius: 0.125, from, to };
+                let parent = rayreel::components::Parent(parent);
+                many.spawn((rod, Material::matte(color), Transform::IDENTITY, parent, Order(1)));
+            }
+        }
+        let bonded = Cloud { bonds: Some(bonds), ..plain };
+        let mut engine = Engine::new(world(bonded, shape, transform));
+        let film = engine.render_frame(0).unwrap();
+        assert_eq!(film, Engine::new(many).render_frame(0).unwrap(), "{color:?}");
+        // The box after the cloud is in the slot after its bonds.
+        let prepared = engine.prepared().unwrap();
+        let rods = if color.is_none() { 4 } else { 2 };
+        let members: Vec<Option<String>> = (9..=10 + rods)
+            .map(|slot| prepared.particle(ShapeId(slot)).map(|(member, _)| member.to_string()))
+            .collect();
+        let halves = rods as usize / 2;
+        let names = [
+            vec![Some("8".to_owned())],
+            vec![Some("0-1".to_owned()); halves],
+            vec![Some("7-4".to_owned()); halves],
+            vec![None],
+        ];
+        assert_eq!(members, names.concat());
+        assert!(engine.faults().is_empty());
+    }
+}
+
+#[test]
+fn systems_move_and_colour_bonds() {
+    let bonds = CloudBonds { pairs: Arc::new(vec![[0, 4], [4, 8]]), radius: 0.2, color: None };
+    let bonded = Cloud { bonds: Some(bonds), ..cloud() };
+    let world = world(bonded, Shape::Sphere { radius: 0.3 }, Transform::IDENTITY);
+    let gas = world.query::<(rayreel::Entity, &Cloud)>().iter().next().unwrap().0;
+    let edits: [fn(&mut Cloud); 5] = [
+        |cloud| Arc::make_mut(&mut cloud.positions)[4].y += 0.5,
+        |cloud| cloud.bonds.as_mut().unwrap().color = Some(Rgb::Y),
+        |cloud| cloud.bonds.as_mut().unwrap().color = Some(Rgb::Z),
+        |cloud| cloud.bonds.as_mut().unwrap().radius = 0.1,
+        |cloud| cloud.bonds = None,
+    ];
+    let mut engine = Engine::new(world);
+    let mut before = engine.render_frame(0).unwrap();
+    for (index, edit) in edits.into_iter().enumerate() {
+        edit(&mut engine.world_mut().get::<&mut Cloud>(gas).unwrap());
+        let film = engine.render_frame(0).unwrap();
+        assert_ne!(film, before, "{index}");
+        let mut cold = self::world(cloud(), Shape::Sphere { radius: 0.3 }, Transform::IDENTITY);
+        let gas_of_cold = cold.query::<(rayreel::Entity, &Cloud)>().iter().next().unwrap().0;
+        let same = Cloud::clone(&engine.world().get::<&Cloud>(gas).unwrap());
+        cold.insert_one(gas_of_cold, same).unwrap();
+        assert_eq!(film, Engine::new(cold).render_frame(0).unwrap(), "{index}");
+        before = film;
+    }
+    let bonds = CloudBonds { pairs: Arc::new(vec![[0, 4]]), radius: -1.0, color: None };
+    engine.world_mut().get::<&mut Cloud>(gas).unwrap().bonds = Some(bonds);
+    assert_eq!(engine.render_frame(0).unwrap(), before);
+    assert_eq!(
+        engine.faults().iter().map(ToString::to_string).collect::<Vec<_>>(),
+        ["is drawn in part: its radius of bonds is -1"]
+    );
+}
+
+#[test]
 fn systems_move_and_hide_particles() {
     let world = world(cloud(), Shape::Sphere { radius: 0.5 }, Transform::IDENTITY);
     let gas = world.query::<(rayreel::Entity, &Cloud)>().iter().next().unwrap().0;
@@ -329,7 +610,7 @@ fn systems_move_and_hide_particles() {
     let prepared = engine.prepared().unwrap();
     assert_eq!(
         [1, 2, 8].map(|slot| prepared.particle(ShapeId(slot)).map(|(number, _)| number)),
-        [Some(1), Some(2), Some(8)]
+        [1, 2, 8].map(|number| Some(CloudMember::Particle(number)))
     );
     assert_eq!((prepared.particle(ShapeId(0)), prepared.particle(ShapeId(9))), (None, None));
     for frame in [3, 0, 7] {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
-use rayreel::components::{Name, Order};
+use rayreel::components::{CloudMember, Name, Order};
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::systems::Preparation;
 use rayreel::trace::{RayKind, ShapeId};
@@ -21,10 +21,11 @@ pub(super) fn label(world: &World, entity: Entity) -> String {
     }
 }
 
-/// Returns the label of a hit: that of the entity, with the number of the particle, as `gas/1234`.
+/// Returns the label of a hit: that of the entity, with the number of the particle, as `gas/1234`, or those of a bond, as `gas/12-57`.
 pub(super) fn hit_label(world: &World, hit: &Hit) -> String {
-    match hit.particle {
-        Some(number) => format!("{}/{number}", label(world, hit.entity)),
+    let member = hit.particle.map(CloudMember::Particle).or(hit.bond.map(CloudMember::Bond));
+    match member {
+        Some(member) => format!("{}/{member}", label(world, hit.entity)),
         None => label(world, hit.entity),
     }
 }
@@ -70,25 +71,28 @@ impl<'a> EntityLines<'a> {
         }
     }
 
-    /// Formats the name and line of the entity in a slot. A particle has its number, and the file and frame of its cloud, as
-    /// `"gas/1234" (gas.ron:8, gas.xyz, frame 17)`.
+    /// Formats the name and line of the entity in a slot. A particle has its number, a bond those of its particles, and
+    /// both the file and frame of their cloud, as `"gas/1234" (gas.ron:8, gas.xyz, frame 17)`.
     pub(super) fn slot_text(&self, prepared: &Preparation, slot: ShapeId) -> String {
         let entity = prepared.entity(slot);
-        let Some((number, origin)) = prepared.particle(slot) else { return self.text(entity) };
+        let Some((member, origin)) = prepared.particle(slot) else { return self.text(entity) };
         let name = match self.world.get::<&Name>(entity) {
-            Ok(name) => format!("{:?}", format!("{}/{number}", name.0)),
-            Err(_) => format!("{}/{number}", label(self.world, entity)),
+            Ok(name) => format!("{:?}", format!("{}/{member}", name.0)),
+            Err(_) => format!("{}/{member}", label(self.world, entity)),
         };
         let line = self.lines.get(&entity).map(ToString::to_string);
         let places: Vec<String> = line.into_iter().chain(origin.map(str::to_owned)).collect();
         if places.is_empty() { name } else { format!("{name} ({})", places.join(", ")) }
     }
 
-    /// Returns the same as [`json`](Self::json) for the entity in a slot, and for a particle its number and where its cloud is from.
+    /// Returns the same as [`json`](Self::json) for the entity in a slot, and for a particle or a bond its numbers and where its cloud is from.
     pub(super) fn slot_json(&self, prepared: &Preparation, slot: ShapeId) -> Value {
         let mut object = self.json(prepared.entity(slot));
-        if let Some((number, origin)) = prepared.particle(slot) {
-            object["particle"] = number.into();
+        if let Some((member, origin)) = prepared.particle(slot) {
+            match member {
+                CloudMember::Particle(number) => object["particle"] = number.into(),
+                CloudMember::Bond(pair) => object["bond"] = pair.to_vec().into(),
+            }
             object["data"] = origin.into();
         }
         object

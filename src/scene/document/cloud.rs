@@ -13,9 +13,10 @@ pub(crate) struct CloudDocument {
     pub(crate) parent: Option<String>,
     #[serde(default)]
     pub(crate) transform: TransformDocument,
-    #[serde(default = "unit_sphere")]
-    pub(crate) shape: ShapeDocument,
+    pub(crate) style: Option<StyleDocument>,
+    pub(crate) shape: Option<ShapeDocument>,
     pub(crate) scale_by: Option<ScaleByDocument>,
+    pub(crate) bonds: Option<BondsDocument>,
     pub(crate) material: Option<SurfaceDocument>,
     pub(crate) color: Option<ColorDocument>,
     pub(crate) color_by: Option<ColorByDocument>,
@@ -30,12 +31,25 @@ pub(crate) struct CloudDocument {
     pub(crate) in_reflections: bool,
 }
 
-fn unit_sphere() -> ShapeDocument {
-    ShapeDocument::Sphere { radius: 1.0 }
-}
-
 fn yes() -> bool {
     true
+}
+
+/// A look of particles and bonds together.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Style")]
+pub(crate) enum StyleDocument {
+    BallAndStick,
+    Licorice,
+}
+
+/// The rods between particles.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Bonds")]
+pub(crate) struct BondsDocument {
+    pub(crate) radius: Option<f64>,
+    pub(crate) color: Option<ColorDocument>,
+    pub(crate) distance: Option<f64>,
 }
 
 /// The sizes of particles.
@@ -112,6 +126,36 @@ pub(crate) enum EndDocument {
     Hold,
     Loop,
 }
+
+impl CloudDocument {
+    /// Returns the shape of a particle.
+    pub(crate) fn particle_shape(&self) -> ShapeDocument {
+        let radius = match self.style {
+            // As in Jmol and VMD: a quarter of the van der Waals radius.
+            Some(StyleDocument::BallAndStick) => 0.25,
+            Some(StyleDocument::Licorice) => LICORICE,
+            None => 1.0,
+        };
+        self.shape.clone().unwrap_or(ShapeDocument::Sphere { radius })
+    }
+
+    /// Returns the sizes of the particles.
+    pub(crate) fn sizes(&self) -> Option<ScaleByDocument> {
+        let by_style =
+            (self.style == Some(StyleDocument::BallAndStick)).then_some(ScaleByDocument::VanDerWaals);
+        self.scale_by.clone().or(by_style)
+    }
+
+    /// Returns the bonds, with a radius.
+    pub(crate) fn rods(&self) -> Option<(f64, BondsDocument)> {
+        let radius = if self.style == Some(StyleDocument::Licorice) { LICORICE } else { 0.15 };
+        let bonds = self.bonds.clone().or(self.style.map(|_| BondsDocument::default()))?;
+        Some((bonds.radius.unwrap_or(radius), bonds))
+    }
+}
+
+/// The radius of atoms and bonds in angstroms, as in VMD.
+const LICORICE: f64 = 0.3;
 
 /// Returns the cloud and the number in the name of a particle, as `gas/1234`.
 pub(crate) fn particle(name: &str) -> Option<(&str, u64)> {

@@ -17,8 +17,8 @@ pub(super) use animation::{
 };
 pub(super) use channel::ChannelDocument;
 pub(super) use cloud::{
-    BetweenDocument, CloudDocument, ColorByDocument, ColorMapDocument, EndDocument, FramesDocument,
-    ScaleByDocument, particle,
+    BetweenDocument, BondsDocument, CloudDocument, ColorByDocument, ColorMapDocument, EndDocument,
+    FramesDocument, ScaleByDocument, StyleDocument, particle,
 };
 pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, RodDocument, RotationDocument, ShapeDocument,

@@ -10,7 +10,7 @@ pub(super) struct Example {
     pub(super) forms: &'static [&'static str],
 }
 
-const EXAMPLES: [Example; 18] = [
+const EXAMPLES: [Example; 19] = [
     Example {
         name: "Rotation",
         noun: "a rotation",
@@ -82,6 +82,7 @@ const EXAMPLES: [Example; 18] = [
     Example { name: "Repeat", noun: "a way to repeat", forms: &["Clamp", "Loop", "PingPong"] },
     Example { name: "Transfer", noun: "a transfer", forms: &["Classic", "Srgb"] },
     Example { name: "Space", noun: "a space", forms: &["LeftHanded", "RightHanded"] },
+    Example { name: "Style", noun: "a style", forms: &["BallAndStick", "Licorice"] },
     Example {
         name: "ScaleBy",
         noun: "a scale of particles",
@@ -149,7 +150,7 @@ mod tests {
         AreaShapeDocument, BetweenDocument, ChannelDocument, ColorByDocument, ColorMapDocument,
         EasingDocument, EndDocument, LightDocument, NoiseDocument, NormDocument, PatternDocument,
         RepeatDocument, RotationDocument, ScaleByDocument, ScriptDocument, ShapeDocument, SpaceDocument,
-        TrackDocument, TransferDocument,
+        StyleDocument, TrackDocument, TransferDocument,
     };
     use crate::scene::parse::options;
 
@@ -184,6 +185,7 @@ mod tests {
         check::<RepeatDocument>("Repeat");
         check::<TransferDocument>("Transfer");
         check::<SpaceDocument>("Space");
+        check::<StyleDocument>("Style");
         check::<ScaleByDocument>("ScaleBy");
         check::<ColorByDocument>("ColorBy");
         check::<ColorMapDocument>("ColorMap");

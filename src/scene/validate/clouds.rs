@@ -1,7 +1,10 @@
 //! Validation of the settings of clouds. Their files are checked when they are opened, and the rest as entities.
 
 use super::{At, Problems, check};
-use crate::scene::document::{CloudDocument, ColorByDocument, FramesDocument, SceneDocument, ShapeDocument};
+use crate::scene::document::{
+    BondsDocument, CloudDocument, ColorByDocument, FramesDocument, SceneDocument, ShapeDocument,
+    StyleDocument,
+};
 use crate::time::{FrameRate, Time};
 
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
@@ -9,12 +12,16 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     for (index, cloud) in document.clouds.iter().enumerate() {
         let at = list.index(index);
         look(cloud, &at, problems);
+        style(cloud, &at, problems);
+        if let Some(document) = &cloud.bonds {
+            bonds(document, &at.field("bonds"), problems);
+        }
         frames(&cloud.frames, &at.field("frames"), problems);
     }
 }
 
 fn look(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
-    if !matches!(cloud.shape, ShapeDocument::Sphere { .. } | ShapeDocument::Box { .. }) {
+    if !matches!(cloud.shape, None | Some(ShapeDocument::Sphere { .. } | ShapeDocument::Box { .. })) {
         let help = "write `Sphere(radius: 1)` or `Box(size: (1, 1, 1))`";
         problems.add(&at.field("shape"), "particles are spheres or boxes", "another shape", help);
     }
@@ -33,6 +40,40 @@ fn look(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
             let help = "write the numbers of the first and the last colour, as (0, 3)";
             problems.add(&range, "a range of a single number", "empty", help);
         }
+    }
+}
+
+/// Checks that a style and the fields that it stands for are not both written.
+fn style(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
+    let Some(style) = cloud.style else { return };
+    let (name, fields) = match style {
+        StyleDocument::BallAndStick => {
+            ("BallAndStick", "`shape: Sphere(radius: 0.25), scale_by: VanDerWaals, bonds: (radius: 0.15)`")
+        }
+        StyleDocument::Licorice => ("Licorice", "`shape: Sphere(radius: 0.3), bonds: (radius: 0.3)`"),
+    };
+    let bonds = at.field("bonds");
+    let written = [
+        (cloud.shape.is_some(), at.field("shape"), "shape"),
+        (cloud.scale_by.is_some(), at.field("scale_by"), "scale_by"),
+        (cloud.bonds.as_ref().is_some_and(|bonds| bonds.radius.is_some()), bonds.field("radius"), "radius"),
+    ];
+    for (_, field, what) in written.iter().filter(|(is_written, ..)| *is_written) {
+        let message = format!("the cloud has both `{what}` and a style that sets it");
+        let help = format!("keep one of the two: `style: {name}` stands for {fields}");
+        problems.add(field, message, "one too many", help);
+    }
+}
+
+fn bonds(bonds: &BondsDocument, at: &At<'_>, problems: &mut Problems) {
+    if let Some(radius) = bonds.radius {
+        check::size(radius, "radius", &at.field("radius"), problems);
+    }
+    if let Some(color) = bonds.color {
+        check::color(color.0, &at.field("color"), problems);
+    }
+    if let Some(distance) = bonds.distance {
+        check::size(distance, "distance", &at.field("distance"), problems);
     }
 }
 

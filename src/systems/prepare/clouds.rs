@@ -4,24 +4,33 @@ use hecs::{Entity, World};
 
 use super::material::{Surfaced, surface_material};
 use super::shape::ray_visibility;
-use crate::components::{Cloud, Material, Shape, Visibility, WorldTransform};
+use crate::color::Rgb;
+use crate::components::{Cloud, CloudMember, Material, Shape, Visibility, WorldTransform};
 use crate::trace::{MaterialPalette, RayVisibility, ShapeId, SurfaceMaterial};
 
 /// A cloud with all that its shapes were prepared from. Its columns are shared with the world.
 #[derive(Clone, Debug)]
 pub(super) struct DrawnCloud {
     pub(super) entity: Entity,
-    /// The slot of the first drawn particle, and the number of drawn particles, whose slots follow each other.
-    pub(super) first: ShapeId,
-    pub(super) drawn: usize,
-    /// The particles that are not drawn, by index.
-    pub(super) left_out: Vec<u32>,
+    /// The particles, and the rods of the bonds after them.
+    pub(super) particles: DrawnRun,
+    pub(super) rods: DrawnRun,
     pub(super) cloud: Cloud,
     shape: Shape,
     transform: WorldTransform,
     /// `None` if no ray sees it.
     visibility: Option<RayVisibility>,
     pub(super) materials: MaterialPalette,
+}
+
+/// Particles or rods of a cloud, by index. The slots of those that are drawn follow each other.
+#[derive(Clone, Debug)]
+pub(super) struct DrawnRun {
+    /// The slot of the first that is drawn.
+    first: ShapeId,
+    pub(super) drawn: usize,
+    /// Those that are not drawn, in order.
+    pub(super) left_out: Vec<u32>,
 }
 
 /// The components of a cloud.
@@ -32,9 +41,8 @@ impl DrawnCloud {
     pub(super) fn new(entity: Entity, first: ShapeId, (surface, cloud, visibility): CloudParts<'_>) -> Self {
         Self {
             entity,
-            first,
-            drawn: 0,
-            left_out: Vec::new(),
+            particles: DrawnRun::starting_at(first),
+            rods: DrawnRun::starting_at(first),
             cloud: cloud.clone(),
             shape: *surface.0,
             transform: *surface.1,
@@ -65,28 +73,84 @@ impl DrawnCloud {
         differs
     }
 
-    /// Returns the drawn particles by slot: the slot and the material of each.
+    /// Returns the drawn particles and rods: the slot and the material of each.
     pub(super) fn surfaces(&self) -> impl Iterator<Item = (ShapeId, SurfaceMaterial)> {
-        let slots = (self.first.0..).map(ShapeId).take(self.drawn);
-        slots.filter_map(|slot| Some((slot, self.material(self.particle(slot)?)?)))
+        let slots = self.particles.slots().chain(self.rods.slots());
+        slots.filter_map(|slot| {
+            let material = match self.particles.at(slot) {
+                Some(particle) => color_index(&self.cloud, particle),
+                None => rod_color_index(&self.cloud, self.rods.at(slot)?),
+            };
+            Some((slot, self.materials.materials().get(material)?.clone()))
+        })
     }
 
-    fn material(&self, particle: usize) -> Option<SurfaceMaterial> {
-        self.materials.materials().get(color_index(&self.cloud, particle)).cloned()
-    }
-
-    /// Returns the index of the particle in a slot, if it is one of this cloud.
-    pub(super) fn particle(&self, slot: ShapeId) -> Option<usize> {
-        let mut particle =
-            slot.index().checked_sub(self.first.index()).filter(|index| *index < self.drawn)?;
-        // Every particle that is left out before it moves it on by one.
-        for left_out in &self.left_out {
-            if *left_out as usize > particle {
-                break;
-            }
-            particle += 1;
+    /// Returns what is drawn in a slot, if it is of this cloud.
+    pub(super) fn member(&self, slot: ShapeId) -> Option<CloudMember> {
+        let cloud = &self.cloud;
+        if let Some(particle) = self.particles.at(slot) {
+            return Some(CloudMember::Particle(cloud.number(particle)));
         }
-        Some(particle)
+        let (pair, _) = cloud.rod(self.rods.at(slot)?)?;
+        Some(CloudMember::Bond(pair.map(|particle| cloud.number(particle))))
+    }
+
+    /// Returns the colour of what is drawn in a slot; `None` if it is that of the entity's material.
+    pub(super) fn color(&self, slot: ShapeId) -> Option<Rgb> {
+        let particle = match self.particles.at(slot) {
+            Some(particle) => particle,
+            None => {
+                let (pair, end) = self.cloud.rod(self.rods.at(slot)?)?;
+                match end {
+                    Some(end) => pair[end],
+                    None => return self.cloud.bonds.as_ref()?.color,
+                }
+            }
+        };
+        self.cloud.colors.as_ref()?.palette.get(color_index(&self.cloud, particle)).copied()
+    }
+}
+
+impl DrawnRun {
+    /// Creates a run of which nothing is drawn yet.
+    pub(super) fn starting_at(first: ShapeId) -> Self {
+        Self { first, drawn: 0, left_out: Vec::new() }
+    }
+
+    /// Returns the slot of the first that is drawn.
+    pub(super) fn first(&self) -> ShapeId {
+        self.first
+    }
+
+    fn slots(&self) -> impl Iterator<Item = ShapeId> {
+        (self.first.0..).map(ShapeId).take(self.drawn)
+    }
+
+    /// Returns the index of what is drawn in a slot, if it is one of these.
+    fn at(&self, slot: ShapeId) -> Option<usize> {
+        let drawn = slot.index().checked_sub(self.first.index()).filter(|index| *index < self.drawn)?;
+        // The number of those that are left out before it, each of which moves it on by one.
+        let (mut least, mut most) = (0, self.left_out.len());
+        while least < most {
+            let middle = least.midpoint(most);
+            if self.left_out[middle] as usize - middle <= drawn {
+                least = middle + 1;
+            } else {
+                most = middle;
+            }
+        }
+        Some(drawn + least)
+    }
+}
+
+/// Returns the index of a rod's material: that of the particle at its end, or that of all bonds, which is the last.
+pub(super) fn rod_color_index(cloud: &Cloud, rod: usize) -> usize {
+    match cloud.rod(rod) {
+        Some((pair, Some(end))) => color_index(cloud, pair[end]),
+        _ if cloud.bonds.as_ref().is_some_and(|bonds| bonds.color.is_some()) => {
+            cloud.colors.as_ref().map_or(1, |colors| colors.palette.len().max(1))
+        }
+        _ => 0,
     }
 }
 
@@ -98,16 +162,17 @@ pub(super) fn color_index(cloud: &Cloud, particle: usize) -> usize {
     })
 }
 
-/// Returns the materials of a cloud: one for each colour, or one alone.
+/// Returns the materials of a cloud: one for each colour, or one alone, and then that of bonds with a colour of their own.
 fn materials(surface: Surfaced<'_>, cloud: &Cloud) -> Vec<SurfaceMaterial> {
     let (shape, transform, material, specular, reflective, refractive, pattern, emission) = surface;
     let painted = |material: &Material| {
         surface_material((shape, transform, material, specular, reflective, refractive, pattern, emission))
     };
-    match &cloud.colors {
-        Some(colors) if !colors.palette.is_empty() => {
-            colors.palette.iter().map(|color| painted(&Material { color: *color, ..*material })).collect()
-        }
+    let colored = |color: &Rgb| painted(&Material { color: *color, ..*material });
+    let mut materials: Vec<SurfaceMaterial> = match &cloud.colors {
+        Some(colors) if !colors.palette.is_empty() => colors.palette.iter().map(colored).collect(),
         _ => vec![painted(material)],
-    }
+    };
+    materials.extend(cloud.bonds.iter().filter_map(|bonds| bonds.color.as_ref()).map(colored));
+    materials
 }

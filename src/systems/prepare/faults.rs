@@ -8,7 +8,7 @@ use hecs::{Component, Entity, World};
 
 use super::Preparation;
 use super::camera::{active_camera_entity, position_of};
-use super::clouds::DrawnCloud;
+use super::clouds::{DrawnCloud, DrawnRun};
 use super::light::prepared_light;
 use super::material::Surfaced;
 use super::settings::first_entity;
@@ -76,16 +76,21 @@ impl Preparation {
     fn shape_faults(&self, world: &World, faults: &mut Vec<Fault>) {
         let with_shape = world.archetypes().filter(|archetype| archetype.has::<Shape>());
         let shapes: u32 = with_shape.map(hecs::Archetype::len).sum();
-        for DrawnCloud { entity, drawn, left_out, cloud, .. } in &self.clouds {
+        for DrawnCloud { entity, particles: DrawnRun { drawn, left_out, .. }, cloud, .. } in &self.clouds {
             let is_hidden = world.get::<&Visibility>(*entity).is_ok_and(|seen| *seen == Visibility::NONE);
             if !left_out.is_empty() && !is_hidden {
                 let consequence = if *drawn == 0 { Consequence::NotDrawn } else { Consequence::Incomplete };
                 let cause = FaultCause::Particles { left_out: left_out.len(), count: cloud.positions.len() };
                 faults.push(Fault { entity: *entity, consequence, cause });
             }
+            let radius = cloud.bonds.as_ref().map_or(1.0, |bonds| bonds.radius);
+            if let Err(error) = ValidRange::Positive.check(radius) {
+                let cause = FaultCause::OutOfRange { what: "radius of bonds", error };
+                faults.push(Fault { entity: *entity, consequence: Consequence::Incomplete, cause });
+            }
         }
-        let particles: usize = self.clouds.iter().map(|cloud| cloud.drawn).sum();
-        if shapes as usize - self.clouds.len() == self.entities.len() - particles {
+        let copies: usize = self.clouds.iter().map(|cloud| cloud.particles.drawn + cloud.rods.drawn).sum();
+        if shapes as usize - self.clouds.len() == self.entities.len() - copies {
             return;
         }
         let mut query = world.query::<(

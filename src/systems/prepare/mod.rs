@@ -20,7 +20,7 @@ use super::order::order_newcomers;
 use super::{Changes, Plan};
 use crate::color::Rgb;
 use crate::components::{
-    Ambient, FilmSettings, Light, Noise, Order, Pattern, Quality, Sampling, WorldTransform,
+    Ambient, CloudMember, FilmSettings, Light, Noise, Order, Pattern, Quality, Sampling, WorldTransform,
 };
 use crate::time::Time;
 use crate::trace::{
@@ -253,25 +253,24 @@ impl Preparation {
         self.entities[slot.index()]
     }
 
-    /// Returns the number by which the particle in a slot is called, and where its cloud is from; `None` if the slot's entity is no
-    /// [`Cloud`](crate::components::Cloud).
+    /// Returns the numbers by which the particle or the bond in a slot is called, and where its cloud is from; `None` if the slot's entity is
+    /// no [`Cloud`](crate::components::Cloud).
     #[must_use]
-    pub fn particle(&self, slot: ShapeId) -> Option<(u64, Option<&str>)> {
-        let (DrawnCloud { cloud, .. }, particle) = self.cloud_at(slot)?;
-        Some((cloud.number(particle), cloud.origin.as_deref()))
+    pub fn particle(&self, slot: ShapeId) -> Option<(CloudMember, Option<&str>)> {
+        let (DrawnCloud { cloud, .. }, member) = self.cloud_at(slot)?;
+        Some((member, cloud.origin.as_deref()))
     }
 
-    /// Returns the colour of the particle in a slot; `None` if it is that of its entity's material.
+    /// Returns the colour of the particle or the bond in a slot; `None` if it is that of its entity's material.
     #[must_use]
     pub fn particle_color(&self, slot: ShapeId) -> Option<Rgb> {
-        let (DrawnCloud { cloud, .. }, particle) = self.cloud_at(slot)?;
-        cloud.colors.as_ref()?.palette.get(clouds::color_index(cloud, particle)).copied()
+        self.cloud_at(slot)?.0.color(slot)
     }
 
-    /// Returns the cloud of a slot, and the index of the particle.
-    fn cloud_at(&self, slot: ShapeId) -> Option<(&DrawnCloud, usize)> {
-        let next = self.clouds.partition_point(|cloud| cloud.first.0 <= slot.0);
-        self.clouds[..next].iter().rev().find_map(|cloud| Some((cloud, cloud.particle(slot)?)))
+    /// Returns the cloud of a slot, and what is drawn there.
+    fn cloud_at(&self, slot: ShapeId) -> Option<(&DrawnCloud, CloudMember)> {
+        let next = self.clouds.partition_point(|cloud| cloud.particles.first().0 <= slot.0);
+        self.clouds[..next].iter().rev().find_map(|cloud| Some((cloud, cloud.member(slot)?)))
     }
 
     /// Returns the entities of the scene's lights, in the order of the lights.

@@ -5,10 +5,10 @@ use std::ops::Range;
 use hecs::{Entity, View, World};
 use rayon::prelude::*;
 
-use super::clouds::{CloudParts, DrawnCloud, color_index};
+use super::clouds::{CloudParts, DrawnCloud, DrawnRun, color_index, rod_color_index};
 use super::faults::surface_fault;
 use super::material::{Surfaced, surface_material};
-use super::shape::{particle_shape, prepared_shape, ray_visibility};
+use super::shape::{bond_shape, particle_shape, prepared_shape, ray_visibility};
 use crate::components::{Cloud, Material, Order, Shape, Visibility, WorldTransform};
 use crate::trace::{Geometry, MaterialTable, PreparedShape, RayVisibility, ShapeId, SurfaceMaterial};
 
@@ -21,14 +21,23 @@ const BATCHES: usize = 32;
 /// The components that define a surface, and the rays that see it.
 type Seen<'a> = (Surfaced<'a>, Option<&'a Visibility>);
 
-/// The entities or particles that a thread reads at a time.
+/// The entities, particles or bonds that a thread reads at a time.
 enum ReadShare<'a> {
     Entities(&'a [(Order, Entity)]),
     /// Some particles of a cloud.
     Particles(Entity, Range<usize>),
+    /// Some bonds of a cloud, after all of its particles.
+    Bonds(Entity, Range<usize>),
 }
 
-/// The kernel data of some entities or particles. Merging empties it and keeps its memory.
+/// The particles of a cloud, or the rods of its bonds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Copies {
+    Particles,
+    Rods,
+}
+
+/// The kernel data of some entities, particles or bonds. Merging empties it and keeps its memory.
 #[derive(Debug, Default)]
 struct Batch {
     geometry: Geometry,
@@ -36,8 +45,8 @@ struct Batch {
     materials: Vec<(SurfaceMaterial, u32)>,
     drawn: Vec<Entity>,
     unsound: Vec<Entity>,
-    /// The cloud and the particles of the batch, of which `left_out` are not drawn.
-    particles: Option<(Entity, Range<usize>)>,
+    /// The cloud, and the particles or rods of the batch, of which `left_out` are not drawn.
+    copies: Option<(Entity, Copies, Range<usize>)>,
     left_out: Vec<u32>,
 }
 
@@ -62,15 +71,21 @@ pub(super) fn read_all(
     let entities = world.query_mut::<hecs::Without<Drawn<'_>, &Cloud>>().into_iter();
     let ordered = in_order(entities.map(|(entity, order)| (*order, entity)));
     let clouds = world.query_mut::<(Drawn<'_>, &Cloud)>().into_iter();
-    let counts = clouds.map(|((entity, order), cloud)| ((*order, entity), cloud.positions.len()));
-    let mut counts: Vec<((Order, Entity), usize)> = counts.collect();
-    counts.sort_unstable_by_key(|((order, entity), _)| (*order, entity.id()));
+    let counts = clouds.map(|((entity, order), cloud)| CloudSize {
+        key: (*order, entity),
+        particles: cloud.positions.len(),
+        bonds: cloud.bond_count(),
+        rods: cloud.bond_count() * cloud.rods_per_bond(),
+    });
+    let mut counts: Vec<CloudSize> = counts.collect();
+    counts.sort_unstable_by_key(|CloudSize { key: (order, entity), .. }| (*order, entity.id()));
     let shares = shares(&ordered, &counts);
     let view = world.view_mut::<(Seen<'_>, Option<&Cloud>)>();
     let mut all = VisibleShapes::default();
-    let particles = counts.iter().map(|(_, count)| count).sum();
+    let particles = counts.iter().map(|size| size.particles).sum();
     geometry.reserve_spheres(particles);
-    all.entities.reserve_exact(ordered.len() + particles);
+    let rods: usize = counts.iter().map(|size| size.rods).sum();
+    all.entities.reserve_exact(ordered.len() + particles + rods);
     // Reading one group of batches overlaps with merging the group before it.
     let (mut before, mut batches) = (Vec::new(), Vec::new());
     for shares in shares.chunks(BATCHES).chain([&shares[..0]]) {
@@ -92,19 +107,29 @@ fn in_order(entities: impl Iterator<Item = (Order, Entity)>) -> Vec<(Order, Enti
     ordered
 }
 
+/// The numbers of the particles, bonds and rods of a cloud.
+struct CloudSize {
+    key: (Order, Entity),
+    particles: usize,
+    bonds: usize,
+    rods: usize,
+}
+
 /// Divides entities and clouds, both in document order, into shares in document order. Every cloud has a share, even an empty one.
-fn shares<'a>(
-    mut entities: &'a [(Order, Entity)],
-    clouds: &[((Order, Entity), usize)],
-) -> Vec<ReadShare<'a>> {
+fn shares<'a>(mut entities: &'a [(Order, Entity)], clouds: &[CloudSize]) -> Vec<ReadShare<'a>> {
     let mut shares = Vec::new();
-    for (cloud, count) in clouds {
+    let batches = |count: usize| {
+        let starts = (0..count).step_by(BATCH);
+        starts.map(move |start| start..(start + BATCH).min(count))
+    };
+    for CloudSize { key: cloud, particles, bonds, .. } in clouds {
         let key = |(order, entity): &(Order, Entity)| (*order, entity.id());
         let (before, after) = entities.split_at(entities.partition_point(|entity| key(entity) < key(cloud)));
         shares.extend(before.chunks(BATCH).map(ReadShare::Entities));
         entities = after;
-        let starts = (0..(*count).max(1)).step_by(BATCH);
-        shares.extend(starts.map(|start| ReadShare::Particles(cloud.1, start..(start + BATCH).min(*count))));
+        shares.extend((*particles == 0).then(|| ReadShare::Particles(cloud.1, 0..0)));
+        shares.extend(batches(*particles).map(|range| ReadShare::Particles(cloud.1, range)));
+        shares.extend(batches(*bonds).map(|range| ReadShare::Bonds(cloud.1, range)));
     }
     shares.extend(entities.chunks(BATCH).map(ReadShare::Entities));
     shares
@@ -124,22 +149,29 @@ impl VisibleShapes {
         for (material, shapes) in batch.materials.drain(..) {
             materials.push_all(material, shapes);
         }
-        if let Some((entity, range)) = batch.particles.take()
+        if let Some((entity, copies, range)) = batch.copies.take()
             && let Some(((surface, visibility), Some(cloud))) = view.get(entity)
         {
             let parts: CloudParts<'_> = (surface, cloud, visibility);
-            if range.start == 0 {
+            if range.start == 0 && copies == Copies::Particles {
                 self.clouds.push(DrawnCloud::new(entity, first, parts));
             }
             if let Some(drawn) = self.clouds.last_mut() {
-                let mut left_out = batch.left_out.iter().map(|particle| *particle as usize).peekable();
-                for particle in range {
-                    if left_out.next_if_eq(&particle).is_none() {
-                        materials.push_of(&mut drawn.materials, color_index(cloud, particle));
-                        drawn.drawn += 1;
+                if range.start == 0 && copies == Copies::Rods {
+                    drawn.rods = DrawnRun::starting_at(first);
+                }
+                let (run, color_index): (_, fn(&Cloud, usize) -> usize) = match copies {
+                    Copies::Particles => (&mut drawn.particles, color_index),
+                    Copies::Rods => (&mut drawn.rods, rod_color_index),
+                };
+                let mut left_out = batch.left_out.iter().map(|copy| *copy as usize).peekable();
+                for copy in range {
+                    if left_out.next_if_eq(&copy).is_none() {
+                        materials.push_of(&mut drawn.materials, color_index(cloud, copy));
+                        run.drawn += 1;
                     }
                 }
-                drawn.left_out.append(&mut batch.left_out);
+                run.left_out.append(&mut batch.left_out);
             }
         }
         self.entities.append(&mut batch.drawn);
@@ -152,6 +184,7 @@ impl Batch {
         match share {
             ReadShare::Entities(entities) => self.read_entities(view, entities),
             ReadShare::Particles(entity, range) => self.read_particles(view, *entity, range.clone()),
+            ReadShare::Bonds(entity, range) => self.read_bonds(view, *entity, range.clone()),
         }
     }
 
@@ -184,22 +217,64 @@ impl Batch {
         if range.start == 0 && surface_fault(entity, surface).is_some() {
             self.unsound.push(entity);
         }
-        self.particles = Some((entity, range.clone()));
+        self.copies = Some((entity, Copies::Particles, range.clone()));
         let visibility = ray_visibility(visibility);
         for particle in range {
-            let scale =
-                cloud.scales.as_ref().map_or(1.0, |scales| scales.get(particle).copied().unwrap_or(f64::NAN));
-            let shape = particle_shape(surface.0, surface.1, cloud.positions[particle], scale);
-            match (shape, visibility) {
-                (Ok(shape), Some(visibility)) => {
-                    let id = self.geometry.push(shape);
-                    self.geometry.set_visibility(id, visibility);
-                    self.drawn.push(entity);
-                }
-                _ => self.left_out.push(u32::try_from(particle).unwrap_or(u32::MAX)),
+            let shape = shape_of(particle, surface, cloud).zip(visibility);
+            self.push_copy(entity, particle, shape);
+        }
+    }
+
+    fn read_bonds(
+        &mut self,
+        view: &View<'_, (Seen<'_>, Option<&Cloud>)>,
+        entity: Entity,
+        range: Range<usize>,
+    ) {
+        let Some(((surface, visibility), Some(cloud))) = view.get(entity) else { return };
+        let Some(bonds) = &cloud.bonds else { return };
+        let rods = cloud.rods_per_bond();
+        self.copies = Some((entity, Copies::Rods, range.start * rods..range.end * rods));
+        let visibility = ray_visibility(visibility);
+        for bond in range {
+            let pair = bonds.pairs[bond].map(|particle| particle as usize);
+            let is_drawn = pair.iter().all(|particle| shape_of(*particle, surface, cloud).is_some());
+            let ends = || pair.map(|particle| cloud.positions[particle]);
+            let half = |half| bond_shape(surface.1, bonds.radius, ends(), half).ok();
+            // Both halves, or none.
+            let shapes = match (is_drawn, rods) {
+                (false, _) => [None; 2],
+                (true, 1) => [half(None), None],
+                (true, _) => half(Some(0))
+                    .zip(half(Some(1)))
+                    .map_or([None; 2], |(one, other)| [Some(one), Some(other)]),
+            };
+            for (rod, shape) in (bond * rods..).zip(shapes).take(rods) {
+                self.push_copy(entity, rod, shape.zip(visibility));
             }
         }
     }
+
+    /// Adds a particle or a rod, which is left out without a shape.
+    fn push_copy(&mut self, entity: Entity, copy: usize, shape: Option<(PreparedShape, RayVisibility)>) {
+        match shape {
+            Some((shape, visibility)) => {
+                let id = self.geometry.push(shape);
+                self.geometry.set_visibility(id, visibility);
+                self.drawn.push(entity);
+            }
+            None => self.left_out.push(u32::try_from(copy).unwrap_or(u32::MAX)),
+        }
+    }
+}
+
+/// Returns the shape of a particle, if it can be drawn.
+fn shape_of(particle: usize, surface: Surfaced<'_>, cloud: &Cloud) -> Option<PreparedShape> {
+    let scale = match &cloud.scales {
+        Some(scales) => *scales.get(particle)?,
+        None => 1.0,
+    };
+    particle_shape(surface.0, surface.1, *cloud.positions.get(particle)?, scale).ok()
 }
 
 /// Reads the shapes of those entities that have all components of a drawn entity, and passes each to `put`, with `None` if it is not

@@ -50,6 +50,23 @@ pub(super) fn particle_shape(
     prepared_shape(shape, &world_transform::child(cloud, &own))
 }
 
+/// Returns the rod of a bond of a cloud with this transform: all of it, or the half at one of its ends. Both halves end in the same plane.
+pub(super) fn bond_shape(
+    cloud: &WorldTransform,
+    radius: f64,
+    ends: [DVec3; 2],
+    half: Option<usize>,
+) -> Result<PreparedShape, FaultCause> {
+    let [from, to] = ends.map(Double3::decimal);
+    let middle = (from + to).times_power(0.5);
+    let part = match half {
+        None => [from, to],
+        Some(0) => [from, middle],
+        Some(_) => [middle, to],
+    };
+    ShapeTransform::new(cloud)?.part_of_rod(radius, [from, to], part, false)
+}
+
 /// Returns the classes of rays that see an entity's shape. `None` if no ray sees it, so that it is not drawn.
 pub(super) fn ray_visibility(visibility: Option<&Visibility>) -> Option<RayVisibility> {
     let visibility = visibility.copied().unwrap_or_default();
@@ -153,20 +170,32 @@ impl<'a> ShapeTransform<'a> {
 
     /// Returns a cylinder or, if its ends are round, a capsule.
     fn rod(&self, radius: f64, ends: [DVec3; 2], is_round: bool) -> Result<PreparedShape, FaultCause> {
-        self.check_size("radius", radius)?;
         for (what, end) in ["from", "to"].into_iter().zip(ends) {
             if !end.is_finite() {
                 return Err(FaultCause::NotFinite(what));
             }
         }
-        let [from, to] = ends.map(Double3::decimal);
-        let axis = to - from;
+        let ends = ends.map(Double3::decimal);
+        self.part_of_rod(radius, ends, ends, is_round)
+    }
+
+    /// Returns the part of a rod between two points of its axis.
+    fn part_of_rod(
+        &self,
+        radius: f64,
+        [from, to]: [Double3; 2],
+        [start, stop]: [Double3; 2],
+        is_round: bool,
+    ) -> Result<PreparedShape, FaultCause> {
+        self.check_size("radius", radius)?;
+        let normal = to - from;
+        let axis = stop - start;
         let length = axis.rounded().abs().max_element();
         if length == 0.0 {
             return Err(FaultCause::NoDirection("axis"));
         }
         let exact = ExactAffine::of(self.transform);
-        let places = [from, to].map(|end| exact.point(end));
+        let places = [start, stop].map(|end| exact.point(end));
         let [start, stop] = places.map(Double3::rounded);
         let coordinate = start.abs().max(stop.abs()).max_element();
         let is_near = start.is_finite() && stop.is_finite() && coordinate < LARGEST;
@@ -174,7 +203,7 @@ impl<'a> ShapeTransform<'a> {
             return Err(FaultCause::BeyondMeasure);
         }
         let lost = FaultCause::Lost { what: "length", length: length * self.largest, coordinate };
-        let row = || normal_image(&exact, towards_one(self.largest), axis);
+        let row = || normal_image(&exact, towards_one(self.largest), normal);
         match self.transform.uniform_scale {
             Some(scale) => {
                 let radius = radius * scale;
