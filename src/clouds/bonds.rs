@@ -104,6 +104,9 @@ impl Reach {
 /// A cell of the grid: its place along z, y and x.
 type GridCell = [i64; 3];
 
+/// The index of a particle, after its cell.
+type InCell = (GridCell, u32);
+
 /// Returns all pairs within reach.
 fn found(positions: &[DVec3], reach: &Reach) -> Result<Vec<[u32; 2]>, CloudError> {
     // Wider by more than the rounding of places in the grid.
@@ -116,7 +119,7 @@ fn found(positions: &[DVec3], reach: &Reach) -> Result<Vec<[u32; 2]>, CloudError
         let [x, y, z] = key(*position);
         Some(([z, y, x], u32::try_from(row).ok()?)).filter(|_| position.is_finite())
     };
-    let mut grid: Vec<(GridCell, u32)> = positions.par_iter().enumerate().filter_map(placed).collect();
+    let mut grid: Vec<InCell> = positions.par_iter().enumerate().filter_map(placed).collect();
     grid.par_sort_unstable();
     let starts: Vec<usize> =
         (0..grid.len()).filter(|place| *place == 0 || grid[*place - 1].0 != grid[*place].0).collect();
@@ -155,7 +158,7 @@ fn found(positions: &[DVec3], reach: &Reach) -> Result<Vec<[u32; 2]>, CloudError
 }
 
 /// Returns the particles of the cell that starts here, and those of the neighbours after it, in runs along x.
-fn neighbours(grid: &[(GridCell, u32)], start: usize) -> (&[(GridCell, u32)], [&[(GridCell, u32)]; 5]) {
+fn neighbours(grid: &[InCell], start: usize) -> (&[InCell], [&[InCell]; 5]) {
     let cell @ [z, y, x] = grid[start].0;
     let next = |place: i64| place.saturating_add(1);
     let before = |key: GridCell| grid[start..].partition_point(|(own, _)| *own < key) + start;
@@ -177,7 +180,7 @@ fn neighbours(grid: &[(GridCell, u32)], start: usize) -> (&[(GridCell, u32)], [&
 }
 
 /// Returns the number of distances that are computed for the cell that starts here.
-fn distances(grid: &[(GridCell, u32)], start: usize) -> usize {
+fn distances(grid: &[InCell], start: usize) -> usize {
     let (own, others) = neighbours(grid, start);
     own.len() * (own.len() / 2 + others.iter().map(|run| run.len()).sum::<usize>())
 }

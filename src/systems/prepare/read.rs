@@ -127,7 +127,7 @@ fn shares<'a>(mut entities: &'a [(Order, Entity)], clouds: &[CloudSize]) -> Vec<
         let (before, after) = entities.split_at(entities.partition_point(|entity| key(entity) < key(cloud)));
         shares.extend(before.chunks(BATCH).map(ReadShare::Entities));
         entities = after;
-        shares.extend((*particles == 0).then(|| ReadShare::Particles(cloud.1, 0..0)));
+        shares.extend((*particles == 0).then_some(ReadShare::Particles(cloud.1, 0..0)));
         shares.extend(batches(*particles).map(|range| ReadShare::Particles(cloud.1, range)));
         shares.extend(batches(*bonds).map(|range| ReadShare::Bonds(cloud.1, range)));
     }

@@ -97,10 +97,10 @@ fn all_that_reaches_a_picture_changes_it() {
         changed(&|scene| scene.ambient = Rgb::splat(0.1)),
         changed(&|scene| scene.ambient_occlusion = Some(occlusion)),
         changed(&|scene| {
-            scene.ambient_occlusion = Some(PreparedAmbientOcclusion { samples: 9, ..occlusion })
+            scene.ambient_occlusion = Some(PreparedAmbientOcclusion { samples: 9, ..occlusion });
         }),
         changed(&|scene| {
-            scene.ambient_occlusion = Some(PreparedAmbientOcclusion { distance: 2.0, ..occlusion })
+            scene.ambient_occlusion = Some(PreparedAmbientOcclusion { distance: 2.0, ..occlusion });
         }),
         changed(&|scene| scene.fog.density = 0.1),
         changed(&|scene| scene.fog.hides_background = false),
