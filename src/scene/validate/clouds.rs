@@ -80,8 +80,8 @@ fn bonds(bonds: &BondsDocument, at: &At<'_>, problems: &mut Problems) {
 fn frames(frames: &FramesDocument, at: &At<'_>, problems: &mut Problems) {
     let start = at.field("start");
     if check::number(frames.start, &start, problems) && start_time(frames.start).is_none() {
-        let message = "the start of the frames is beyond a million seconds, or has more than nine decimals";
-        problems.add(&start, message, "not exact", "write seconds, as 1.5");
+        let message = "the start of the frames is beyond a million seconds";
+        problems.add(&start, message, "out of range", "write seconds, as 1.5");
     }
     if frame_rate(frames).is_none() {
         let message =
@@ -91,9 +91,10 @@ fn frames(frames: &FramesDocument, at: &At<'_>, problems: &mut Problems) {
     }
 }
 
-/// Returns the magnitude of a start as an exact time.
+/// Returns the magnitude of a start, rounded to nanoseconds.
 pub(in crate::scene) fn start_time(start: f64) -> Option<Time> {
-    start.abs().to_string().parse().ok()
+    const LARGEST: f64 = 1e6;
+    (start.abs() <= LARGEST).then(|| format!("{:.9}", start.abs()).parse().ok()).flatten()
 }
 
 /// Returns the frames per second of a data file.
