@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use super::columns::{ColumnValues, FrameColumns};
 use super::error::{CloudError, CloudPart};
-use tokens::{Token, TokenKind, tokens};
+use tokens::{Token, TokenKind, error, tokens};
 
 /// A condition on the columns of particles.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,10 +113,6 @@ const INDEX: &str = "index";
 
 /// The depth of brackets, beyond which an expression is refused: it is read recursively.
 const DEEPEST: usize = 64;
-
-fn error(place: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> CloudError {
-    CloudError::new(CloudPart::Filter(place), message, help)
-}
 
 impl ParticleFilter {
     /// Parses a condition, such as `z > 0 and (type == 2 or element == 'O')`.

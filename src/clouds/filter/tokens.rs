@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::error;
-use crate::clouds::error::CloudError;
+use crate::clouds::error::{CloudError, CloudPart};
 
 #[derive(Clone, Debug)]
 pub(super) struct Token {
@@ -97,4 +96,9 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, CloudError> {
         at += length;
     }
     Ok(tokens)
+}
+
+/// Returns a mistake at a place of the condition.
+pub(super) fn error(place: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> CloudError {
+    CloudError::new(CloudPart::Filter(place), message, help)
 }
