@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::direct::{light_dimension, light_point};
-use super::light_sample_packet::facing_normals;
+use super::facing_normals::facing_normals;
 use crate::trace::intersect::SurfacePacket;
 use crate::trace::math::{
     LANES, PixelSamples, SampleKeys, Scaled, Vectors, bits, half_lanes, lanes, scaled_lanes, splat3, subtract,

@@ -4,7 +4,8 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
 use super::direct::{SampleId, ShadingPoint, sample_light};
-use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normal};
+use super::facing_normals::facing_normal;
+use super::light_sample_packet::{LightSamplePacket, ShadingPacket};
 use super::terms_packet::{add_highlights, intensities};
 use crate::trace::effects::Effects;
 use crate::trace::math::{

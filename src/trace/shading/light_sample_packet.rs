@@ -1,6 +1,5 @@
 //! Sixteen shading points, and the contributions of a light there, before occlusion.
 
-use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::area_light_samples::AreaLightSamples;
@@ -8,7 +7,7 @@ use super::direct::{LightSample, ShadowSegment};
 use super::path_packet::PathPacket;
 use crate::color::Rgb;
 use crate::trace::intersect::{HitPacket, SurfacePacket};
-use crate::trace::math::{Colors, F64s3, Numbers, Vectors, mask, negative, pick3};
+use crate::trace::math::{Colors, Numbers, Vectors};
 use crate::trace::rays::{RayPacket, ShadowLimit};
 use crate::trace::scene::{LightSource, PreparedLight};
 
@@ -113,18 +112,4 @@ impl LightSamplePacket {
             }
         }
     }
-}
-
-/// Returns the normal on the side from which the ray arrived.
-pub(super) fn facing_normal(surfaces: &SurfacePacket, lane: usize) -> DVec3 {
-    let normal = surfaces.normals.get(lane);
-    if surfaces.from_outside & (1 << lane) != 0 { normal } else { -normal }
-}
-
-/// Computes [`facing_normal`] for half of the lanes.
-#[inline(always)]
-pub(super) fn facing_normals<S: Simd>(simd: S, surfaces: &SurfacePacket, half: usize) -> F64s3<S> {
-    let normal = surfaces.normals.load(simd, half);
-    let outside = mask(simd, surfaces.from_outside, half);
-    pick3(outside, normal, negative(normal))
 }

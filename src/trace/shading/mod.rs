@@ -6,6 +6,7 @@ mod contribution;
 mod dielectric;
 mod direct;
 mod direct_packet;
+mod facing_normals;
 mod filter;
 mod handover;
 mod light_sample_packet;

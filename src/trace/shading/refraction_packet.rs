@@ -4,7 +4,7 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
 use super::dielectric::{Boundary, incidence};
-use super::light_sample_packet::facing_normals;
+use super::facing_normals::facing_normals;
 use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
 use super::terms::{length, over};

@@ -3,7 +3,8 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
-use super::light_sample_packet::{LightSamplePacket, ShadingPacket, facing_normals};
+use super::facing_normals::facing_normals;
+use super::light_sample_packet::{LightSamplePacket, ShadingPacket};
 use super::terms::half_cosine;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
