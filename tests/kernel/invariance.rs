@@ -2,13 +2,14 @@
 //! mirrored picture.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use hecs::{Or, With, Without};
 
 use rayreel::components::{
-    Background, Camera, FilmSettings, Fog, Light, LightKind, Parent, Pattern, Projection, Refractive,
-    Sampling, Shape, Stars, Sun, Target, Transform, View,
+    AmbientOcclusion, Background, Camera, Cloud, FilmSettings, Fog, Light, LightKind, Parent, Pattern,
+    Projection, Refractive, Sampling, Shape, Stars, Sun, Target, Transform, View,
 };
 use rayreel::{Engine, Film};
 
@@ -61,6 +62,9 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
             fog.level = fog.level * scale + offset.y;
             fog.height = fog.height.map(|height| height * scale);
         }
+        for occlusion in context.world.query_mut::<&mut AmbientOcclusion>() {
+            occlusion.distance *= scale;
+        }
         for refractive in context.world.query_mut::<&mut Refractive>() {
             refractive.absorption = (refractive.absorption.as_dvec3() / scale).as_vec3();
         }
@@ -80,7 +84,7 @@ enum Motion {
 }
 
 /// Renders the middle frame after the motion, without features that depend on the world's axes or on random samples: gradients become their
-/// top colour, area lights become points, and cameras have neither lens nor shutter.
+/// top colour, area lights become points, ambient light is not occluded, and cameras have neither lens nor shutter.
 fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::PreparedCamera) {
     let mut engine = Engine::load(path).unwrap();
     let world = engine.world_mut();
@@ -99,6 +103,11 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
     }
     for fog in world.query_mut::<&mut Fog>() {
         fog.height = None;
+    }
+    let occluded: Vec<hecs::Entity> =
+        world.query_mut::<With<hecs::Entity, &AmbientOcclusion>>().into_iter().collect();
+    for entity in occluded {
+        world.remove_one::<AmbientOcclusion>(entity).unwrap();
     }
     let skies: Vec<hecs::Entity> =
         world.query_mut::<With<hecs::Entity, Or<&Sun, &Stars>>>().into_iter().collect();
@@ -147,6 +156,9 @@ fn mirror(world: &mut hecs::World) {
         let DQuat { x, y, z, w } = transform.rotation;
         transform.translation *= across;
         transform.rotation = DQuat::from_xyzw(x, -y, -z, w);
+    }
+    for cloud in world.query_mut::<&mut Cloud>() {
+        cloud.positions = Arc::new(cloud.positions.iter().map(|position| *position * across).collect());
     }
     for shape in world.query_mut::<&mut Shape>() {
         if let Shape::Plane { normal } = shape {
