@@ -38,6 +38,8 @@ fn neovim_shows_diagnostics_descriptions_and_completions() {
             "completion: Sphere -> Sphere(radius: 1)",
             "completion: Plane -> Plane(normal: (0, 1, 0))",
             "completion: Box -> Box(size: (1, 1, 1))",
+            "completion: Cylinder -> Cylinder(radius: 0.2, from: (0, 0, 0), to: (0, 2, 0))",
+            "completion: Capsule -> Capsule(radius: 0.2, from: (0, 0, 0), to: (0, 2, 0))",
             "definition:         \"clay\": (k_a: 0.3, k_d: 0.7, color: (255, 120, 60)),",
             "diagnostics: 0",
         ]

@@ -288,8 +288,8 @@ fn equations_of_rods_are_those_of_their_sides_and_ends() {
     near(&pill["t"], &[7.0 - root, 9.0 + root]);
     near(&pill["ends"][0], &[9.0 - root, 9.0 + root]);
     near(&pill["ends"][1], &[7.0 - root, 7.0 + root]);
-    let wide = equation("5,1,0,2,0,0");
-    assert_eq!((&wide["direction"], &wide["t"]), (&json!([0.5, 0.0, 0.0]), &json!([4.0, 6.0])));
+    let wide = equation("7,1,0,2,0,0");
+    assert_eq!((&wide["direction"], &wide["t"]), (&json!([0.5, 0.0, 0.0]), &json!([2.0, 4.0])));
     let output = probe(&["rods.ron", "--ray", "-3,1,0.5,1,0,0", "--terms"], "");
     let title = "cylinder: A t^2 + B t + C = 0 on its side, and t between its ends";
     assert!(String::from_utf8_lossy(&output.stdout).contains(title), "{output:?}");
