@@ -292,7 +292,9 @@ impl Geometry {
         let way = exact_way.rounded();
         let sizes = origin.abs().max_element() + limit.place().abs().max_element();
         let latest = -ROUNDED * sizes / way.abs().max_element();
-        if let Some(refined) = ask!(self, id, shape => shape.refine(origin, way, 1.0, hit.far)) {
+        // At the hit itself, near 1: at the light's place beyond an entry, the face of the exit would be taken.
+        let t = hit.root.t() / limit.t();
+        if let Some(refined) = ask!(self, id, shape => shape.refine(origin, way, t, hit.far)) {
             // An error of u in each coordinate of the direction causes an error of that size in t, times 1 over the cosine.
             let error = 16.0 * f64::EPSILON * (1.0 + way.length() / refined.normal.dot(way).abs());
             let beyond = (refined.t - Double::from(1.0)).rounded() - latest;
@@ -324,7 +326,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trace::intersect::CastRay;
+    use crate::trace::intersect::{CastRay, Scratch};
     use crate::trace::scene::{PreparedScene, PreparedShape, SurfaceMaterial};
     use crate::trace::shapes::{AlignedBox, BoxImage, Rod, RodImage, Sphere, SphereImage};
 
@@ -340,6 +342,29 @@ mod tests {
             5 => PreparedShape::Rod(Rod::capsule(DVec3::ZERO, DVec3::new(2.0, 1.0, 3.0), 1.5)?),
             _ => PreparedShape::RodImage(RodImage::cylinder(map, DVec3::ONE, 0.7)?),
         })
+    }
+
+    /// Checks that a light just inside the nearer side of a shape is occluded by it, and a light just before it is not.
+    #[test]
+    fn lights_just_inside_a_shape_are_occluded() {
+        let (origin, direction) = (DVec3::new(-9.0, 4.0, -7.0), DVec3::new(1.25, -0.375, 1.0));
+        for (kind, turn) in (0..7).flat_map(|kind| (1..=9).map(move |turn| (kind, f64::from(turn) / 10.0))) {
+            let mut geometry = Geometry::default();
+            geometry.push(shape(kind, turn).unwrap());
+            let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default()]);
+            let t = scene.cast(&CastRay::new(origin, direction).unwrap()).unwrap().t.rounded();
+            let ray = PreparedRay::new(origin, direction).unwrap();
+            for (exponent, side) in (34..=41).flat_map(|exponent| [(exponent, 1.0), (exponent, -1.0)]) {
+                let at = t * (1.0 + side * libm::exp2(-f64::from(exponent)));
+                let limit = ShadowLimit::new(at, origin + direction * at);
+                let occluder = scene.occluder(&ray, &limit, (None, None), &mut Scratch::default());
+                assert_eq!(
+                    occluder.is_some(),
+                    side > 0.0,
+                    "kind {kind}, turn {turn}, 2^-{exponent} * {side}"
+                );
+            }
+        }
     }
 
     proptest! {

@@ -31,6 +31,8 @@ pub(crate) struct RenderContext<'a> {
     /// Lights with nonzero intensity, with their indices in document order; before them the [dome](RenderContext::DOME), if ambient light is
     /// occluded, so that it is added to emission first like ambient light that is not.
     pub(crate) lights: Vec<(usize, PreparedLight)>,
+    /// True if ambient light is occluded: `lights` begins with the dome.
+    pub(crate) occludes_ambient: bool,
     start: StartMedia,
 }
 
@@ -38,7 +40,7 @@ pub(crate) struct RenderContext<'a> {
 struct StartMedia(Vec<ShapeId>);
 
 impl<'a> RenderContext<'a> {
-    /// The index of the dome, which is no light of the document.
+    /// The index that takes the place of a light's in the sample keys of the dome, which is no light of the document.
     pub(crate) const DOME: usize = usize::MAX;
 
     pub(crate) fn new(
@@ -50,6 +52,7 @@ impl<'a> RenderContext<'a> {
         let dome = scene.dome().filter(|_| effects.extras && effects.shadows());
         let lights = scene.lights.iter().copied().enumerate();
         let lights = lights.filter(|(_, light)| light.intensity != Rgb::ZERO);
+        let occludes_ambient = dome.is_some();
         let lights = dome.map(|dome| (Self::DOME, dome)).into_iter().chain(lights).collect();
         let (radiance_bound, start) = (RadianceBound::of(scene), StartMedia::near(scene, camera.eye()));
         let pixel_centers = PixelCenters::of(camera);
@@ -65,6 +68,7 @@ impl<'a> RenderContext<'a> {
             radiance_bound,
             pixel_centers,
             lights,
+            occludes_ambient,
             start,
         }
     }
@@ -81,7 +85,7 @@ impl<'a> RenderContext<'a> {
     /// Returns the ambient light as a light source, if it is occluded.
     #[inline]
     pub(crate) fn dome(&self) -> Option<&PreparedLight> {
-        self.lights.first().filter(|(index, _)| *index == Self::DOME).map(|(_, dome)| dome)
+        self.lights.first().filter(|_| self.occludes_ambient).map(|(_, dome)| dome)
     }
 
     /// Returns the number of bounces to trace. Camera rays are the first one, which is always traced.

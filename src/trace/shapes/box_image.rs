@@ -2,13 +2,13 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::affine_map::{bounds_of_image, condition, exact_inverse};
 use super::bounds::Bounds;
 use super::intersection::{
     ExactCrossing, ExactHit, Face, Facet, Intersection, Intersections, Refined, RefinedHit,
 };
-use super::slabs::{ExactSlab, Height, SlabRoots, cross_exactly, exit_exactly};
+use super::slabs::{ExactSlab, Height, SlabRoots, cross_exactly, exit_exactly, pivot};
 use super::sphere::{U, newton_step};
-use super::sphere_image::{bounds_of_image, condition, exact_inverse};
 use crate::trace::math::{
     Compensated, Double, Double3, Exact, Exact3, Real, absolute, dot, moderate3, negative, offset_height,
     pick3, spread, subtract, times,
@@ -234,15 +234,6 @@ impl BoxImage {
     pub fn bounds(&self) -> Option<Bounds> {
         bounds_of_image(&self.forward, self.half, self.condition)
     }
-}
-
-/// Returns the component of largest magnitude. Components within a relative 2^-40 of it count as equal, and the first of them is returned.
-pub(super) fn pivot(row: Double3) -> Double {
-    /// 1 - 2^-40
-    const NEARLY: f64 = 1.0 - 1.0 / 1_099_511_627_776.0;
-    let parts = row.to_array();
-    let largest = row.rounded().abs().max_element();
-    parts.into_iter().find(|part| part.rounded().abs() >= largest * NEARLY).unwrap_or(parts[0])
 }
 
 #[cfg(test)]

@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-use super::box_image::pivot;
 use super::intersection::{Facet, Refined};
-use super::slabs::{ExactSlab, FaceMasks, Height, or_exact};
+use super::slabs::{ExactSlab, FaceMasks, Height, or_exact, pivot};
 use super::sphere::{U, newton_step};
 use crate::trace::math::{
     BoundedT, Compensated, Double, Double3, Exact, Exact3, Real, Truth, absolute, dot, moderate3, negative,

@@ -114,22 +114,22 @@ impl ExactRod {
                         let [_, exit] = *crossing;
                         Some(exit)
                     }
-                    LinePart::Nothing => self.nearest(),
+                    LinePart::Nothing => Some(self.nearest()),
                     LinePart::All => None,
                 };
                 side.into_iter().chain(ahead).min_by(|one, other| one.t.cmp(&other.t))?
             }
             None => match self.cross(None) {
                 Some([_, exit]) => exit,
-                None => self.nearest()?,
+                None => self.nearest(),
             },
         };
         Some(hit.ahead())
     }
 
     /// Returns the point closest to the rod, for a line that misses it by the rounding of its origin.
-    fn nearest(&self) -> Option<ExactHit> {
-        let hit = |t, face| Some(ExactHit { t, face, side: Side::Exit });
+    fn nearest(&self) -> ExactHit {
+        let hit = |t, face| ExactHit { t, face, side: Side::Exit };
         let along = self.origin.dot(&self.stop);
         let beyond = (&along - &(&self.squared_length() * &self.factor)).sign().is_gt();
         let [to_start, to_stop] = self.to_ends();
@@ -150,13 +150,11 @@ impl ExactRod {
     pub(super) fn contains(&self, is_cylinder: bool) -> bool {
         let along = self.origin.dot(&self.stop);
         let top = &self.squared_length() * &self.factor;
+        if is_cylinder || along.sign().is_ge() && (&top - &along).sign().is_ge() {
+            return self.side_equation().c.sign().is_lt();
+        }
         let radius = self.scaled_radius();
         let square = &radius * &radius;
-        if is_cylinder || along.sign().is_ge() && (&top - &along).sign().is_ge() {
-            let across = self.origin.cross(&self.stop);
-            let square = &square * &self.squared_length();
-            return (&across.dot(&across) - &square).sign().is_lt();
-        }
         let [to_start, to_stop] = self.to_ends();
         let to_center = if along.sign().is_lt() { to_start } else { to_stop };
         (&to_center.dot(&to_center) - &square).sign().is_lt()

@@ -62,6 +62,23 @@ pub(crate) struct Intersections<R: Real> {
     pub(crate) undecided: R::Mask,
 }
 
+impl<R: Real> Intersections<R> {
+    /// Decides the first hits at `t >= 0` from where lines enter and leave a convex shape. Lines in `outside` certainly miss, even if they are
+    /// `undecided`.
+    #[inline(always)]
+    pub(super) fn first([entry, exit]: [BoundedT<R>; 2], outside: R::Mask, undecided: R::Mask) -> Self {
+        let zero = entry.t().of(0.0);
+        let undecided = undecided & !outside;
+        let missed = outside | entry.earliest().greater(exit.latest()) | exit.latest().less(zero);
+        let touching = exit.earliest().less_or_equal(entry.latest());
+        let through = !(undecided | missed | touching);
+        let enters = through & entry.earliest().greater(zero);
+        let leaves = through & entry.latest().less(zero) & exit.earliest().greater(zero);
+        let hit = enters | leaves;
+        Self { root: BoundedT::pick(enters, entry, exit), hit, undecided: undecided | !(missed | hit) }
+    }
+}
+
 impl From<Intersections<f64>> for Intersection {
     #[inline(always)]
     fn from(intersections: Intersections<f64>) -> Self {
@@ -112,7 +129,7 @@ pub(crate) enum Side {
     Either,
 }
 
-/// One of a box's six faces. Other shapes have a single face.
+/// One of a box's six faces, or of a rod's three: axis 0 is the side, axis 1 the ends, upper at the stop. Other shapes have a single face.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Face {
     pub(crate) axis: usize,

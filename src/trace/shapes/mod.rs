@@ -16,6 +16,7 @@
 //! - `bounds`: the bounding box, for shapes that have one.
 //! - `equation`: the numbers of the textbook's equation, for explanations.
 
+mod affine_map;
 mod aligned_box;
 mod bounds;
 mod box_image;
@@ -33,6 +34,7 @@ mod sphere_image;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use affine_map::inverse;
 pub use aligned_box::AlignedBox;
 pub(crate) use aligned_box::refine_box;
 pub use bounds::Bounds;
@@ -49,4 +51,3 @@ pub(crate) use slabs::SLOWEST;
 pub use sphere::Sphere;
 pub(crate) use sphere::refine_sphere;
 pub use sphere_image::SphereImage;
-pub(crate) use sphere_image::inverse;

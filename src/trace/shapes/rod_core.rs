@@ -28,9 +28,9 @@ use crate::trace::rays::Rays;
 /// A rod in coordinates relative to the start of its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RodCore {
-    /// The vector from the start to the stop: the rounded value, and the remainder.
-    pub(super) stop: [DVec3; 2],
-    /// The same, times a power of two that brings the largest component near 1.
+    /// The vector from the start to the stop.
+    pub(super) stop: DVec3,
+    /// The same with its remainder, times a power of two that brings the largest component near 1.
     pub(super) axis: [DVec3; 2],
     /// Length of `axis`.
     pub(super) length: f64,
@@ -135,20 +135,7 @@ impl<R: Real> RodCrossing<R> {
     /// Returns the first hits at `t >= 0`.
     #[inline(always)]
     fn first(&self) -> Intersections<R> {
-        let Self { entry, exit, .. } = *self;
-        let zero = entry.t().of(0.0);
-        let undecided = self.undecided & !self.missed;
-        let missed = self.missed | entry.earliest().greater(exit.latest()) | exit.latest().less(zero);
-        let touching = exit.earliest().less_or_equal(entry.latest());
-        let through = !(undecided | missed | touching);
-        let enters = through & entry.earliest().greater(zero);
-        let leaves = through & entry.latest().less(zero) & exit.earliest().greater(zero);
-        let hit = enters | leaves;
-        Intersections {
-            root: BoundedT::pick(enters, entry, exit),
-            hit,
-            undecided: undecided | !(missed | hit),
-        }
+        Intersections::first([self.entry, self.exit], self.missed, self.undecided)
     }
 
     /// Returns the exits of rays that start on the rod and go inwards.
@@ -183,7 +170,7 @@ impl RodCore {
         let squared_length = scaled.dot(scaled);
         let square = Double::product(radius, radius) * squared_length;
         Some(Self {
-            stop: [stop, axis.rest()],
+            stop,
             axis: [scaled.rounded(), scaled.rest()],
             length: squared_length.sqrt().rounded(),
             height: (squared_length / power.into()).rounded(),
@@ -192,14 +179,6 @@ impl RodCore {
             square,
             planes,
         })
-    }
-
-    /// Returns points relative to both ends of the axis.
-    #[inline(always)]
-    pub(super) fn place<R: Real>(&self, from_start: Compensated<R>) -> OwnPlace<R> {
-        let like = from_start.rounded()[0];
-        let [stop, rest] = self.stop;
-        OwnPlace { from_start, from_stop: from_start.minus(spread(like, stop)).minus(spread(like, rest)) }
     }
 
     /// Finds where lines enter and leave. `rays` are the lines in world space.
@@ -259,7 +238,7 @@ impl RodCore {
         let axis = spread(like, self.axis[0]);
         let (start, rate) = (dot(own.origin, axis), dot(own.direction, axis));
         let upwards = rate.greater(like.of(0.0));
-        let (to_start, stop_size) = (negative(own.origin), like.of(self.length * self.stop[0].length()));
+        let (to_start, stop_size) = (negative(own.origin), like.of(self.height));
         // In the space before a map, errors of the origins are relative to their own sizes.
         let ball_error = if own.u > U { (size + stop_size) * (1.0 / self.length) } else { like.of(0.0) };
         // The `t` at one of the two ends of the chord, its face, and whether lines miss the rod there, or may do so.

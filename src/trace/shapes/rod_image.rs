@@ -4,16 +4,16 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::affine_map::{AffineMap, bounds_of_image};
 use super::bounds::Bounds;
 use super::end_planes::EndPlanes;
-use super::exact_rod::ExactRod;
+use super::exact_rod::{ExactRod, START};
 use super::intersection::{
     ExactCrossing, ExactHit, Face, Facet, Intersection, Intersections, Refined, RefinedHit,
 };
-use super::rod_core::{OwnRays, OwnStep, RodCore};
+use super::rod_core::{OwnPlace, OwnRays, OwnStep, RodCore};
 use super::slabs::ExactSlab;
 use super::sphere::U;
-use super::sphere_image::{AffineMap, bounds_of_image};
 use crate::trace::math::{
     Compensated, Double, Double3, Exact, Exact3, Real, moderate3, spread, subtract, times,
 };
@@ -69,7 +69,7 @@ impl RodImage {
     /// Returns the stop of the axis before the map.
     #[must_use]
     pub fn stop(&self) -> DVec3 {
-        self.core.stop[0]
+        self.core.stop
     }
 
     /// Returns the radius before the map.
@@ -93,7 +93,7 @@ impl RodImage {
     #[inline(always)]
     fn own<R: Real>(&self, rays: &Rays<R>) -> OwnRays<R> {
         let Rays { origin, direction } = self.map.back(rays);
-        let to_stop = subtract(spread(origin[0], self.core.stop[0]), origin);
+        let to_stop = subtract(spread(origin[0], self.core.stop), origin);
         OwnRays { origin, to_stop, direction, u: self.u() }
     }
 
@@ -102,11 +102,18 @@ impl RodImage {
         U * self.map.roughness()
     }
 
+    /// Returns points relative to both ends of the axis, before the map.
+    #[inline(always)]
+    fn own_place<R: Real>(&self, from_start: Compensated<R>) -> OwnPlace<R> {
+        let like = from_start.rounded()[0];
+        OwnPlace { from_start, from_stop: from_start.minus(spread(like, self.core.stop)) }
+    }
+
     pub(super) fn exact(&self, origin: DVec3, direction: &Exact3) -> ExactRod {
         let (to_start, way, determinant) = self.map.exactly_back(origin, direction);
         let zero = Exact3([Exact::ZERO, Exact::ZERO, Exact::ZERO]);
         let origin = &zero - &to_start;
-        let stop = Exact3::from(self.core.stop[0]);
+        let stop = Exact3::from(self.core.stop);
         let radius = self.core.radius;
         if determinant.sign().is_lt() {
             let [origin, direction] = [&zero - &origin, &zero - &way];
@@ -163,7 +170,7 @@ impl RodImage {
         let place = Compensated::along(rays.origin, rays.direction, t);
         let (from_start, moderate) = self.map.compensated_back(place);
         let OwnStep { step, normal, found } =
-            self.core.step(&self.core.place(from_start), own.direction, t, (&face, self.u()));
+            self.core.step(&self.own_place(from_start), own.direction, t, (&face, self.u()));
         let curved = Refined {
             t: Double::sum(t, step),
             point: place.moved(times(rays.direction, step)),
@@ -192,9 +199,9 @@ impl RodImage {
         let place = Compensated::along(origin, direction, t.rounded());
         let way = direction * t.rest();
         let normal = match &self.core.planes {
-            Some(planes) if face.axis == 1 => planes.normal(face.upper),
+            Some(planes) if face.axis == START.axis => planes.normal(face.upper),
             _ => {
-                let own = self.core.place(self.map.compensated_back(place).0);
+                let own = self.own_place(self.map.compensated_back(place).0);
                 let normal = self.core.normal(&own, self.map.vector_back(way), face);
                 self.map.normal(normal.into()).into()
             }
@@ -207,7 +214,7 @@ impl RodImage {
         let planes = self.core.planes?;
         let rays = Rays::new(origin, direction);
         let face = self.core.face(&rays, &self.own(&rays), t, far).face()?;
-        (face.axis == 1).then(|| planes.facet(face.upper))
+        (face.axis == START.axis).then(|| planes.facet(face.upper))
     }
 
     /// Returns whether the point is strictly inside.
@@ -220,7 +227,7 @@ impl RodImage {
     /// Returns the bounding box, or `None` if the map is too ill-conditioned for a reliable one.
     #[must_use]
     pub fn bounds(&self) -> Option<Bounds> {
-        let (stop, forward) = (self.core.stop[0], *self.forward());
+        let (stop, forward) = (self.core.stop, *self.forward());
         let middle = DAffine3 { translation: forward.transform_point3(0.5 * stop), ..forward };
         bounds_of_image(&middle, 0.5 * stop.abs() + self.core.radius, self.map.condition())
     }

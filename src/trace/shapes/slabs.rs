@@ -16,7 +16,7 @@ use glam::DVec3;
 
 use super::intersection::{ExactCrossing, ExactHit, Face, Intersections, Side};
 use super::sphere::U;
-use crate::trace::math::{BoundedT, Exact, ExactRoot, Real, Truth, pick3, spread};
+use crate::trace::math::{BoundedT, Double, Double3, Exact, ExactRoot, Real, Truth, pick3, spread};
 
 /// Magnitude below which the reciprocal of a speed, or of a direction component, might not be finite.
 pub(crate) const SLOWEST: f64 = 1e-300;
@@ -45,7 +45,7 @@ pub(super) struct SlabRoots<R: Real> {
 /// The face that each ray hits.
 #[derive(Clone, Copy)]
 pub(super) struct FaceMasks<R: Real> {
-    /// The axis across the face.
+    /// The axis of the face, as in [`Face`](super::intersection::Face).
     pub(super) at: [R::Mask; 3],
     /// Upper faces.
     pub(super) upper: R::Mask,
@@ -141,20 +141,7 @@ impl<R: Real> SlabRoots<R> {
     #[inline(always)]
     pub(super) fn first(&self) -> Intersections<R> {
         let [x, y, z] = self.entries;
-        let (entry, exit) = (x.later(y).later(z), self.exit());
-        let zero = entry.t().of(0.0);
-        let undecided = self.undecided & !self.outside;
-        let missed = self.outside | entry.earliest().greater(exit.latest()) | exit.latest().less(zero);
-        let touching = exit.earliest().less_or_equal(entry.latest());
-        let through = !(undecided | missed | touching);
-        let enters = through & entry.earliest().greater(zero);
-        let leaves = through & entry.latest().less(zero) & exit.earliest().greater(zero);
-        let hit = enters | leaves;
-        Intersections {
-            root: BoundedT::pick(enters, entry, exit),
-            hit,
-            undecided: undecided | !(missed | hit),
-        }
+        Intersections::first([x.later(y).later(z), self.exit()], self.outside, self.undecided)
     }
 
     /// Returns the exits of rays that start on the box and go inwards. Only planes ahead count: a slab beside which a rounded origin lies
@@ -285,4 +272,13 @@ pub(super) fn exit_exactly(slabs: &[ExactSlab; 3]) -> Option<ExactHit> {
         exit
     });
     exits.min_by(|one, other| one.t.cmp(&other.t)).map(ExactHit::ahead)
+}
+
+/// Returns the component of largest magnitude. Components within a relative 2^-40 of it count as equal, and the first of them is returned.
+pub(super) fn pivot(row: Double3) -> Double {
+    /// 1 - 2^-40
+    const NEARLY: f64 = 1.0 - 1.0 / 1_099_511_627_776.0;
+    let parts = row.to_array();
+    let largest = row.rounded().abs().max_element();
+    parts.into_iter().find(|part| part.rounded().abs() >= largest * NEARLY).unwrap_or(parts[0])
 }

@@ -86,7 +86,7 @@ fn find<S: Simd>(
         let (color, diffuse) = (unlit(context, material.ambient, material), material.diffuse);
         material_flags.record(hit, material);
         material_flags.diffuse = Colors::splat(diffuse);
-        if context.dome().is_some() {
+        if context.occludes_ambient {
             material_flags.ambient = Colors::splat(material.ambient);
         }
         if hit == rays.lanes {
@@ -101,7 +101,7 @@ fn find<S: Simd>(
             let material = scene.material(id);
             material_flags.record(1 << lane, material);
             material_flags.diffuse.set(lane, material.diffuse);
-            if context.dome().is_some() {
+            if context.occludes_ambient {
                 material_flags.ambient.set(lane, material.ambient);
             }
             radiance.set(lane, unlit(context, material.ambient, material));
@@ -124,7 +124,7 @@ fn find<S: Simd>(
 #[inline(always)]
 fn unlit(context: &RenderContext<'_>, color: Rgb, material: &SurfaceMaterial) -> Rgb {
     let emission = emission(context.effects, material);
-    if context.dome().is_some() { emission } else { ambient(context.scene, color) + emission }
+    if context.occludes_ambient { emission } else { ambient(context.scene, color) + emission }
 }
 
 /// Sets the radiance of all rays of a packet to the background.
@@ -143,7 +143,7 @@ fn background(context: &RenderContext<'_>, rays: &RayPacket, radiance: &mut Colo
 #[inline]
 fn needs_point(context: &RenderContext<'_>, material: &SurfaceMaterial) -> bool {
     let lit = context.effects.lights() && !context.lights.is_empty() && material.scatters()
-        || context.dome().is_some() && material.ambient != Rgb::ZERO;
+        || context.occludes_ambient && material.ambient != Rgb::ZERO;
     let continues = (context.effects.mirrors() && material.reflected > 0.0)
         || (context.effects.media() && material.refraction.is_some());
     let rare = context.effects.extras && (context.scene.fog.density > 0.0 || material.pattern.is_some());
