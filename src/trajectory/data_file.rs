@@ -80,9 +80,14 @@ impl DataFile {
             }
             Storage::Disk(file) => {
                 let mut bytes = zeros(length)?;
-                bytes.par_chunks_mut(BLOCK).enumerate().try_for_each(|(index, block)| {
-                    read_at(file, range.start + (index * BLOCK) as u64, block)
-                })?;
+                // Few bytes are not worth a hand-over to the threads.
+                if length <= BLOCK {
+                    read_at(file, range.start, &mut bytes)?;
+                } else {
+                    bytes.par_chunks_mut(BLOCK).enumerate().try_for_each(|(index, block)| {
+                        read_at(file, range.start + (index * BLOCK) as u64, block)
+                    })?;
+                }
                 Ok(Cow::Owned(bytes))
             }
         }

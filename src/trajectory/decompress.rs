@@ -1,6 +1,7 @@
 //! Decompression of gzip and zstd files, and of deflated members of ZIP files.
 
 use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Result as IoResult, Write};
+use std::ops::Range;
 
 use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
@@ -71,11 +72,17 @@ fn copy(mut from: impl Read, to: &mut SpooledTempFile) -> Result<(u64, Option<Er
     }
 }
 
-/// Returns the file that is deflated in a part of a file, and that is stated to have so many bytes.
-pub(super) fn inflate(file: &DataFile, start: u64, end: u64, length: u64) -> Result<DataFile, Faults> {
+/// Returns the file that is deflated in a part of a file, and that is stated to have so many bytes: in memory, if there are at most `memory`.
+pub(super) fn inflate(
+    file: &DataFile,
+    Range { start, end }: Range<u64>,
+    length: u64,
+    memory: u64,
+) -> Result<DataFile, Faults> {
     let compressed = Sequential { file, position: start }.take(end.saturating_sub(start));
-    let mut spool = SpooledTempFile::new(MEMORY_LIMIT);
-    let inflated = flate2::read::DeflateDecoder::new(BufReader::new(compressed)).take(length);
+    let mut spool = SpooledTempFile::new(usize::try_from(memory).unwrap_or(usize::MAX));
+    let bytes = BufReader::with_capacity(1 << 18, compressed);
+    let inflated = flate2::bufread::DeflateDecoder::new(bytes).take(length);
     let (copied, end) = copy(inflated, &mut spool)?;
     if end.is_some() || copied < length {
         let cause = "the compressed data ends early or is corrupt";

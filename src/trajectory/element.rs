@@ -1,5 +1,7 @@
 //! Symbols of the chemical elements.
 
+use super::snapshot::{Snapshot, Values};
+
 /// Symbols by atomic number, from 1.
 pub(super) const SYMBOLS: [&str; 118] = [
     "H", "He", "Li", "Be", "B", "C", "N", "O", "F", "Ne", "Na", "Mg", "Al", "Si", "P", "S", "Cl", "Ar", "K",
@@ -16,11 +18,14 @@ pub(super) fn symbol(text: &str) -> Option<&'static str> {
     SYMBOLS.into_iter().find(|symbol| symbol.eq_ignore_ascii_case(text))
 }
 
-/// Gives symbols of elements their usual case; other texts stay as they are.
-pub(super) fn normalize_elements(names: &mut [String]) {
-    for name in names {
-        if let Some(symbol) = symbol(name) {
-            symbol.clone_into(name);
+/// Gives symbols in the column `element` their usual case; other texts stay as they are.
+pub(super) fn normalize_elements(snapshot: &mut Snapshot) {
+    for column in snapshot.columns.iter_mut().filter(|column| column.name == "element") {
+        let Values::Labels { names, .. } = &mut column.values else { continue };
+        for name in names {
+            if let Some(symbol) = symbol(name) {
+                symbol.clone_into(name);
+            }
         }
     }
 }

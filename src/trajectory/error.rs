@@ -74,9 +74,7 @@ impl TrajectoryError {
     }
 
     fn message(&self) -> String {
-        let path = self.path.display();
-        let lines = self.faults.iter().map(|fault| format!("{path}{}", fault.message()));
-        lines.collect::<Vec<_>>().join("\n")
+        lines(&self.path, &self.faults)
     }
 }
 
@@ -129,6 +127,7 @@ impl Faults {
         let remedy = match error.kind() {
             std::io::ErrorKind::NotFound => "check the name and the folder",
             std::io::ErrorKind::PermissionDenied => "allow reading it",
+            std::io::ErrorKind::OutOfMemory => "close other programs, or write fewer particles into a frame",
             std::io::ErrorKind::UnexpectedEof => "the file became shorter while it was read: read it again",
             _ => "check the disk and the file",
         };
@@ -172,10 +171,16 @@ impl Faults {
         }
     }
 
-    /// Returns the faults without the files' name, as a warning.
+    /// Returns the faults as a warning: a line each, with the file's name.
     pub(super) fn warning(&self, path: &Path) -> String {
-        Self::clone(self).list.iter().map(|fault| format!("{}{}", path.display(), fault.message())).collect()
+        lines(path, &self.list)
     }
+}
+
+/// Returns a line for each fault of a file, with its name.
+fn lines(path: &Path, faults: &[DataFault]) -> String {
+    let lines = faults.iter().map(|fault| format!("{}{}", path.display(), fault.message()));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 impl From<std::io::Error> for Faults {

@@ -15,7 +15,7 @@ pub(super) trait FrameReader: fmt::Debug + Send + Sync {
     /// Returns the number of frames.
     fn frames(&self) -> usize;
 
-    /// Returns the position after the last frame, by which a longer one is recognized.
+    /// Returns the number of frames and the number of bytes that are used, which change when frames are added or grow.
     fn extent(&self) -> (usize, u64);
 
     /// Reads a frame, which exists.

@@ -1,6 +1,6 @@
 //! Text dumps of LAMMPS: sections that begin with `ITEM:`, then the next frame.
 //!
-//! Coordinates are `x`, `xu`, `xs` or `xsu`, in this order of preference, and likewise for y and z; scaled ones are multiplied by the box.
+//! Coordinates are the first complete set of `x y z`, `xu yu zu`, `xs ys zs` and `xsu ysu zsu`; scaled ones are multiplied by the box.
 //! Wrapped coordinates stay wrapped: image flags are the columns `ix`, `iy` and `iz`. The time is that of the section TIME, or the
 //! timestep.
 
@@ -167,11 +167,7 @@ fn read_frame(bytes: &[u8], line: u64) -> Result<Snapshot, Faults> {
     }
     snapshot.time = snapshot.time.or(timestep);
     name_coordinates(&mut snapshot, line)?;
-    for column in &mut snapshot.columns {
-        if let ("element", Values::Labels { names, .. }) = (column.name.as_str(), &mut column.values) {
-            normalize_elements(names);
-        }
-    }
+    normalize_elements(&mut snapshot);
     Ok(snapshot)
 }
 
@@ -246,7 +242,6 @@ fn name_coordinates(snapshot: &mut Snapshot, line: u64) -> Result<(), Faults> {
     let has = |snapshot: &Snapshot, suffix: &str| {
         ["x", "y", "z"].iter().all(|axis| snapshot.numbers(&format!("{axis}{suffix}")).is_ok())
     };
-    // Single axes, as of a dump of one of them, are renamed by the same preference.
     let Some(suffix) = ["", "u", "s", "su"].into_iter().find(|suffix| has(snapshot, suffix)) else {
         return Ok(());
     };

@@ -17,11 +17,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Each format has a file of its own. Those of text share a cursor over lines, which finds the frames, and the parser of tables:
+//! Formats of text share a cursor over lines; CSV, XYZ and LAMMPS also the parser of tables, and NPY and NPZ the reader of arrays:
 //!
 //! ```text
-//! DataFile (bytes, decompressed) -> LineCursor -> spans of frames          once
-//!                                -> bytes of a frame -> table -> Snapshot  for each frame
+//! DataFile (bytes, decompressed) -> FrameReader::index    finds the frames, once
+//!                                -> FrameReader::read     bytes of a frame -> Snapshot, for each frame
 //! ```
 
 mod column_names;

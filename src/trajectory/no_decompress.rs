@@ -1,5 +1,7 @@
 //! Compressed files in builds without the feature `trajectories`: they are not read.
 
+use std::ops::Range;
+
 use super::compression::Compression;
 use super::data_file::DataFile;
 use super::error::{DataPlace, Faults};
@@ -16,7 +18,12 @@ pub(super) fn decompress(
     Err(rejection("compressed files"))
 }
 
-pub(super) fn inflate(_file: &DataFile, _start: u64, _end: u64, _length: u64) -> Result<DataFile, Faults> {
+pub(super) fn inflate(
+    _file: &DataFile,
+    _compressed: Range<u64>,
+    _length: u64,
+    _memory: u64,
+) -> Result<DataFile, Faults> {
     Err(rejection("compressed arrays"))
 }
 

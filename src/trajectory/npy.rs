@@ -1,8 +1,8 @@
 //! NPY: one array of NumPy.
 //!
 //! Shapes are (particles,), (particles, values) and (frames, particles, values). The first three values are `x`, `y` and `z`, others are
-//! named by their index; structured arrays have a column for each field. Integers, logical values and floating-point numbers of 16, 32 and
-//! 64 bits are read in either order of bytes and of axes.
+//! named by their index; structured arrays have a column for each field. Integers of 8 to 64 bits, floating-point numbers of 16 to 64 bits,
+//! logical values and texts are read, in either order of bytes and of axes.
 
 use super::column_names::MOST_COLUMNS;
 use super::data_file::DataFile;

@@ -23,6 +23,23 @@ use super::zip::{inflate, members};
 const POSITIONS: [&str; 9] =
     ["positions", "position", "pos", "xyz", "coordinates", "coords", "trajectory", "x", "arr_0"];
 
+/// Names of arrays with the times of frames.
+const TIMES: [&str; 3] = ["time", "times", "t"];
+
+/// Names of arrays with cells.
+const CELLS: [&str; 3] = ["cell", "lattice", "box"];
+
+/// Number of decompressed bytes of all arrays from which a file is rejected.
+const LARGEST_ARRAYS: u64 = 64 << 30;
+
+/// Number of decompressed bytes of all arrays that are kept in memory; those beyond are decompressed into temporary files.
+const MEMORY: u64 = 256 << 20;
+
+/// Returns whether an array of this name belongs to frames, not to particles.
+fn is_of_frames(name: &str) -> bool {
+    name == "pbc" || TIMES.contains(&name) || CELLS.contains(&name)
+}
+
 /// The arrays of a file.
 #[derive(Debug, Default)]
 pub(super) struct NpzFrames {
@@ -51,10 +68,22 @@ enum ArrayExtent {
 
 impl FrameReader for NpzFrames {
     fn index(&mut self, file: &DataFile, _end: FileEnd) -> Result<Vec<Faults>, Faults> {
-        let mut arrays = Vec::new();
-        for member in members(file)? {
+        let (mut arrays, mut memory) = (Vec::new(), MEMORY);
+        let members = members(file)?;
+        let deflated = members.iter().filter(|member| member.is_deflated);
+        if deflated.fold(0, |sum: u64, member| sum.saturating_add(member.length)) > LARGEST_ARRAYS {
+            let cause = format!("its arrays hold more than {} GiB when decompressed", LARGEST_ARRAYS >> 30);
+            return Err(Faults::one(DataPlace::Whole, cause, "save fewer arrays, or by `numpy.savez`"));
+        }
+        for member in members {
             let Some(name) = member.name.strip_suffix(".npy") else { continue };
-            let data = if member.is_deflated { Some(inflate(file, &member)?) } else { None };
+            let data = match member.is_deflated {
+                true => Some(inflate(file, &member, memory)?),
+                false => None,
+            };
+            if member.is_deflated && member.length <= memory {
+                memory -= member.length;
+            }
             let position = if data.is_some() { 0 } else { member.start };
             let array = NumpyArray::read(data.as_ref().unwrap_or(file), position)
                 .map_err(|faults| faults.within(&format!("array `{name}`")))?;
@@ -86,7 +115,7 @@ impl FrameReader for NpzFrames {
                 ));
             }
         };
-        if frames == 0 || positions.array.length() == Some(0) && particles > 0 {
+        if frames == 0 || positions.array.length() == Some(0) && (particles > 0 || frames > 1) {
             let cause = format!("array `{}` has no values", positions.name);
             return Err(Faults::one(DataPlace::Whole, cause, "save at least one frame"));
         }
@@ -124,15 +153,10 @@ impl FrameReader for NpzFrames {
                 snapshot.push(name, values);
             }
         }
-        for column in &mut snapshot.columns {
-            if let ("element", Values::Labels { names, .. }) = (column.name.as_str(), &mut column.values) {
-                normalize_elements(names);
-            }
-        }
+        normalize_elements(&mut snapshot);
         add_elements(&mut snapshot);
         snapshot.cell = self.cell(file, frame)?;
-        let time =
-            ["time", "times", "t"].iter().find_map(|name| self.frame_values(file, frame, name).transpose());
+        let time = TIMES.iter().find_map(|name| self.frame_values(file, frame, name).transpose());
         snapshot.time = time.transpose()?.and_then(|values| values.first().copied());
         Ok(snapshot)
     }
@@ -141,7 +165,7 @@ impl FrameReader for NpzFrames {
 impl NpzFrames {
     /// Returns the relation of an array to the particles, and its number of values for each; `None` if it has none.
     fn extent_of(&self, array: &NamedArray) -> Option<(ArrayExtent, u64)> {
-        if ["cell", "pbc", "time", "times", "t", "lattice", "box"].contains(&array.name.as_str()) {
+        if is_of_frames(&array.name) {
             return None;
         }
         let frames = self.frames as u64;
@@ -167,11 +191,8 @@ impl NpzFrames {
 
     /// Returns warnings of the arrays that are not used.
     fn omitted(&self) -> Vec<Faults> {
-        let used = ["cell", "pbc", "time", "times", "t", "lattice", "box"];
         let omitted = self.arrays.iter().filter(|array| {
-            !used.contains(&array.name.as_str())
-                && !array.array.shape.is_empty()
-                && self.extent_of(array).is_none()
+            !is_of_frames(&array.name) && !array.array.shape.is_empty() && self.extent_of(array).is_none()
         });
         let warning = |array: &NamedArray| {
             let shape = array.array.shape_text();
@@ -195,8 +216,10 @@ impl NpzFrames {
         // A cell is a few numbers; what is longer is none.
         let values =
             array.shape.iter().try_fold(1, |product: u64, length| product.checked_mul(*length)).unwrap_or(0);
+        // A cell, or the flags of one, is that of all frames, even where there are as many frames as it has rows.
+        let is_of_all = !TIMES.contains(&name) && matches!(array.shape[..], [3 | 9] | [3, 3]);
         let (shape, at) = match array.shape.first() {
-            Some(first) if *first == frames && (frames > 1 || array.shape.len() != 2) => {
+            Some(first) if *first == frames && !is_of_all && (frames > 1 || array.shape.len() != 2) => {
                 (vec![frames, 1, values / frames.max(1)], frame as u64)
             }
             _ => (vec![1, 1, values], 0),
@@ -218,9 +241,7 @@ impl NpzFrames {
     }
 
     fn cell(&self, file: &DataFile, frame: usize) -> Result<Option<Cell>, Faults> {
-        let values = ["cell", "lattice", "box"]
-            .iter()
-            .find_map(|name| self.frame_values(file, frame, name).transpose());
+        let values = CELLS.iter().find_map(|name| self.frame_values(file, frame, name).transpose());
         let edges = match values.transpose()?.as_deref() {
             Some(&[a, b, c]) => [DVec3::X * a, DVec3::Y * b, DVec3::Z * c],
             Some(&[a, b, c, d, e, f, g, h, i]) => {
@@ -281,7 +302,13 @@ fn add_elements(snapshot: &mut Snapshot) {
     let mut names = Vec::<String>::new();
     let mut indices = [None; SYMBOLS.len() + 1];
     let labels = numbers.iter().map(|number| {
-        let atomic = (1..=SYMBOLS.len()).find(|atomic| *number == *atomic as f64).unwrap_or(0);
+        let is_known = number.fract() == 0.0 && (1.0..=SYMBOLS.len() as f64).contains(number);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number up to 118"
+        )]
+        let atomic = if is_known { *number as usize } else { 0 };
         *indices[atomic].get_or_insert_with(|| {
             names.push(atomic.checked_sub(1).map_or(String::new(), |index| SYMBOLS[index].to_owned()));
             u32::try_from(names.len() - 1).unwrap_or(0)

@@ -87,7 +87,11 @@ impl NumpyArray {
             2 | 3 => (12, u64::from(u32::from_le_bytes([low, high, third, fourth]))),
             version => return Err(fail(&format!("version {version} of the format is unknown"))),
         };
-        if before + length > left || length > LONGEST_HEADER {
+        if length > LONGEST_HEADER {
+            let message = format!("its header has {length} bytes, and at most {LONGEST_HEADER} are read");
+            return Err(fail(&message));
+        }
+        if before + length > left {
             return Err(fail(&format!("its header of {length} bytes ends after the file")));
         }
         let header = file.read(position + before..position + before + length)?;
@@ -186,7 +190,7 @@ fn structured_fields(items: &[PythonValue], fields: &mut Vec<ArrayField>) -> Res
             continue;
         }
         let scalar = Scalar::new(descr)?;
-        for column in property_names(name, width).into_iter().take(width) {
+        for column in property_names(name, width) {
             fields.push(ArrayField { name: column, offset, scalar });
             offset = offset.checked_add(scalar.size as u64).ok_or_else(bad)?;
         }

@@ -12,7 +12,7 @@ use super::data_file::DataFile;
 use super::error::{DataPlace, FaultKind, Faults};
 use super::frame_reader::{FileEnd, FrameReader};
 use super::frame_span::FrameSpan;
-use super::pdb_record::{AtomRecord, cell, serial, title_time};
+use super::pdb_record::{AtomRecord, cell, record_name, serial, title_time};
 use super::snapshot::{Cell, Snapshot, Values};
 use super::table::Dictionary;
 use super::text::{LineCursor, without_return};
@@ -58,12 +58,13 @@ impl FrameReader for PdbFrames {
             let remedy = "write ATOM or HETATM records, or name the format of the file";
             return Err(Faults::one(DataPlace::Whole, "the file has no atoms", remedy));
         }
-        (self.spans, self.cell, self.length) = (search.spans, search.cell, file.length());
-        (self.bonds, self.bonded_atoms) = (Vec::new(), 0);
+        let mut frames =
+            Self { spans: search.spans, cell: search.cell, length: file.length(), ..Self::default() };
         if !search.pairs.is_empty() {
-            let (first, serials) = self.read_frame(file, 0)?;
-            (self.bonds, self.bonded_atoms) = (bonds(&search.pairs, &serials), first.count);
+            let (first, serials) = frames.read_frame(file, 0)?;
+            (frames.bonds, frames.bonded_atoms) = (bonds(&search.pairs, &serials), first.count);
         }
+        *self = frames;
         Ok(search.warnings)
     }
 
@@ -89,8 +90,7 @@ impl Search {
     /// Takes a record into account.
     fn record(&mut self, record: &[u8], position: u64, line: u64) -> Result<(), Faults> {
         let start = *self.start.get_or_insert(FrameSpan { start: position, end: position, line });
-        let name = record.get(..record.len().min(6)).unwrap_or_default().trim_ascii_end();
-        match name {
+        match record_name(record) {
             b"ATOM" | b"HETATM" => self.has_atoms = true,
             b"MODEL" => {
                 // A model without ENDMDL ends where the next one begins.
@@ -141,7 +141,10 @@ impl Search {
             self.spans.push(FrameSpan { end: file.length(), ..start });
         }
         if is_cut {
-            let cause = "the last frame is truncated: its MODEL has no ENDMDL";
+            let cause = match self.is_model {
+                true => "the last frame is truncated: its MODEL has no ENDMDL",
+                false => "the last frame is truncated: its last line has no end",
+            };
             self.warnings.push(Faults::line(start.line, cause, "complete it, or remove it"));
         }
         Ok(())
@@ -228,13 +231,17 @@ impl PdbFrames {
         let (mut found_cell, mut time) = (None, None);
         for (line, record) in (span.line..).zip(bytes.split(|byte| *byte == b'\n')) {
             let record = without_return(record);
-            if record.starts_with(b"CRYST1") {
-                found_cell = cell(record, line)?;
-            } else if record.starts_with(b"TITLE") {
-                time = title_time(record).or(time);
-            }
-            if !record.starts_with(b"ATOM") && !record.starts_with(b"HETATM") {
-                continue;
+            match record_name(record) {
+                b"ATOM" | b"HETATM" => {}
+                b"CRYST1" => {
+                    found_cell = cell(record, line)?;
+                    continue;
+                }
+                b"TITLE" => {
+                    time = title_time(record).or(time);
+                    continue;
+                }
+                _ => continue,
             }
             let atom = match AtomRecord::parse(record) {
                 Ok(atom) => atom,

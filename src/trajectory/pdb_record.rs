@@ -6,6 +6,11 @@ use super::snapshot::Cell;
 use super::table::not_a_number;
 use super::text::{parse_number, parse_whole};
 
+/// Returns the name of a record, in its first six columns.
+pub(super) fn record_name(record: &[u8]) -> &[u8] {
+    record.get(..record.len().min(6)).unwrap_or_default().trim_ascii_end()
+}
+
 /// An ATOM or HETATM record.
 pub(super) struct AtomRecord<'a> {
     record: &'a [u8],

@@ -13,9 +13,10 @@ use super::{csv_file, lammps, npy, npz, pdb, xtc, xyz};
 
 /// A file of particles: an index of its frames, which are read on demand.
 ///
-/// Opening a text file passes over it once to find its frames, at the speed of memory. Frames are then read in any order, and from
-/// several threads; memory is that of one frame. Compressed files are decompressed once, when they are opened, into up to 256 MiB of
-/// memory, and beyond that into a temporary file, which has no name and goes with the process.
+/// Opening an XYZ, LAMMPS or PDB file passes over it once to find its frames; of a CSV file, it reads the first rows. Frames are then read in
+/// any order, and from several threads; memory is that of one frame, and of an index of the frames. Compressed files, and compressed arrays
+/// of NPZ files, are decompressed once, when they are opened, into up to 256 MiB of memory, and beyond that into temporary files, which have no
+/// names and go with the process.
 pub struct Trajectory {
     path: PathBuf,
     format: Format,

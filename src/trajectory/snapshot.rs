@@ -13,7 +13,7 @@ pub struct Snapshot {
     /// Columns, in file order. The names `x`, `y`, `z` (Cartesian coordinates), `vx`, `vy`, `vz`, `id`, `type`, `element`, `name`,
     /// `residue` and `chain` have the same meaning in all formats; other names are those of the file.
     pub columns: Vec<Column>,
-    /// Periodic cell.
+    /// Cell, if the file has one.
     pub cell: Option<Cell>,
     /// Pairs of particles that are bonded, by index (PDB CONECT), each pair once, with the smaller index first.
     pub bonds: Vec<[u32; 2]>,

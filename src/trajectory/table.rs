@@ -17,7 +17,7 @@ use super::text::{
     without_return,
 };
 
-/// Bytes of a chunk: small enough that two threads share a thousand rows' work, and that bytes and columns of one stay in the cache.
+/// Bytes of a chunk: small enough that its bytes and columns stay in the cache, and that files of some MiB occupy all threads.
 const CHUNK: usize = 256 << 10;
 
 /// The form of a table.

@@ -253,23 +253,28 @@ impl<'a> LineCursor<'a> {
         // The bytes of lines that are skipped are not kept, however long they are.
         let mut is_inside = false;
         while skipped < count {
-            let rest = &self.block[self.start..];
-            // Counting is several times as fast as finding each line.
+            let wanted = count - skipped;
+            // Counting is several times as fast as finding each line. It goes no further than so many short lines reach, so that a block
+            // of short frames is not counted again for each of them.
+            let left = self.block.len() - self.start;
+            let window =
+                usize::try_from(wanted).unwrap_or(usize::MAX).saturating_mul(64).max(1 << 12).min(left);
+            let rest = &self.block[self.start..self.start + window];
             let found = memchr::memchr_iter(b'\n', rest).count() as u64;
-            if found < count - skipped {
+            if found < wanted {
                 is_inside = rest.last().map_or(is_inside, |last| *last != b'\n');
-                self.start = self.block.len();
+                self.start += window;
                 self.line += found;
                 skipped += found;
-                if !self.refill()? {
+                if self.start == self.block.len() && !self.refill()? {
                     self.line += u64::from(is_inside);
                     return Ok(skipped + u64::from(is_inside));
                 }
             } else {
-                let wanted = usize::try_from(count - skipped - 1).unwrap_or(usize::MAX);
-                let end = memchr::memchr_iter(b'\n', rest).nth(wanted).map_or(rest.len(), |end| end + 1);
+                let last = usize::try_from(wanted - 1).unwrap_or(usize::MAX);
+                let end = memchr::memchr_iter(b'\n', rest).nth(last).map_or(rest.len(), |end| end + 1);
                 self.start += end;
-                self.line += count - skipped;
+                self.line += wanted;
                 skipped = count;
             }
         }

@@ -10,7 +10,7 @@ use super::element::normalize_elements;
 use super::error::{DataPlace, Faults, quote};
 use super::frame_reader::{FileEnd, FrameReader};
 use super::frame_span::{FrameSpan, FrameSpans, NextFrame};
-use super::snapshot::{Snapshot, Values};
+use super::snapshot::Snapshot;
 use super::table::{self, ColumnForm, ColumnKind, Table, TableForm};
 use super::text::{LineCursor, Separator, parse_whole, without_return};
 
@@ -135,11 +135,7 @@ fn read_frame(bytes: &[u8], line: u64) -> Result<Snapshot, Faults> {
         result => result?,
     };
     let mut snapshot = Snapshot { count: table.rows, columns: table.columns, ..Snapshot::default() };
-    for column in &mut snapshot.columns {
-        if let ("element", Values::Labels { names, .. }) = (column.name.as_str(), &mut column.values) {
-            normalize_elements(names);
-        }
-    }
+    normalize_elements(&mut snapshot);
     snapshot.cell = comment.cell(comment_line)?;
     snapshot.time = comment.time();
     Ok(snapshot)
@@ -169,6 +165,7 @@ fn plain_columns(row: &[u8]) -> Vec<ColumnForm> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trajectory::Values;
 
     fn open(text: &str, end: FileEnd) -> Result<(DataFile, XyzFrames, Vec<Faults>), Faults> {
         let file = DataFile::memory(text.as_bytes().to_vec());

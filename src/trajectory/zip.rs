@@ -119,9 +119,9 @@ fn wide_numbers(mut extra: &[u8], numbers: [&mut u64; 3]) {
     }
 }
 
-/// Returns a member as a file of its own. Stored members are read in place, which needs no memory.
-pub(super) fn inflate(file: &DataFile, member: &ZipMember) -> Result<DataFile, Faults> {
+/// Returns a member as a file of its own, in memory if it has at most `memory` bytes. Stored members are read in place instead.
+pub(super) fn inflate(file: &DataFile, member: &ZipMember, memory: u64) -> Result<DataFile, Faults> {
     let end = member.start + member.compressed;
-    decompress::inflate(file, member.start, end, member.length)
+    decompress::inflate(file, member.start..end, member.length, memory)
         .map_err(|faults| faults.within(&format!("array `{}`", member.name)))
 }
