@@ -21,9 +21,11 @@ pub(super) fn scene_of(data: &Path, scene: &Path) -> anyhow::Result<String> {
     let first = file.frame(0).map_err(|error| anyhow!(error))?;
     let look = Look::of(&first, &extent);
     let source = source_of(data, scene);
-    let radius = extent.radius() + look.largest;
+    let radius = Some(extent.radius() + look.largest).filter(|radius| *radius > 0.0).unwrap_or(1.0);
     let (center, distance) = (extent.center(), radius / libm::sin(FIELD_OF_VIEW.to_radians() / 2.0) * 1.05);
-    let [x, y, z] = center.to_array().map(rounded);
+    // Rounded to a small part of the extent, however far from the origin the particles are.
+    let in_extent = |number: f64| rounded_to(number, radius);
+    let [x, y, z] = center.to_array().map(in_extent);
     let seconds = if frames > 1 { frames.div_ceil(FRAMES_PER_SECOND).max(4) } else { 6 };
     let Look { shape, settings, about, .. } = look;
     let (count, distance) = (first.count, rounded(distance));
@@ -55,7 +57,7 @@ Scene(
 )
 ",
         if frames == 1 { "frame" } else { "frames" },
-        rounded(center.z + distance),
+        in_extent(center.z + distance),
     ))
 }
 
@@ -181,6 +183,13 @@ fn spacing(snapshot: &Snapshot, extent: &ParticleBounds) -> f64 {
 /// Returns a number of four digits, as written in a scene.
 fn rounded(number: f64) -> f64 {
     let number: f64 = format!("{number:.3e}").parse().unwrap_or(number);
+    if number == 0.0 { 0.0 } else { number }
+}
+
+/// Returns a number with the decimals that are needed for a thousandth of `size`, as written in a scene.
+fn rounded_to(number: f64, size: f64) -> f64 {
+    let decimals = usize::try_from(4 - libm::ilogb(size) * 3 / 10).unwrap_or(0).min(300);
+    let number: f64 = format!("{number:.decimals$}").parse().unwrap_or(number);
     if number == 0.0 { 0.0 } else { number }
 }
 

@@ -34,9 +34,12 @@ const TOLERANCE: f64 = 0.45;
 /// The distance up to which atoms count as two places of the same one, in angstroms.
 const TOO_CLOSE: f64 = 0.4;
 
-/// The number of distances that are computed, on average of all particles, and of bonds found. In molecules and crystals both are below 200
-/// and 8; beyond, lengths are surely not in the expected unit.
-const MOST: [usize; 2] = [2000, 32];
+/// Maximum number of distances that are computed per particle, on average. In molecules and crystals it is below 200; beyond, lengths are
+/// surely not in the expected unit.
+const MOST_DISTANCES: usize = 2000;
+
+/// Maximum number of bonds per particle, on average; in molecules and crystals it is below 8.
+const MOST_BONDS: usize = 32;
 
 /// The greatest distance of bonded particles.
 enum Reach {
@@ -132,7 +135,8 @@ fn found(positions: &[DVec3], reach: &Reach) -> Result<Vec<[u32; 2]>, CloudError
             "write a smaller `distance`; without one, lengths are in angstroms",
         )
     };
-    let [most_tried, most_found] = MOST.map(|each| each.saturating_mul(positions.len()));
+    let [most_tried, most_found] =
+        [MOST_DISTANCES, MOST_BONDS].map(|each| each.saturating_mul(positions.len()));
     if tried > most_tried {
         return Err(too_many());
     }
@@ -286,7 +290,7 @@ mod tests {
                     reach.joins(*one, *other, places[*one as usize].distance_squared(places[*other as usize]))
                 };
                 let all: Vec<[u32; 2]> = pairs.filter(is_bonded).collect();
-                if all.len() < places.len() * MOST[1] {
+                if all.len() < places.len() * MOST_BONDS {
                     prop_assert_eq!(found(&places, &reach).unwrap(), all);
                 }
             }

@@ -30,7 +30,7 @@ struct Later<'a> {
 const NO_PARTNER: u32 = u32::MAX;
 
 /// The columns whose values tell particles apart, and are those of the earlier frame.
-const HELD: [&str; 2] = ["id", "type"];
+const NOT_BLENDED: [&str; 2] = ["id", "type"];
 
 /// A column of either kind.
 pub(super) enum ColumnValues<'a> {
@@ -92,16 +92,7 @@ impl<'a> FrameColumns<'a> {
         match self.earlier.column(name) {
             Some(Values::Labels { labels, names }) => Ok(ColumnValues::Labels(labels, names)),
             Some(Values::Numbers(own)) => Ok(ColumnValues::Numbers(self.blended(name, own))),
-            None => {
-                /// The number of columns that are listed at most.
-                const MOST: usize = 24;
-                let columns = &self.earlier.columns;
-                let mut names: Vec<String> =
-                    columns.iter().take(MOST).map(|column| format!("`{}`", column.name)).collect();
-                names.extend((columns.len() > MOST).then(|| "..".to_owned()));
-                let message = format!("the data has no column `{name}`");
-                Err(CloudError::new(part.clone(), message, format!("its columns are {}", names.join(", "))))
-            }
+            None => Err(lacking(self.earlier, name, part)),
         }
     }
 
@@ -109,18 +100,14 @@ impl<'a> FrameColumns<'a> {
     pub(super) fn numbers(&self, name: &str, part: &CloudPart) -> Result<Cow<'_, [f64]>, CloudError> {
         match self.column(name, part)? {
             ColumnValues::Numbers(numbers) => Ok(numbers),
-            ColumnValues::Labels(..) => Err(CloudError::new(
-                part.clone(),
-                format!("the column `{name}` holds words, not numbers"),
-                "name a column of numbers",
-            )),
+            ColumnValues::Labels(..) => Err(of_words(name, part)),
         }
     }
 
     fn blended<'b>(&'b self, name: &str, own: &'b [f64]) -> Cow<'b, [f64]> {
         let Some(Later { snapshot, share, partners }) = &self.later else { return Cow::Borrowed(own) };
         let Some(Values::Numbers(other)) = snapshot.column(name) else { return Cow::Borrowed(own) };
-        if HELD.contains(&name) {
+        if NOT_BLENDED.contains(&name) {
             return Cow::Borrowed(own);
         }
         let blend = |(row, own): (usize, &f64)| {
@@ -146,10 +133,19 @@ impl<'a> FrameColumns<'a> {
             let way = at(*axes, partner) - own;
             own + *share * images.as_ref().map_or(way, |images| images.nearest(way))
         };
-        Ok(match rows {
-            None => (0..self.count()).into_par_iter().map(place).collect(),
-            Some(rows) => rows.par_iter().map(|row| place(*row as usize)).collect(),
-        })
+        Ok(picked(rows, self.count(), place))
+    }
+}
+
+/// Returns the values in these rows, or in all `count`.
+pub(super) fn picked<T: Send>(
+    rows: Option<&[u32]>,
+    count: usize,
+    value: impl Fn(usize) -> T + Sync + Send,
+) -> Vec<T> {
+    match rows {
+        None => (0..count).into_par_iter().map(value).collect(),
+        Some(rows) => rows.par_iter().map(|row| value(*row as usize)).collect(),
     }
 }
 
@@ -160,14 +156,33 @@ fn partner_of(partners: Option<&[u32]>, row: usize) -> Option<usize> {
     }
 }
 
+/// Returns the error for a column that is not there. It names those that there are.
+fn lacking(snapshot: &Snapshot, name: &str, part: &CloudPart) -> CloudError {
+    /// The number of columns that are listed at most.
+    const MOST: usize = 24;
+    let columns = &snapshot.columns;
+    let mut names: Vec<String> =
+        columns.iter().take(MOST).map(|column| format!("`{}`", column.name)).collect();
+    names.extend((columns.len() > MOST).then(|| "..".to_owned()));
+    let message = format!("the data has no column `{name}`");
+    CloudError::new(part.clone(), message, format!("its columns are {}", names.join(", ")))
+}
+
+/// Returns the error for a column of words in place of numbers.
+fn of_words(name: &str, part: &CloudPart) -> CloudError {
+    let message = format!("the column `{name}` holds words, not numbers");
+    CloudError::new(part.clone(), message, "name a column of numbers")
+}
+
 fn axes(snapshot: &Snapshot) -> Result<[&[f64]; 3], CloudError> {
     let axis = |name: &str| match snapshot.column(name) {
         Some(Values::Numbers(axis)) if axis.len() == snapshot.count => Ok(axis.as_slice()),
-        _ => FrameColumns::of(snapshot).numbers(name, &CloudPart::Source).and(Err(CloudError::new(
-            CloudPart::Source,
-            format!("the column `{name}` is too short"),
-            "write one value for each particle",
-        ))),
+        Some(Values::Numbers(_)) => {
+            let message = format!("the column `{name}` is too short");
+            Err(CloudError::new(CloudPart::Source, message, "write one value for each particle"))
+        }
+        Some(Values::Labels { .. }) => Err(of_words(name, &CloudPart::Source)),
+        None => Err(lacking(snapshot, name, &CloudPart::Source)),
     };
     Ok([axis("x")?, axis("y")?, axis("z")?])
 }

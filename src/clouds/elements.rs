@@ -46,8 +46,14 @@ pub(super) fn element(symbol: &str) -> Option<&'static ChemicalElement> {
 
 /// Returns the element with an atomic number.
 pub(super) fn numbered(number: f64) -> Option<&'static ChemicalElement> {
-    let index = (1..=ELEMENTS.len()).find(|index| number == f64::from(u32::try_from(*index).unwrap_or(0)))?;
-    ELEMENTS.get(index - 1)
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number from 1 to 118"
+    )]
+    let index = |number: f64| number as usize - 1;
+    let is_known = number.fract() == 0.0 && (1.0..=118.0).contains(&number);
+    is_known.then(|| ELEMENTS.get(index(number))).flatten()
 }
 
 #[cfg(test)]

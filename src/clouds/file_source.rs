@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::bonds::BondSettings;
-use super::columns::FrameColumns;
+use super::columns::{FrameColumns, picked};
 use super::error::CloudError;
 use super::filter::ParticleFilter;
 use super::frame_timing::{FrameTiming, FramesAt};
@@ -130,7 +130,10 @@ impl FileParticles {
         };
         let rows = rows.as_deref();
         let scales = match scale_by {
-            Some(scale_by) => Some(Arc::new(picked(scale_by.scales(columns)?, rows))),
+            Some(scale_by) => {
+                let scales = scale_by.scales(columns)?;
+                Some(Arc::new(picked(rows, columns.count(), |row| scales[row])))
+            }
             None => None,
         };
         let colors = match (color_by, self.first.get()) {
@@ -138,7 +141,7 @@ impl FileParticles {
             _ => None,
         };
         let numbers = match snapshot.column("id") {
-            Some(Values::Numbers(ids)) => Some(picked(ids.iter().map(|id| number(*id)).collect(), rows)),
+            Some(Values::Numbers(ids)) => Some(picked(rows, columns.count(), |row| number(ids[row]))),
             _ => rows.map(|rows| rows.iter().map(|row| u64::from(*row)).collect()),
         };
         let origin = match at.next {
@@ -204,17 +207,10 @@ impl Particles for FileParticles {
     }
 }
 
-fn picked<T: Copy>(values: Vec<T>, rows: Option<&[u32]>) -> Vec<T> {
-    match rows {
-        Some(rows) => rows.iter().map(|row| values[*row as usize]).collect(),
-        None => values,
-    }
-}
-
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "ids are whole numbers, others are rounded"
+    reason = "ids are whole numbers; others are truncated, and negative ones are 0"
 )]
 fn number(id: f64) -> u64 {
     id as u64

@@ -5,9 +5,9 @@ use crate::time::{FrameRate, Time};
 /// The times at which the frames of a file are shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameTiming {
-    /// The time of the first frame, or of its mirror image before the start of the timeline if `is_early`.
+    /// The time between the start of the timeline and the first frame of the file.
     pub start: Time,
-    /// True if the first frame is that long before the start of the timeline.
+    /// True if the first frame of the file comes before the start of the timeline.
     pub is_early: bool,
     /// The number of frames of the file per second.
     pub rate: FrameRate,

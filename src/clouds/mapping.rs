@@ -1,11 +1,12 @@
 //! Sizes and colours of particles from their columns.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::columns::{ColumnValues, FrameColumns};
+use super::columns::{ColumnValues, FrameColumns, picked};
 use super::elements::{ChemicalElement, colors, element, numbered};
 use super::error::{CloudError, CloudPart};
 use super::palette::{CATEGORIES, ColorMap};
@@ -55,15 +56,15 @@ pub(super) const ELEMENT: &str = "element";
 
 impl ScaleBy {
     /// Returns the factors of all particles.
-    pub(super) fn scales(&self, columns: &FrameColumns<'_>) -> Result<Vec<f64>, CloudError> {
+    pub(super) fn scales<'a>(&self, columns: &'a FrameColumns<'_>) -> Result<Cow<'a, [f64]>, CloudError> {
         let radius: fn(&ChemicalElement) -> f64 = match self {
             Self::Column(name) => {
-                return columns.numbers(name, &CloudPart::ScaleBy).map(std::borrow::Cow::into_owned);
+                return columns.numbers(name, &CloudPart::ScaleBy);
             }
             Self::VanDerWaals => |element| element.van_der_waals,
             Self::Covalent => |element| element.covalent,
         };
-        by_element(columns, &CloudPart::ScaleBy, radius)
+        by_element(columns, &CloudPart::ScaleBy, radius).map(Cow::Owned)
     }
 }
 
@@ -169,13 +170,6 @@ impl ColorBy {
             }
         };
         Ok(CloudColors { palette: Arc::new(palette), indices: Arc::new(indices) })
-    }
-}
-
-fn picked(rows: Option<&[u32]>, count: usize, index: impl Fn(usize) -> u16 + Sync + Send) -> Vec<u16> {
-    match rows {
-        None => (0..count).into_par_iter().map(index).collect(),
-        Some(rows) => rows.par_iter().map(|row| index(*row as usize)).collect(),
     }
 }
 

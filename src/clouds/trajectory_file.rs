@@ -40,7 +40,7 @@ struct HeldFrames {
 }
 
 /// The number of frames that are held: those before and after a moment.
-const HELD: usize = 2;
+const HELD_FRAMES: usize = 2;
 
 impl TrajectoryFile {
     /// Opens a file. With `is_kept`, the last frames stay in memory, so that other settings read no file.
@@ -89,7 +89,7 @@ impl TrajectoryFile {
         let read = read.map_err(|error| CloudError::new(CloudPart::Source, error.to_string(), help))?;
         let snapshot = Arc::new(read);
         let mut frames = self.lock();
-        if frames.held.len() == HELD {
+        if frames.held.len() == HELD_FRAMES {
             frames.held.remove(0);
         }
         frames.held.push((index, Arc::clone(&snapshot)));

@@ -94,7 +94,7 @@ pub struct AtParticle(pub u64);
 
 /// Particles as a function of time.
 pub trait Particles: Send + Sync {
-    /// Returns the particles at a moment. Clouds that share their columns with the previous ones are not read again.
+    /// Returns the particles at a moment. A cloud with the same columns as the previous one is not prepared again.
     ///
     /// # Errors
     ///
@@ -110,18 +110,13 @@ pub trait Particles: Send + Sync {
 impl Cloud {
     /// Returns whether both share all columns that determine the shapes.
     pub(crate) fn shares_shapes(&self, other: &Self) -> bool {
-        let scales = match (&self.scales, &other.scales) {
-            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
-            (own, other) => own.is_none() && other.is_none(),
-        };
-        let bonds = match (&self.bonds, &other.bonds) {
-            (Some(own), Some(other)) => own.radius == other.radius && Arc::ptr_eq(&own.pairs, &other.pairs),
-            (own, other) => own.is_none() && other.is_none(),
-        };
-        scales
-            && bonds
+        let pairs = |cloud: &Self| cloud.bonds.as_ref().map(|bonds| Arc::as_ptr(&bonds.pairs));
+        // By bits, so that a radius that is not a number equals itself.
+        let radius = |cloud: &Self| cloud.bonds.as_ref().map(|bonds| bonds.radius.to_bits());
+        Arc::ptr_eq(&self.positions, &other.positions)
+            && address(&self.scales) == address(&other.scales)
+            && (pairs(self), radius(self)) == (pairs(other), radius(other))
             && self.rods_per_bond() == other.rods_per_bond()
-            && Arc::ptr_eq(&self.positions, &other.positions)
     }
 
     /// Returns the number of rods of each bond: halves of two colours, or one.
@@ -145,10 +140,8 @@ impl Cloud {
 
     /// Returns whether both share the column of colours. The palettes may differ.
     pub(crate) fn shares_colors(&self, other: &Self) -> bool {
-        match (&self.colors, &other.colors) {
-            (Some(own), Some(other)) => Arc::ptr_eq(&own.indices, &other.indices),
-            (own, other) => own.is_none() && other.is_none(),
-        }
+        let indices = |cloud: &Self| cloud.colors.as_ref().map(|colors| Arc::as_ptr(&colors.indices));
+        indices(self) == indices(other)
     }
 
     /// Returns the position of the particle with a number.
@@ -168,20 +161,18 @@ impl Cloud {
     }
 }
 
+/// Returns the address of a shared column, by which it is compared.
+fn address<T>(column: &Option<Arc<T>>) -> Option<*const T> {
+    column.as_ref().map(Arc::as_ptr)
+}
+
 impl PartialEq for Cloud {
     /// Compares the columns as shared memory, not their values.
     fn eq(&self, other: &Self) -> bool {
-        let numbers = match (&self.numbers, &other.numbers) {
-            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
-            (own, other) => own.is_none() && other.is_none(),
-        };
-        let palettes = match (&self.colors, &other.colors) {
-            (Some(own), Some(other)) => Arc::ptr_eq(&own.palette, &other.palette),
-            (own, other) => own.is_none() && other.is_none(),
-        };
+        let palette = |cloud: &Self| cloud.colors.as_ref().map(|colors| Arc::as_ptr(&colors.palette));
         let bond_color = |cloud: &Self| cloud.bonds.as_ref().and_then(|bonds| bonds.color);
-        numbers
-            && palettes
+        address(&self.numbers) == address(&other.numbers)
+            && palette(self) == palette(other)
             && bond_color(self) == bond_color(other)
             && self.shares_shapes(other)
             && self.shares_colors(other)

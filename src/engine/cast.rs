@@ -21,10 +21,8 @@ pub struct Ray {
 pub struct Hit {
     /// The entity whose shape is hit.
     pub entity: Entity,
-    /// The number of the particle that is hit, if the entity is a [`Cloud`](crate::components::Cloud).
-    pub particle: Option<u64>,
-    /// The numbers of the particles whose bond is hit, if it is one of a [`Cloud`](crate::components::Cloud).
-    pub bond: Option<[u64; 2]>,
+    /// The particle or the bond that is hit, if the entity is a [`Cloud`](crate::components::Cloud).
+    pub member: Option<CloudMember>,
     /// The ray parameter for the direction as given: the point is origin + t direction. `None` if no `f64` can represent it, because the
     /// direction is so short that the distance is more than 1.8e308 times its length; [`Hit::distance`] is correct in that case too.
     pub t: Option<f64>,
@@ -48,15 +46,9 @@ impl Hit {
         // A hit at the origin has t = 0 for any scaling. Adding zero makes negative zeros positive.
         let t = if surface.t.rounded() == 0.0 { 0.0 } else { libm::ldexp(surface.t.rounded(), exponent) };
         let slot = surface.hit.id;
-        let (particle, bond) = match prepared.particle(slot) {
-            Some((CloudMember::Particle(number), _)) => (Some(number), None),
-            Some((CloudMember::Bond(pair), _)) => (None, Some(pair)),
-            None => (None, None),
-        };
         Self {
             entity: prepared.entity(slot),
-            particle,
-            bond,
+            member: prepared.cloud_member(slot).map(|(member, _)| member),
             t: t.is_finite().then_some(t),
             distance: surface.distance(ray) + 0.0,
             point: surface.point,

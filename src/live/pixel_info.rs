@@ -74,12 +74,13 @@ impl PixelInfo {
 
 impl SurfaceInfo {
     fn of(engine: &Engine, sources: &Sources, surface: &SurfacePoint, distance: f64) -> Option<Self> {
-        let (world, id) = (engine.world(), engine.prepared()?.entity(surface.hit.id));
-        let prepared = engine.prepared()?;
+        let (world, prepared) = (engine.world(), engine.prepared()?);
+        let id = prepared.entity(surface.hit.id);
         let (mut entity, mut place) = name_and_place(world, sources, id);
-        if let Some((member, origin)) = prepared.particle(surface.hit.id) {
+        if let Some((member, origin)) = prepared.cloud_member(surface.hit.id) {
             entity = format!("{entity}/{member}");
-            place = Some(place.into_iter().chain(origin.map(str::to_owned)).collect::<Vec<_>>().join(", "));
+            let places: Vec<String> = place.into_iter().chain(origin.map(str::to_owned)).collect();
+            place = (!places.is_empty()).then(|| places.join(", "));
         }
         Some(Self {
             entity,

@@ -145,7 +145,7 @@ fn entity(cloud: &CloudDocument, source: Option<Box<CloudSource>>) -> EntityDocu
     let white = (cloud.color_by.is_some() && cloud.material.is_none()).then_some(ColorDocument([255.0; 3]));
     EntityDocument {
         name: cloud.name.clone(),
-        parent: cloud.parent.clone(),
+        parent: cloud.parent.clone().map(Box::new),
         transform: cloud.transform.clone(),
         shape: Some(cloud.particle_shape()),
         material: cloud.material.clone(),

@@ -36,7 +36,8 @@ impl Changes {
         self.transforms.push(entity);
     }
 
-    /// Declares a write to an entity's [`Shape`](crate::components::Shape) or [`Visibility`](crate::components::Visibility).
+    /// Declares a write to an entity's [`Shape`](crate::components::Shape), [`Visibility`](crate::components::Visibility) or
+    /// [`Cloud`](crate::components::Cloud). Clouds are compared with the previous ones, declared or not.
     pub fn mark_shape(&mut self, entity: Entity) {
         self.declared = true;
         self.shapes.push(entity);

@@ -107,8 +107,9 @@ impl Simulation {
     /// Returns whether any entity can move.
     fn may_move(&self) -> bool {
         let animated = |archetype: &hecs::Archetype| !archetype.is_empty() && archetype.has::<Animated>();
-        let sources = || self.world.query::<&CloudSource>().iter().any(|source| !source.particles.is_still());
-        !self.schedule.is_empty() || self.world.archetypes().any(animated) || sources()
+        let has_moving_cloud =
+            || self.world.query::<&CloudSource>().iter().any(|source| !source.particles.is_still());
+        !self.schedule.is_empty() || self.world.archetypes().any(animated) || has_moving_cloud()
     }
 
     /// Visits instants of a frame, given by their indices, and calls `each` with the prepared data of each instant; its result determines

@@ -96,9 +96,12 @@ fn particles_have_their_places_sizes_and_colours() {
     // Rays meet the shapes.
     let ray = Ray { origin: DVec3::new(1.0, 1.0, 20.0), direction: DVec3::NEG_Z };
     let hit = engine.cast(ray).unwrap();
-    assert_eq!((hit.entity, hit.particle, hit.distance), (named(&engine, "gas"), Some(7), 20.0 - 3.75));
+    assert_eq!(
+        (hit.entity, hit.member, hit.distance),
+        (named(&engine, "gas"), Some(CloudMember::Particle(7)), 20.0 - 3.75)
+    );
     assert_eq!(engine.prepared().unwrap().drawn().len(), 1 + 3);
-    let found = engine.prepared().unwrap().particle(ShapeId(1));
+    let found = engine.prepared().unwrap().cloud_member(ShapeId(1));
     assert_eq!(found, Some((CloudMember::Particle(8), Some("gas.extxyz, frame 1"))));
 }
 
@@ -186,7 +189,11 @@ fn rounded(number: f64) -> f64 {
 /// Returns what a ray along -z meets first at these x and y, and the height of the hit above the plane z = 0.
 fn below(engine: &Engine, x: f64, y: f64) -> Option<(Option<u64>, Option<[u64; 2]>, f64)> {
     let hit = engine.cast(Ray { origin: DVec3::new(x, y, 20.0), direction: DVec3::NEG_Z })?;
-    Some((hit.particle, hit.bond, rounded(20.0 - hit.distance)))
+    let (particle, bond) = match hit.member? {
+        CloudMember::Particle(number) => (Some(number), None),
+        CloudMember::Bond(pair) => (None, Some(pair)),
+    };
+    Some((particle, bond, rounded(20.0 - hit.distance)))
 }
 
 #[test]
@@ -214,7 +221,7 @@ fn bonds_join_the_atoms_and_follow_them() {
         };
         // After the box and the atoms.
         let slot = (5..drawn).map(ShapeId).find(is_there).unwrap();
-        transfer.encode(prepared.particle_color(slot).unwrap())
+        transfer.encode(prepared.member_color(slot).unwrap())
     };
     assert_eq!([color(0.1), color(0.479), color(0.481)], [[255, 13, 13], [255, 13, 13], [255; 3]]);
     // A box before them, four atoms, four halves.
@@ -225,8 +232,8 @@ fn bonds_join_the_atoms_and_follow_them() {
     assert_eq!(engine.prepared().unwrap().drawn().len(), 1 + 4 + 2);
     let along = Ray { origin: DVec3::new(20.0, 1.0, 0.3), direction: DVec3::NEG_X };
     let hit = engine.cast(along).unwrap();
-    assert_eq!((hit.bond, rounded(hit.distance)), (Some([0, 1]), 18.95));
-    let found = engine.prepared().unwrap().particle(ShapeId(5)).unwrap();
+    assert_eq!((hit.member, rounded(hit.distance)), (Some(CloudMember::Bond([0, 1])), 18.95));
+    let found = engine.prepared().unwrap().cloud_member(ShapeId(5)).unwrap();
     assert_eq!((found.0.to_string(), found.1), ("0-1".to_owned(), Some("gas.extxyz, frame 1")));
 }
 
@@ -240,13 +247,13 @@ fn bonds_have_a_colour_of_their_own_or_none() {
     let prepared = engine.prepared().unwrap();
     assert_eq!(prepared.drawn().len(), 1 + 4 + 2);
     let transfer = engine.effective_settings().film.transfer;
-    assert_eq!(prepared.particle_color(ShapeId(5)).map(|color| transfer.encode(color)), Some([0, 0, 255]));
+    assert_eq!(prepared.member_color(ShapeId(5)).map(|color| transfer.encode(color)), Some([0, 0, 255]));
     let material = |slot| prepared.scene().material(ShapeId(slot));
     assert!(material(5) == material(6) && material(5) != material(1));
     let mut plain = water(folder.path(), "material: \"clay\", shape: Sphere(radius: 0.1), bonds: ()");
     plain.seek(Time::ZERO).unwrap();
     let prepared = plain.prepared().unwrap();
-    assert_eq!((prepared.drawn().len(), prepared.particle_color(ShapeId(5))), (1 + 4 + 2, None));
+    assert_eq!((prepared.drawn().len(), prepared.member_color(ShapeId(5))), (1 + 4 + 2, None));
     assert_eq!(prepared.scene().material(ShapeId(5)), prepared.scene().material(ShapeId(1)));
     assert_eq!(below(&plain, 0.3, 0.0).unwrap().2, 0.15);
 }
@@ -259,7 +266,7 @@ fn bonds_of_hidden_particles_are_not_drawn() {
         engine.seek(Time::ZERO).unwrap();
         let prepared = engine.prepared().unwrap();
         let last = ShapeId(u32::try_from(prepared.drawn().len()).unwrap() - 1);
-        (prepared.drawn().len() - 1, prepared.particle(last).unwrap().0.to_string())
+        (prepared.drawn().len() - 1, prepared.cloud_member(last).unwrap().0.to_string())
     };
     let look = "color: (255, 0, 0), shape: Sphere(radius: 0.1), bonds: ()";
     assert_eq!(drawn(look), (4 + 2, "0-2".to_owned()));
@@ -291,7 +298,7 @@ fn bonds_are_those_of_the_file() {
         engine.seek(Time::ZERO).unwrap();
         let prepared = engine.prepared().unwrap();
         let slots = 5..u32::try_from(prepared.drawn().len()).unwrap();
-        slots.map(|slot| prepared.particle(ShapeId(slot)).unwrap().0.to_string()).collect::<Vec<_>>()
+        slots.map(|slot| prepared.cloud_member(ShapeId(slot)).unwrap().0.to_string()).collect::<Vec<_>>()
     };
     // Bonds of at least half the atoms are all that there are; fewer are completed.
     assert_eq!(drawn("CONECT    1    2\nCONECT    2    3\n").len(), 2);
@@ -534,7 +541,7 @@ fn a_bond_looks_like_cylinders_between_its_particles() {
         let prepared = engine.prepared().unwrap();
         let rods = if color.is_none() { 4 } else { 2 };
         let members: Vec<Option<String>> = (9..=10 + rods)
-            .map(|slot| prepared.particle(ShapeId(slot)).map(|(member, _)| member.to_string()))
+            .map(|slot| prepared.cloud_member(ShapeId(slot)).map(|(member, _)| member.to_string()))
             .collect();
         let halves = rods as usize / 2;
         let names = [
@@ -609,10 +616,10 @@ fn systems_move_and_hide_particles() {
     // The slots of the others are still those of their particles.
     let prepared = engine.prepared().unwrap();
     assert_eq!(
-        [1, 2, 8].map(|slot| prepared.particle(ShapeId(slot)).map(|(number, _)| number)),
+        [1, 2, 8].map(|slot| prepared.cloud_member(ShapeId(slot)).map(|(number, _)| number)),
         [1, 2, 8].map(|number| Some(CloudMember::Particle(number)))
     );
-    assert_eq!((prepared.particle(ShapeId(0)), prepared.particle(ShapeId(9))), (None, None));
+    assert_eq!((prepared.cloud_member(ShapeId(0)), prepared.cloud_member(ShapeId(9))), (None, None));
     for frame in [3, 0, 7] {
         assert_eq!(engine.render_frame(frame).unwrap(), films[frame as usize], "{frame}");
     }

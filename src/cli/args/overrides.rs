@@ -34,8 +34,9 @@ pub(in crate::cli) struct OverrideArguments {
     /// reflected and refracted are accepted, too [can be repeated]
     #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
     without: Vec<Effect>,
-    /// Disable the other terms of light: ambient and diffuse light, ambient occlusion, emission, highlights, shadows, reflection,
-    /// refraction, absorption and fog, but for those that are named, as in --only ambient-light,diffuse-light [can be repeated]
+    /// Disable the other terms of light: ambient and diffuse light, ambient occlusion, emission, highlights, shadows and
+    /// transparent shadows, reflection, refraction, Fresnel, absorption and fog, but for those that are named, as in
+    /// --only ambient-light,diffuse-light [can be repeated]
     #[arg(long, value_name = "EFFECTS", value_parser = parse_effect, value_delimiter = ',')]
     only: Vec<Effect>,
 }

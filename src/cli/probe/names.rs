@@ -23,8 +23,7 @@ pub(super) fn label(world: &World, entity: Entity) -> String {
 
 /// Returns the label of a hit: that of the entity, with the number of the particle, as `gas/1234`, or those of a bond, as `gas/12-57`.
 pub(super) fn hit_label(world: &World, hit: &Hit) -> String {
-    let member = hit.particle.map(CloudMember::Particle).or(hit.bond.map(CloudMember::Bond));
-    match member {
+    match hit.member {
         Some(member) => format!("{}/{member}", label(world, hit.entity)),
         None => label(world, hit.entity),
     }
@@ -60,25 +59,25 @@ impl<'a> EntityLines<'a> {
 
     /// Formats the name and line of an entity, as `"globe" (scenes/first_light.ron:26)`.
     pub(super) fn text(&self, entity: Entity) -> String {
-        let name = match self.world.get::<&Name>(entity) {
-            // Quoted as in the scene file: a name may contain any character.
-            Ok(name) => format!("{:?}", name.0),
-            Err(_) => label(self.world, entity),
-        };
-        match self.lines.get(&entity) {
-            Some(line) => format!("{name} ({line})"),
-            None => name,
-        }
+        self.described(entity, "", None)
     }
 
     /// Formats the name and line of the entity in a slot. A particle has its number, a bond those of its particles, and
     /// both the file and frame of their cloud, as `"gas/1234" (gas.ron:8, gas.xyz, frame 17)`.
     pub(super) fn slot_text(&self, prepared: &Preparation, slot: ShapeId) -> String {
         let entity = prepared.entity(slot);
-        let Some((member, origin)) = prepared.particle(slot) else { return self.text(entity) };
+        match prepared.cloud_member(slot) {
+            Some((member, origin)) => self.described(entity, &format!("/{member}"), origin),
+            None => self.text(entity),
+        }
+    }
+
+    /// Formats the name of an entity with an ending, and its line and further place.
+    fn described(&self, entity: Entity, ending: &str, origin: Option<&str>) -> String {
         let name = match self.world.get::<&Name>(entity) {
-            Ok(name) => format!("{:?}", format!("{}/{member}", name.0)),
-            Err(_) => format!("{}/{member}", label(self.world, entity)),
+            // Quoted as in the scene file: a name may contain any character.
+            Ok(name) => format!("{:?}", format!("{}{ending}", name.0)),
+            Err(_) => format!("{}{ending}", label(self.world, entity)),
         };
         let line = self.lines.get(&entity).map(ToString::to_string);
         let places: Vec<String> = line.into_iter().chain(origin.map(str::to_owned)).collect();
@@ -88,7 +87,7 @@ impl<'a> EntityLines<'a> {
     /// Returns the same as [`json`](Self::json) for the entity in a slot, and for a particle or a bond its numbers and where its cloud is from.
     pub(super) fn slot_json(&self, prepared: &Preparation, slot: ShapeId) -> Value {
         let mut object = self.json(prepared.entity(slot));
-        if let Some((member, origin)) = prepared.particle(slot) {
+        if let Some((member, origin)) = prepared.cloud_member(slot) {
             match member {
                 CloudMember::Particle(number) => object["particle"] = number.into(),
                 CloudMember::Bond(pair) => object["bond"] = pair.to_vec().into(),

@@ -134,7 +134,7 @@ impl<'a> Terms<'a> {
         let world = self.engine.world();
         let mut material =
             world.get::<&Material>(entity).map_or_else(|_| Material::default(), |found| *found);
-        material.color = self.prepared.particle_color(lit.surface.hit.id).unwrap_or(material.color);
+        material.color = self.prepared.member_color(lit.surface.hit.id).unwrap_or(material.color);
         let second = lit.terms.pattern;
         let pattern = world.get::<&Pattern>(entity).ok();
         let color = pattern.map_or(material.color, |pattern| blend(material.color, pattern.color, second));

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::values::yes;
 use super::{ColorDocument, RateDocument, ShapeDocument, SurfaceDocument, TransformDocument};
 
 /// A cloud of particles.
@@ -29,10 +30,6 @@ pub(crate) struct CloudDocument {
     pub(crate) casts_shadow: bool,
     #[serde(default = "yes")]
     pub(crate) in_reflections: bool,
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// A look of particles and bonds together.
@@ -91,7 +88,7 @@ pub(crate) enum ColorMapDocument {
 }
 
 /// The times of the frames of a data file.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Frames")]
 pub(crate) struct FramesDocument {
     pub(crate) start: f64,
@@ -100,29 +97,20 @@ pub(crate) struct FramesDocument {
     pub(crate) end: EndDocument,
 }
 
-impl Default for FramesDocument {
-    fn default() -> Self {
-        Self {
-            start: 0.0,
-            fps: RateDocument { numerator: 24, denominator: 1 },
-            between: BetweenDocument::Hold,
-            end: EndDocument::Hold,
-        }
-    }
-}
-
 /// The values between two frames.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "Between")]
 pub(crate) enum BetweenDocument {
+    #[default]
     Hold,
     Linear,
 }
 
 /// The frames after the last one.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "End")]
 pub(crate) enum EndDocument {
+    #[default]
     Hold,
     Loop,
 }
@@ -158,7 +146,7 @@ impl CloudDocument {
 const LICORICE: f64 = 0.3;
 
 /// Returns the cloud and the number in the name of a particle, as `gas/1234`.
-pub(crate) fn particle(name: &str) -> Option<(&str, u64)> {
+pub(crate) fn parse_particle_name(name: &str) -> Option<(&str, u64)> {
     let (cloud, number) = name.rsplit_once('/')?;
     let is_number = number.bytes().all(|digit| digit.is_ascii_digit());
     Some((cloud, number.parse().ok().filter(|_| is_number)?))

@@ -18,7 +18,7 @@ pub(super) use animation::{
 pub(super) use channel::ChannelDocument;
 pub(super) use cloud::{
     BetweenDocument, BondsDocument, CloudDocument, ColorByDocument, ColorMapDocument, EndDocument,
-    FramesDocument, ScaleByDocument, StyleDocument, particle,
+    FramesDocument, ScaleByDocument, StyleDocument, parse_particle_name,
 };
 pub(super) use entity::{
     AreaShapeDocument, EntityDocument, LightDocument, RodDocument, RotationDocument, ShapeDocument,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
+use super::values::yes;
 use super::{
     AnimationDocument, BackgroundDocument, CloudDocument, ColorDocument, EntityDocument, Entries,
     IncludeDocument, MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
@@ -55,7 +56,13 @@ impl SceneDocument {
         self.include.iter().map(|include| include.file.clone())
     }
 
-    /// Returns where an entity is written: the list, and the index in it. The entities of clouds follow all others, once they are there.
+    /// Returns the index of the first entity that is a cloud, if there is one. The entities of clouds follow all others, once they are there.
+    pub(crate) fn first_cloud(&self) -> Option<usize> {
+        let others = self.entities.len().checked_sub(self.clouds.len())?;
+        (!self.clouds.is_empty()).then_some(others)
+    }
+
+    /// Returns where an entity is written: the list, and the index in it.
     pub(crate) fn place_of(&self, entity: usize) -> (&'static str, usize) {
         match entity.checked_sub(self.entities.len().saturating_sub(self.clouds.len())) {
             Some(cloud) if !self.clouds.is_empty() => (Self::CLOUDS, cloud),
@@ -144,22 +151,12 @@ pub(crate) struct FogDocument {
     pub(crate) hides_background: bool,
 }
 
-fn yes() -> bool {
-    true
-}
-
 /// The frame rate and the duration.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Timeline")]
 pub(crate) struct TimelineDocument {
     pub(crate) fps: RateDocument,
     pub(crate) duration: f64,
-}
-
-impl Default for TimelineDocument {
-    fn default() -> Self {
-        Self { fps: RateDocument { numerator: 24, denominator: 1 }, duration: 0.0 }
-    }
 }
 
 /// The film: image size and transfer function.

@@ -287,6 +287,17 @@ pub(crate) struct RateDocument {
     pub(crate) denominator: u64,
 }
 
+impl Default for RateDocument {
+    fn default() -> Self {
+        Self { numerator: 24, denominator: 1 }
+    }
+}
+
+/// Returns the default of flags that are usually set.
+pub(super) fn yes() -> bool {
+    true
+}
+
 impl<'de> Deserialize<'de> for RateDocument {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct RateVisitor;

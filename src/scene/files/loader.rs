@@ -35,10 +35,10 @@ impl Files {
         let mut loader = Loader { texts, clouds, overrides: Unplaced::new(overrides), ..Loader::default() };
         let loaded = loader.read(path);
         *before = loader.texts.unwrap_or_default();
-        before.clouds = loader.clouds;
         let is_complete =
             |file: &SceneFile| file.document.is_some() && file.includes.iter().all(Option::is_some);
         if loaded.files.iter().all(is_complete) {
+            before.clouds = loader.clouds;
             before.parsed.retain(|path, _| loader.known.contains_key(path));
         }
         loaded

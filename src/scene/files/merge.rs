@@ -129,7 +129,8 @@ impl<'a> Merger<'a> {
         let Some((part, includes)) = file.checked_sub(1).and_then(|index| self.parts.get(index)) else {
             return;
         };
-        let prefixed = |name: &Option<String>| name.as_ref().map(|name| format!("{prefix}{name}"));
+        let prefixed = |name: &String| format!("{prefix}{name}");
+        let boxed = |name: &Option<Box<String>>| name.as_deref().map(|name| Box::new(prefixed(name)));
         self.add_includes(file, &part.include, includes, prefix, parent);
         for (name, material) in &part.materials.0 {
             let name = format!("{prefix}{name}");
@@ -142,9 +143,9 @@ impl<'a> Merger<'a> {
         self.start_clouds(file, part);
         for entity in &part.entities {
             let renamed = EntityDocument {
-                name: prefixed(&entity.name),
-                parent: prefixed(&entity.parent),
-                look_at: entity.look_at.as_ref().map(|name| Box::new(format!("{prefix}{name}"))),
+                name: entity.name.as_ref().map(prefixed),
+                parent: boxed(&entity.parent),
+                look_at: boxed(&entity.look_at),
                 material: entity.material.as_ref().map(|material| material.prefixed(prefix)),
                 ..EntityDocument::clone(entity)
             };
@@ -157,7 +158,8 @@ impl<'a> Merger<'a> {
         };
         for animation in &part.animate {
             if !animation.target.as_deref().is_some_and(stays_out) {
-                let (target, material) = (prefixed(&animation.target), prefixed(&animation.material));
+                let [target, material] =
+                    [&animation.target, &animation.material].map(|name| name.as_ref().map(prefixed));
                 self.add_animation(AnimationDocument { target, material, ..animation.clone() }, prefix);
             }
         }
@@ -188,10 +190,9 @@ impl<'a> Merger<'a> {
 
     /// Starts the run of a document's clouds, which follow its other entities.
     fn start_clouds(&mut self, file: usize, document: &SceneDocument) {
-        let others = document.entities.len().checked_sub(document.clouds.len());
-        if let Some(others) = others.filter(|_| !document.clouds.is_empty()) {
+        if let Some(first) = document.first_cloud() {
             let origin = Origin { file, list: SceneDocument::CLOUDS, index: 0 };
-            self.runs.push(Run { first: self.entities.len() + others, origin });
+            self.runs.push(Run { first: self.entities.len() + first, origin });
         }
     }
 }

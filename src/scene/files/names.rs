@@ -4,7 +4,7 @@ use hashbrown::HashMap;
 use hashbrown::hash_map::Entry;
 
 use super::{Files, Origin, SceneFile};
-use crate::scene::document::{EntityDocument, MaterialDocument};
+use crate::scene::document::{EntityDocument, MaterialDocument, SceneDocument};
 use crate::scene::validate::ProblemList;
 
 /// The names visible in a file: its own, the names given to its includes, and all names in its unnamed includes.
@@ -183,10 +183,15 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Adds a clash, unless it is within one list of entities or materials of the file itself, which involves no include.
+    /// Adds a clash, unless it is within one list of entities, clouds among them, or of materials of the file itself, which involves no
+    /// include.
     fn add_clash(&mut self, clash: Clash<'a>) {
         let Clash { first, second, include, .. } = clash;
-        let same_list = (first.file, first.list) == (second.file, second.list);
+        let list = |origin: Origin| match origin.list {
+            SceneDocument::CLOUDS => SceneDocument::ENTITIES,
+            list => list,
+        };
+        let same_list = (first.file, list(first)) == (second.file, list(second));
         if include.is_some() || !same_list || second.list == "include" {
             self.clashes.add(clash);
         }

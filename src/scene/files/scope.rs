@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use super::names::{Clashes, Meaning, Names};
 use super::{Origin, SceneFile};
 use crate::scene::document::{
-    EntityDocument, LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument, particle,
+    EntityDocument, LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument,
+    parse_particle_name,
 };
 
 /// The result of looking up a name.
@@ -84,7 +85,7 @@ impl<'a> Scope<'a> {
                 Lookup::Found(KnownEntity { shape, light, material, has_target, looks_at })
             }
             Some(Meaning::Part(_)) => Lookup::Found(KnownEntity::default()),
-            None => match particle(name).and_then(|(cloud, _)| self.own().entities.get(cloud)) {
+            None => match parse_particle_name(name).and_then(|(cloud, _)| self.own().entities.get(cloud)) {
                 Some(Meaning::Entity(entity, file)) if self.of(*file).is_cloud(entity) => {
                     Lookup::Found(KnownEntity::default())
                 }

@@ -10,13 +10,12 @@ use hecs::{Entity, EntityBuilder, World};
 use rayon::prelude::*;
 
 use self::entities::{Links, MaterialComponents, surface};
-use super::document::particle;
 use super::document::{
     AmbientOcclusionDocument, AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument,
     EntityDocument, FilmDocument, FogDocument, KeyDocument, MaterialDocument, NoiseDocument, NormDocument,
     QualityDocument, RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShotDocument,
     SpaceDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument, TracksDocument,
-    TransferDocument, Triple,
+    TransferDocument, Triple, parse_particle_name,
 };
 use super::files::Merged;
 use super::paths::motion_along;
@@ -45,10 +44,10 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
         .collect();
     let settings = spawn_settings(&mut world, document, transfer);
 
-    let (mut names, riders) = referred_to(document, &entities);
-    for (name, cloud, number) in riders {
-        let placed = (Parent(cloud), Transform::IDENTITY, WorldTransform::default());
-        names.insert(name, world.spawn((AtParticle(number), placed.0, placed.1, placed.2)));
+    let (mut names, particles) = referred_to(document, &entities);
+    for (name, cloud, number) in particles {
+        let placed = (AtParticle(number), Parent(cloud), Transform::IDENTITY, WorldTransform::default());
+        names.insert(name, world.spawn(placed));
     }
     names.extend(cameras.iter().copied());
     names.insert(SceneDocument::SCENE, settings);
@@ -75,7 +74,7 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
             let _ = world.insert_one(entity, Animated(channels));
         }
     }
-    let named = document.entities.iter().map(|entity| names.get(entity.parent.as_deref()?).copied());
+    let named = document.entities.iter().map(|entity| names.get(entity.parent.as_deref()?.as_str()).copied());
     let named = named.enumerate().filter_map(|(entity, parent)| Some((entity, parent?)));
     let unnamed = parents.iter().map(|(entity, parent)| (*entity, entities[*parent]));
     let parents: HashMap<usize, Entity> = named.chain(unnamed).collect();
@@ -102,17 +101,17 @@ fn own_surfaces(
 }
 
 /// The name of a particle, its cloud and its number.
-type Rider<'a> = (&'a str, Entity, u64);
+type NamedParticle<'a> = (&'a str, Entity, u64);
 
 /// Returns the entities that are referred to by name, and the particles: their names, clouds and numbers.
 fn referred_to<'a>(
     document: &'a SceneDocument,
     entities: &[Entity],
-) -> (HashMap<&'a str, Entity>, Vec<Rider<'a>>) {
+) -> (HashMap<&'a str, Entity>, Vec<NamedParticle<'a>>) {
     let links =
         |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at].map(Option::as_ref);
     let parents =
-        document.entities.iter().flat_map(|entity| [entity.parent.as_ref(), entity.look_at.as_deref()]);
+        document.entities.iter().flat_map(|entity| [entity.parent.as_deref(), entity.look_at.as_deref()]);
     let targets = document.animate.iter().map(|animation| animation.target.as_ref());
     let cameras = document.named_cameras().flat_map(|(_, camera)| links(camera));
     let names = parents.chain(targets).chain(cameras).flatten();
@@ -122,20 +121,20 @@ fn referred_to<'a>(
     }
     let named = document.entities.iter().zip(entities);
     let named = named.filter_map(|(entity, id)| Some((entity.name.as_deref()?, *id)));
-    let clouds = wanted.iter().filter_map(|name| particle(name)).map(|(cloud, _)| cloud);
+    let clouds = wanted.iter().filter_map(|name| parse_particle_name(name)).map(|(cloud, _)| cloud);
     let clouds: HashSet<&str> = clouds.collect();
     let named: HashMap<&str, Entity> =
         named.filter(|(name, _)| wanted.contains(name) || clouds.contains(name)).collect();
-    let mut riders: Vec<Rider<'_>> = wanted
+    let mut particles: Vec<NamedParticle<'_>> = wanted
         .into_iter()
         .filter(|name| !named.contains_key(name))
         .filter_map(|name| {
-            particle(name).and_then(|(cloud, number)| Some((name, *named.get(cloud)?, number)))
+            parse_particle_name(name).and_then(|(cloud, number)| Some((name, *named.get(cloud)?, number)))
         })
         .collect();
     // The set has no order, and ids are given in turn.
-    riders.sort_unstable();
-    (named, riders)
+    particles.sort_unstable();
+    (named, particles)
 }
 
 /// Links a camera to the entities that it names.

@@ -94,7 +94,6 @@ fn playback(animation: &AnimationDocument, at: &At<'_>, problems: &mut Problems)
                 problems.add(&at.field(name), format!("{what} has no `{name}`"), label, help);
             }
         }
-        return;
     }
     check::number(animation.offset, &at.field("offset"), problems);
     let at = at.field("speed");

@@ -91,8 +91,9 @@ fn shots(document: &SceneDocument, at: &At<'_>, problems: &mut Problems) {
 
 /// Reports the fields `target` and `view` of a camera with `look_at`.
 fn one_view(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
-    for (field, written) in [("target", document.target.is_some()), ("view", document.view.is_some())] {
-        if written {
+    for (field, written) in [("target", document.target), ("view", document.view)] {
+        if let Some(written) = written {
+            check::vector(written, &at.field(field), problems);
             problems.add(
                 &at.field(field),
                 format!("the camera has both `look_at` and `{field}`"),
@@ -149,7 +150,9 @@ fn view(
         (None, Some(view)) => {
             check::direction(view, "view", &at.field("view"), problems).then_some((DVec3::from(view), "view"))
         }
-        (Some(_), Some(_)) => {
+        (Some(target), Some(view)) => {
+            check::vector(target, &at.field("target"), problems);
+            check::vector(view, &at.field("view"), problems);
             problems.add(
                 &at.field("view"),
                 "the camera has both `target` and `view`",
@@ -224,14 +227,14 @@ fn projection(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     for (field, value) in [("fov", fov), ("horizontal_fov", horizontal_fov), ("orthographic", orthographic)] {
         let Some(value) = value else { continue };
         let at = at.field(field);
-        match (first, field) {
-            (Some(first), _) => {
-                let message = format!("the camera has both `{first}` and `{field}`");
-                problems.add(&at, message, "one too many", "keep one: both say how wide the view is");
-            }
-            (None, "orthographic") => _ = check::size(value, "the height of the view", &at, problems),
-            (None, "fov") => field_of_view(value, "vertical", &at, problems),
-            (None, _) => field_of_view(value, "horizontal", &at, problems),
+        match field {
+            "orthographic" => _ = check::size(value, "the height of the view", &at, problems),
+            "fov" => field_of_view(value, "vertical", &at, problems),
+            _ => field_of_view(value, "horizontal", &at, problems),
+        }
+        if let Some(first) = first {
+            let message = format!("the camera has both `{first}` and `{field}`");
+            problems.add(&at, message, "one too many", "keep one: both say how wide the view is");
         }
         first.get_or_insert(field);
     }

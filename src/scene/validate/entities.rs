@@ -26,7 +26,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
         aim(entity, scope, &at, problems);
         look(entity, &at, problems);
         material(entity, scope, &at, problems);
-        if let Some(parent) = &entity.parent
+        if let Some(parent) = entity.parent.as_deref()
             && scope.entity(parent).is_missing()
         {
             problems.add_unknown(&at.field("parent"), Named::Entity, parent, || scope.entity_names());
@@ -42,10 +42,12 @@ fn aim(entity: &EntityDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Pr
         (None, None) => return,
         (Some(_), None) => "target",
         (None, Some(_)) => "look_at",
-        (Some(_), Some(_)) => {
+        (Some(target), Some(_)) => {
             let help = "keep `look_at` to look at an entity, or `target` at a point";
             let message = "the entity has both `look_at` and `target`";
-            problems.add(&at.field("target"), message, "one too many", help);
+            let at = at.field("target");
+            problems.add(&at, message, "one too many", help);
+            check::vector(**target, &at, problems);
             return;
         }
     };
@@ -198,7 +200,7 @@ fn cycles(
     problems: &mut Problems,
 ) {
     let named = |name: Option<&String>| names.get(name?.as_str()).copied();
-    let parent = |index: usize| named(entities[index].parent.as_ref());
+    let parent = |index: usize| named(entities[index].parent.as_deref());
     // The position of an entity depends on its parent, and its rotation on the position of the entity that it looks at.
     let needed = |index: usize| [parent(index), named(entities[index].look_at.as_deref()).and_then(parent)];
     let mut finished = vec![false; entities.len()];

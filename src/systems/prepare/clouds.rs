@@ -3,9 +3,10 @@
 use hecs::{Entity, World};
 
 use super::material::{Surfaced, surface_material};
-use super::shape::ray_visibility;
+use super::shape::{prepared_shape, ray_visibility};
 use crate::color::Rgb;
 use crate::components::{Cloud, CloudMember, Material, Shape, Visibility, WorldTransform};
+use crate::systems::FaultCause;
 use crate::trace::{MaterialPalette, RayVisibility, ShapeId, SurfaceMaterial};
 
 /// A cloud with all that its shapes were prepared from. Its columns are shared with the world.
@@ -58,6 +59,11 @@ impl DrawnCloud {
             let is_same = (surface.0, surface.1) == (&self.shape, &self.transform);
             is_same && ray_visibility(visibility) == self.visibility && cloud.shares_shapes(&self.cloud)
         })
+    }
+
+    /// Returns the cause for which no particle can be drawn, if it lies in the shape or the transform.
+    pub(super) fn fault(&self) -> Option<FaultCause> {
+        prepared_shape(&self.shape, &self.transform).err()
     }
 
     /// Takes the colours over from the world. Returns whether they differ.

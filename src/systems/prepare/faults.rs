@@ -76,11 +76,14 @@ impl Preparation {
     fn shape_faults(&self, world: &World, faults: &mut Vec<Fault>) {
         let with_shape = world.archetypes().filter(|archetype| archetype.has::<Shape>());
         let shapes: u32 = with_shape.map(hecs::Archetype::len).sum();
-        for DrawnCloud { entity, particles: DrawnRun { drawn, left_out, .. }, cloud, .. } in &self.clouds {
+        for drawn_cloud in &self.clouds {
+            let DrawnCloud { entity, particles: DrawnRun { drawn, left_out, .. }, cloud, .. } = drawn_cloud;
             let is_hidden = world.get::<&Visibility>(*entity).is_ok_and(|seen| *seen == Visibility::NONE);
             if !left_out.is_empty() && !is_hidden {
                 let consequence = if *drawn == 0 { Consequence::NotDrawn } else { Consequence::Incomplete };
-                let cause = FaultCause::Particles { left_out: left_out.len(), count: cloud.positions.len() };
+                let of_particles =
+                    FaultCause::Particles { left_out: left_out.len(), count: cloud.positions.len() };
+                let cause = drawn_cloud.fault().unwrap_or(of_particles);
                 faults.push(Fault { entity: *entity, consequence, cause });
             }
             let radius = cloud.bonds.as_ref().map_or(1.0, |bonds| bonds.radius);
@@ -90,7 +93,7 @@ impl Preparation {
             }
         }
         let copies: usize = self.clouds.iter().map(|cloud| cloud.particles.drawn + cloud.rods.drawn).sum();
-        if shapes as usize - self.clouds.len() == self.entities.len() - copies {
+        if shapes as usize + copies == self.entities.len() + self.clouds.len() {
             return;
         }
         let mut query = world.query::<(

@@ -163,14 +163,15 @@ impl Preparation {
         };
         let repainted = changes.materials().iter().chain(&patterned);
         let materials = repainted.filter_map(|entity| {
-            let slot = self.slots.get(*entity)?;
+            let slot = self.slots.get(*entity);
+            let is_drawn = slot.is_some() || self.clouds.iter().any(|cloud| cloud.entity == *entity);
             let surface = world.query_one_mut::<Surfaced<'_>>(*entity).ok()?;
-            if surface_fault(*entity, surface).is_some() {
+            if is_drawn && surface_fault(*entity, surface).is_some() {
                 self.unsound.insert(*entity);
             } else {
                 self.unsound.remove(entity);
             }
-            Some((slot, surface_material(surface)))
+            Some((slot?, surface_material(surface)))
         });
         let materials: Vec<_> = materials.collect();
         let Self { scene, clouds, .. } = self;
@@ -256,14 +257,14 @@ impl Preparation {
     /// Returns the numbers by which the particle or the bond in a slot is called, and where its cloud is from; `None` if the slot's entity is
     /// no [`Cloud`](crate::components::Cloud).
     #[must_use]
-    pub fn particle(&self, slot: ShapeId) -> Option<(CloudMember, Option<&str>)> {
+    pub fn cloud_member(&self, slot: ShapeId) -> Option<(CloudMember, Option<&str>)> {
         let (DrawnCloud { cloud, .. }, member) = self.cloud_at(slot)?;
         Some((member, cloud.origin.as_deref()))
     }
 
     /// Returns the colour of the particle or the bond in a slot; `None` if it is that of its entity's material.
     #[must_use]
-    pub fn particle_color(&self, slot: ShapeId) -> Option<Rgb> {
+    pub fn member_color(&self, slot: ShapeId) -> Option<Rgb> {
         self.cloud_at(slot)?.0.color(slot)
     }
 

@@ -75,7 +75,7 @@ pub(super) fn read_all(
         key: (*order, entity),
         particles: cloud.positions.len(),
         bonds: cloud.bond_count(),
-        rods: cloud.bond_count() * cloud.rods_per_bond(),
+        rods_per_bond: cloud.rods_per_bond(),
     });
     let mut counts: Vec<CloudSize> = counts.collect();
     counts.sort_unstable_by_key(|CloudSize { key: (order, entity), .. }| (*order, entity.id()));
@@ -84,7 +84,7 @@ pub(super) fn read_all(
     let mut all = VisibleShapes::default();
     let particles = counts.iter().map(|size| size.particles).sum();
     geometry.reserve_spheres(particles);
-    let rods: usize = counts.iter().map(|size| size.rods).sum();
+    let rods: usize = counts.iter().map(|size| size.bonds * size.rods_per_bond).sum();
     all.entities.reserve_exact(ordered.len() + particles + rods);
     // Reading one group of batches overlaps with merging the group before it.
     let (mut before, mut batches) = (Vec::new(), Vec::new());
@@ -107,12 +107,12 @@ fn in_order(entities: impl Iterator<Item = (Order, Entity)>) -> Vec<(Order, Enti
     ordered
 }
 
-/// The numbers of the particles, bonds and rods of a cloud.
+/// The numbers of the particles and bonds of a cloud.
 struct CloudSize {
     key: (Order, Entity),
     particles: usize,
     bonds: usize,
-    rods: usize,
+    rods_per_bond: usize,
 }
 
 /// Divides entities and clouds, both in document order, into shares in document order. Every cloud has a share, even an empty one.
@@ -277,14 +277,14 @@ fn shape_of(particle: usize, surface: Surfaced<'_>, cloud: &Cloud) -> Option<Pre
     particle_shape(surface.0, surface.1, *cloud.positions.get(particle)?, scale).ok()
 }
 
-/// Reads the shapes of those entities that have all components of a drawn entity, and passes each to `put`, with `None` if it is not
+/// Reads the shapes of those entities that have all components of a drawn entity and are no clouds, and passes each to `put`, with `None` if it is not
 /// drawn. Stops and returns `None` if `put` does.
 pub(super) fn read_shapes(
     world: &mut World,
     entities: &[Entity],
     mut put: impl FnMut(Entity, Option<(PreparedShape, RayVisibility)>) -> Option<()>,
 ) -> Option<()> {
-    // Clouds are compared as a whole.
+    // Clouds are compared as a whole: see `DrawnCloud::has_same_shapes`.
     type Shaped<'a> = hecs::Without<
         hecs::With<(&'a Shape, &'a WorldTransform, Option<&'a Visibility>), &'a Material>,
         &'a Cloud,
