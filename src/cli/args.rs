@@ -537,7 +537,7 @@ pub(super) enum SchedulerName {
 pub(super) struct NewArguments {
     /// The file to write; it must not exist
     pub(super) file: PathBuf,
-    /// Write a scene that shows the particles of this data file: a turntable over its frames, with the colours of its elements
+    /// Write a scene that shows the particles of this data file: the camera circles around them, and elements have their usual colours
     #[arg(long, value_name = "DATA")]
     pub(super) from: Option<PathBuf>,
 }
