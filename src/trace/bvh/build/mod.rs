@@ -23,7 +23,7 @@ use crate::trace::bvh::{Extent, Tree};
 /// Maximum number of shapes in a treelet: enough for trees as good as a single one, and few enough to occupy many threads.
 const TREELET_SIZE: usize = 16_384;
 
-/// Builds trees, and keeps the scratch memory for the next build.
+/// Builds trees. The first build frees its scratch memory, since most scenes are built once; further ones keep it for the next.
 #[derive(Debug, Default)]
 pub(crate) struct Builder {
     boxes: Vec<FrameBox>,
@@ -32,6 +32,7 @@ pub(crate) struct Builder {
     /// Index of the shape of each leaf.
     order: Vec<u32>,
     treelets: Vec<Treelet>,
+    has_built: bool,
 }
 
 /// A group of neighbouring shapes.
@@ -73,7 +74,7 @@ impl Builder {
         tree: &mut Tree,
     ) -> &[u32] {
         let frame = Frame::of(count, |index| extent(index).bounds);
-        let Self { boxes, round, order, treelets } = self;
+        let Self { boxes, round, order, treelets, has_built } = self;
         let place = |index| {
             let Extent { bounds, round } = extent(index);
             (frame.bounds(&bounds), round)
@@ -92,6 +93,9 @@ impl Builder {
         );
         tree.frame = frame;
         assemble(treelets, &mut tree.nodes);
+        if !std::mem::replace(has_built, true) {
+            (*boxes, *round, *treelets) = Default::default();
+        }
         order
     }
 }
