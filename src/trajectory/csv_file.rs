@@ -18,7 +18,7 @@ const SAMPLE: usize = 100;
 const SAMPLE_BYTES: usize = 1 << 20;
 
 /// A table of text.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct CsvFile {
     header: Option<TableHeader>,
     /// Position after the last row.
@@ -26,7 +26,7 @@ pub(super) struct CsvFile {
 }
 
 /// The first lines of a table.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct TableHeader {
     separator: Separator,
     columns: Vec<ColumnForm>,
@@ -66,6 +66,10 @@ impl FrameReader for CsvFile {
         };
         let table = table::parse(&bytes, header.line, &form)?;
         Ok(Snapshot { count: table.rows, columns: table.columns, ..Snapshot::default() })
+    }
+
+    fn boxed(&self) -> Box<dyn FrameReader> {
+        Box::new(self.clone())
     }
 }
 

@@ -20,6 +20,15 @@ pub(super) trait FrameReader: fmt::Debug + Send + Sync {
 
     /// Reads a frame, which exists.
     fn read(&self, file: &DataFile, frame: usize) -> Result<Snapshot, Faults>;
+
+    /// Returns a copy of what is known of the frames.
+    fn boxed(&self) -> Box<dyn FrameReader>;
+}
+
+impl Clone for Box<dyn FrameReader> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
 }
 
 /// The meaning of a last line without a line end.

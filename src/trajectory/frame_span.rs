@@ -17,7 +17,7 @@ pub(super) struct FrameSpan {
 }
 
 /// The frames of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct FrameSpans {
     pub list: Vec<FrameSpan>,
 }

@@ -16,7 +16,7 @@ use super::table::{self, ColumnForm, ColumnKind, TableForm, not_a_number};
 use super::text::{LineCursor, Separator, label, parse_number, parse_whole, without_return};
 
 /// The frames of a dump.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct DumpFrames {
     spans: FrameSpans,
 }
@@ -46,6 +46,10 @@ impl FrameReader for DumpFrames {
     fn read(&self, file: &DataFile, frame: usize) -> Result<Snapshot, Faults> {
         let span = self.spans.list[frame];
         read_frame(&file.read(span.start..span.end)?, span.line)
+    }
+
+    fn boxed(&self) -> Box<dyn FrameReader> {
+        Box::new(self.clone())
     }
 }
 

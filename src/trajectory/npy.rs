@@ -13,7 +13,7 @@ use super::snapshot::{Snapshot, Values};
 use super::strided::frame_columns;
 
 /// The frames of an array.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct NpyFrames {
     array: Option<NumpyArray>,
 }
@@ -53,6 +53,10 @@ impl FrameReader for NpyFrames {
             snapshot.push(name, values);
         }
         Ok(snapshot)
+    }
+
+    fn boxed(&self) -> Box<dyn FrameReader> {
+        Box::new(self.clone())
     }
 }
 

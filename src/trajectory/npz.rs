@@ -7,6 +7,8 @@
 //! Compressed arrays are decompressed once, when the file is opened, and kept as other
 //! compressed files are.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::column_names::{MOST_COLUMNS, property_names};
@@ -41,7 +43,7 @@ fn is_of_frames(name: &str) -> bool {
 }
 
 /// The arrays of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct NpzFrames {
     arrays: Vec<NamedArray>,
     frames: usize,
@@ -49,12 +51,12 @@ pub(super) struct NpzFrames {
     length: u64,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct NamedArray {
     name: String,
     array: NumpyArray,
     /// The decompressed array; `None` if it is stored in the file as it is.
-    data: Option<DataFile>,
+    data: Option<Arc<DataFile>>,
 }
 
 /// The relation of an array to frames and particles.
@@ -87,7 +89,7 @@ impl FrameReader for NpzFrames {
             let position = if data.is_some() { 0 } else { member.start };
             let array = NumpyArray::read(data.as_ref().unwrap_or(file), position)
                 .map_err(|faults| faults.within(&format!("array `{name}`")))?;
-            arrays.push(NamedArray { name: name.to_owned(), array, data });
+            arrays.push(NamedArray { name: name.to_owned(), array, data: data.map(Arc::new) });
         }
         let positions = POSITIONS.iter().find_map(|name| arrays.iter().find(|array| array.name == *name));
         let Some(positions) = positions.or_else(|| arrays.iter().find(|array| array.array.shape.len() > 1))
@@ -147,7 +149,7 @@ impl FrameReader for NpzFrames {
                 ArrayExtent::Particles => vec![self.particles, width],
                 ArrayExtent::FramesAndParticles => vec![self.frames as u64, self.particles, width],
             };
-            let columns = frame_columns(array.data.as_ref().unwrap_or(file), &shaped, at)?;
+            let columns = frame_columns(array.data.as_deref().unwrap_or(file), &shaped, at)?;
             let names = names(array, columns.len());
             for (name, values) in names.into_iter().zip(columns) {
                 snapshot.push(name, values);
@@ -159,6 +161,10 @@ impl FrameReader for NpzFrames {
         let time = TIMES.iter().find_map(|name| self.frame_values(file, frame, name).transpose());
         snapshot.time = time.transpose()?.and_then(|values| values.first().copied());
         Ok(snapshot)
+    }
+
+    fn boxed(&self) -> Box<dyn FrameReader> {
+        Box::new(self.clone())
     }
 }
 
@@ -232,7 +238,7 @@ impl NpzFrames {
             return Ok(None);
         }
         let shaped = NumpyArray { shape, fortran_order: false, ..array.clone() };
-        let columns = frame_columns(named.data.as_ref().unwrap_or(file), &shaped, at)?;
+        let columns = frame_columns(named.data.as_deref().unwrap_or(file), &shaped, at)?;
         let numbers = columns.into_iter().filter_map(|values| match values {
             Values::Numbers(numbers) => numbers.first().copied(),
             Values::Labels { .. } => None,

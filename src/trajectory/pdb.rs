@@ -18,7 +18,7 @@ use super::table::Dictionary;
 use super::text::{LineCursor, without_return};
 
 /// The frames of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct PdbFrames {
     spans: Vec<FrameSpan>,
     /// The cell of the records before the second frame.
@@ -83,6 +83,10 @@ impl FrameReader for PdbFrames {
             snapshot.bonds.clone_from(&self.bonds);
         }
         Ok(snapshot)
+    }
+
+    fn boxed(&self) -> Box<dyn FrameReader> {
+        Box::new(self.clone())
     }
 }
 

@@ -1,7 +1,9 @@
 //! Opening, reading and refreshing of data files.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::data_file::DataFile;
 use super::error::{DataPlace, Faults, TrajectoryError};
@@ -17,25 +19,26 @@ use super::{csv_file, lammps, npy, npz, pdb, xtc, xyz};
 /// any order, and from several threads; memory is that of one frame, and of an index of the frames. Compressed files, and compressed arrays
 /// of NPZ files, are decompressed once, when they are opened, into up to 256 MiB of memory, and beyond that into temporary files, which have no
 /// names and go with the process.
+#[derive(Clone)]
 pub struct Trajectory {
     path: PathBuf,
     format: Format,
-    file: DataFile,
+    file: Arc<DataFile>,
     frames: Box<dyn FrameReader>,
     warnings: Vec<String>,
     /// Size and time of the file when it was last read.
     stamp: FileStamp,
     /// The meaning of the file's end when it was last read.
     end: FileEnd,
-    /// The first bytes, which tell a file that has grown from another.
-    head: Vec<u8>,
+    /// The first and the last bytes, which tell a file that has grown from another.
+    ends: [Vec<u8>; 2],
 }
 
 /// Size and time of a file.
 type FileStamp = (u64, Option<std::time::SystemTime>);
 
-/// Number of bytes by which a grown file is recognized.
-const HEAD: u64 = 1 << 10;
+/// Number of bytes at each end by which a grown file is recognized.
+const RECOGNIZED: u64 = 1 << 10;
 
 impl fmt::Debug for Trajectory {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -62,8 +65,9 @@ impl Trajectory {
         let mut faults = warning.into_iter().collect::<Vec<_>>();
         faults.extend(frames.index(&file, FileEnd::Final).map_err(fail)?);
         let warnings = faults.iter().map(|fault| fault.warning(path)).collect();
-        let head = head(&file).map_err(|error| fail(Faults::io(&error)))?;
-        Ok(Self { path: path.to_owned(), format, file, frames, warnings, stamp, end: FileEnd::Final, head })
+        let ends = ends(&file, file.length()).map_err(|error| fail(Faults::io(&error)))?;
+        let (path, file, end) = (path.to_owned(), Arc::new(file), FileEnd::Final);
+        Ok(Self { path, format, file, frames, warnings, stamp, end, ends })
     }
 
     /// Returns the path of the file.
@@ -114,10 +118,12 @@ impl Trajectory {
             return Ok(false);
         }
         let (file, warning) = open_file::open(&self.path).map_err(fail)?;
-        let new_head = head(&file).map_err(|error| fail(Faults::io(&error)))?;
-        let grown = file.length() >= self.file.length() && new_head.starts_with(&self.head);
+        let ends_before = |length| ends(&file, length).map_err(|error| fail(Faults::io(&error)));
+        let (before, now) = (self.file.length(), file.length());
+        let grown = now >= before && ends_before(before)? == self.ends;
+        let new_ends = ends_before(now)?;
         let end = if is_settled || !grown { FileEnd::Final } else { FileEnd::Growing };
-        let before = self.frames.extent();
+        let extent = self.frames.extent();
         let mut faults = warning.into_iter().collect::<Vec<_>>();
         let mut frames = reader(self.format);
         // Frames of a file that only grew need no second search.
@@ -127,8 +133,8 @@ impl Trajectory {
             self.frames = frames;
         }
         self.warnings = faults.iter().map(|fault| fault.warning(&self.path)).collect();
-        (self.file, self.stamp, self.head, self.end) = (file, stamp, new_head, end);
-        Ok(!grown || self.frames.extent() != before)
+        (self.file, self.stamp, self.ends, self.end) = (Arc::new(file), stamp, new_ends, end);
+        Ok(!grown || self.frames.extent() != extent)
     }
 
     /// Returns the warnings of opening, such as a truncated last frame.
@@ -155,8 +161,10 @@ fn stamp(path: &Path) -> std::io::Result<FileStamp> {
     Ok((metadata.len(), metadata.modified().ok()))
 }
 
-fn head(file: &DataFile) -> std::io::Result<Vec<u8>> {
-    file.read(0..file.length().min(HEAD)).map(std::borrow::Cow::into_owned)
+/// Returns the bytes at both ends of the first `length` bytes of a file.
+fn ends(file: &DataFile, length: u64) -> std::io::Result<[Vec<u8>; 2]> {
+    let read = |range| file.read(range).map(Cow::into_owned);
+    Ok([read(0..length.min(RECOGNIZED))?, read(length.saturating_sub(RECOGNIZED)..length)?])
 }
 
 fn unknown_format(path: &Path) -> Faults {

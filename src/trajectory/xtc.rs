@@ -18,7 +18,7 @@ const PRELUDE: u64 = 36;
 const FEW: u32 = 9;
 
 /// The frames of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct XtcFrames {
     frames: Vec<XtcHeader>,
     end: u64,
@@ -173,6 +173,10 @@ impl FrameReader for XtcFrames {
             snapshot.push(name, Values::Numbers(values));
         }
         Ok(snapshot)
+    }
+
+    fn boxed(&self) -> Box<dyn FrameReader> {
+        Box::new(self.clone())
     }
 }
 

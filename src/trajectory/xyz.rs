@@ -15,7 +15,7 @@ use super::table::{self, ColumnForm, ColumnKind, Table, TableForm};
 use super::text::{LineCursor, Separator, parse_whole, without_return};
 
 /// The frames of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct XyzFrames {
     spans: FrameSpans,
 }
@@ -40,6 +40,10 @@ impl FrameReader for XyzFrames {
     fn read(&self, file: &DataFile, frame: usize) -> Result<Snapshot, Faults> {
         let span = self.spans.list[frame];
         read_frame(&file.read(span.start..span.end)?, span.line)
+    }
+
+    fn boxed(&self) -> Box<dyn FrameReader> {
+        Box::new(self.clone())
     }
 }
 

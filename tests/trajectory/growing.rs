@@ -73,6 +73,16 @@ fn replaced_and_shorter_files_are_read_anew() {
     std::fs::write(&path, dump(&frames(22.0, 2), "\n")).unwrap();
     assert!(trajectory.refresh().unwrap());
     assert_eq!((trajectory.frames(), first(&trajectory)), (2, 22.0));
+    // A longer one with the same start, whose frames are elsewhere.
+    let mut text = dump(&frames(22.0, 100), "\n");
+    let mut trajectory_of_many = open(folder.path(), "b.dump", &text).unwrap();
+    let place = text.len() / 2 + text[text.len() / 2..].windows(3).position(|bytes| bytes == b" 22").unwrap();
+    text.splice(place + 1..place + 3, *b"22.00");
+    text.extend(dump(&frames(7.0, 1), "\n"));
+    std::fs::write(trajectory_of_many.path(), &text).unwrap();
+    assert!(trajectory_of_many.refresh().unwrap());
+    assert_eq!(trajectory_of_many.frames(), 101);
+    trajectory_of_many.read(99).unwrap();
     // Another file of this name.
     let other = folder.path().join("b");
     std::fs::write(&other, dump(&frames(333.0, 5), "\n")).unwrap();
