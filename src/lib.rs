@@ -127,6 +127,7 @@
 //! - *Shape*: [`components::Shape`], the sphere, plane, box, cylinder or capsule of an entity; `src/trace/shapes` intersects it.
 //! - *Material*: [`components::Material`], the appearance of a shape; `src/trace/shading` shades it.
 //! - *Light*: [`components::Light`], a point, spot, directional or area light.
+//! - *Overlay*: [`components::Overlay`], texts, scale bars and legends over the picture; `src/overlay` draws them.
 //! - *Systems*: [`systems`], the functions that run for each frame; [`Engine::add_system`] adds custom ones.
 //! - *Tracer*: `src/systems/trace.rs`, the last system, which renders the prepared world with the kernel.
 //! - *Frame loop*: `src/systems/frame.rs`, which advances the world to the instants of a frame and runs the tracer at each.
@@ -152,10 +153,11 @@
 //! | `script` | scripts in scenes, sandboxed | color, time, animation | glam, rhai |
 //! | `trajectory` | data files of particles, read frame by frame | | glam, rayon, memchr, fast_float2, flate2, ruzstd, tempfile |
 //! | `trace` | the kernel: prepared arrays in, film out; no entities, no clock, no files | color | glam, rayon, fearless_simd, dashu_int, blake3 |
+//! | `overlay` | texts, scale bars and legends, drawn over a film | color, trace | ab_glyph, notosans |
 //! | `components` | plain data of entities | color, time, animation | glam, hecs |
 //! | `clouds` | particles of data files at a moment: interpolation, filters, sizes, colours | color, time, components, trajectory | glam, rayon |
 //! | `scene` | RON to world, diagnostics, help for editors | components, animation, script, color, time, clouds | hecs, glam, hashbrown, rayon, ron, serde, annotate_snippets, strsim |
-//! | `systems` | the work of each frame, `frame` to `trace`; `prepare` is the only bridge from world to kernel | components, animation, script, trace, color, time | hecs, glam, rayon |
+//! | `systems` | the work of each frame, `frame` to `trace`; `prepare` is the only bridge from world to kernel | components, animation, script, trace, overlay, color, time | hecs, glam, rayon |
 //! | `engine` | world, systems and reused buffers | color, time, animation, components, scene, systems, trace | hecs, glam, rayon |
 //! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
 //! | `output` | frame files, sequences, sheets, movies | trace, color, time | image, color_quant, png, exr, blake3, font8x8, rayon |
@@ -178,6 +180,7 @@ pub mod engine;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod output;
+mod overlay;
 pub mod scene;
 #[cfg_attr(
     not(feature = "script"),

@@ -108,8 +108,8 @@ pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
 /// Parses the name of a warning.
 pub(super) fn parse_warning(text: &str) -> Result<&'static str, String> {
     let named = text.trim().to_lowercase();
-    let [color, data] = SceneWarning::NAMES;
-    let names = || [color].into_iter().chain(Consequence::NAMES).chain([data]);
+    let [color, of_data @ ..] = SceneWarning::NAMES;
+    let names = || [color].into_iter().chain(Consequence::NAMES).chain(of_data);
     let name = names().find(|name| *name == named);
     name.ok_or_else(|| format!("the warnings are {}", names().collect::<Vec<_>>().join(", ")))
 }

@@ -87,6 +87,15 @@ impl<'a> FrameColumns<'a> {
         self.earlier.column(name).is_some()
     }
 
+    /// Returns the periodic cell, in proportion between those of both frames.
+    pub(super) fn cell(&self) -> Option<Cell> {
+        let own = self.earlier.cell?;
+        let Some(Later { snapshot, share, .. }) = &self.later else { return Some(own) };
+        let Some(other) = snapshot.cell else { return Some(own) };
+        let [a, b, c] = [0, 1, 2].map(|axis| own.edges[axis].lerp(other.edges[axis], *share));
+        Some(Cell { origin: own.origin.lerp(other.origin, *share), edges: [a, b, c], ..own })
+    }
+
     /// Returns a column. An error names those that there are.
     pub(super) fn column(&self, name: &str, part: &CloudPart) -> Result<ColumnValues<'_>, CloudError> {
         match self.earlier.column(name) {

@@ -29,6 +29,10 @@ pub enum CloudPart {
     ColorBy,
     /// The bonds.
     Bonds,
+    /// The copies of the cell.
+    Images,
+    /// The style.
+    Style,
 }
 
 impl CloudError {

@@ -3,20 +3,24 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::bonds::BondSettings;
+use super::cell;
 use super::columns::{FrameColumns, picked};
-use super::error::CloudError;
+use super::error::{CloudError, CloudPart};
 use super::filter::ParticleFilter;
 use super::frame_timing::{FrameTiming, FramesAt};
-use super::mapping::{ColorBy, FirstFrame, ScaleBy};
+use super::legend::legend;
+use super::mapping::{ColorBy, ELEMENT, FirstFrame, ScaleBy};
 use super::trajectory_file::TrajectoryFile;
 use crate::color::Transfer;
-use crate::components::{Cloud, CloudBonds, Particles};
+use crate::components::{Cloud, CloudBonds, CloudLegend, DataMoment, Particles};
 use crate::time::Time;
 use crate::trajectory::{Snapshot, Values};
 
 /// The choice and the look of the particles of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CloudSettings {
+    /// The particles, or the cell.
+    pub content: CloudContent,
     /// The times of the frames.
     pub times: FrameTiming,
     /// The condition of the particles that are shown.
@@ -27,8 +31,19 @@ pub struct CloudSettings {
     pub color_by: Option<ColorBy>,
     /// The rods between them.
     pub bonds: Option<BondSettings>,
+    /// The number of cells along each edge of the periodic cell that have copies of the particles, with the cell itself.
+    pub images: [u32; 3],
     /// The conversion of the colours to light.
     pub transfer: Transfer,
+}
+
+/// The part of a data file that a cloud shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CloudContent {
+    /// The particles.
+    Particles,
+    /// The edges of the periodic cell, which have this radius, or a 400th of the longest edge.
+    Cell(Option<f64>),
 }
 
 /// The particles of a data file.
@@ -39,6 +54,8 @@ pub struct FileParticles {
     name: String,
     settings: CloudSettings,
     first: OnceLock<FirstFrame>,
+    /// The legend, once it was needed; `None` without colours.
+    legend: OnceLock<Option<CloudLegend>>,
     last: Mutex<Option<(FramesAt, Cloud)>>,
 }
 
@@ -46,7 +63,8 @@ impl FileParticles {
     /// Creates the particles of a file. `name` is the file as written in the scene.
     #[must_use]
     pub fn new(file: Arc<TrajectoryFile>, name: &str, settings: CloudSettings) -> Self {
-        Self { file, name: name.to_owned(), settings, first: OnceLock::new(), last: Mutex::default() }
+        let (first, legend) = (OnceLock::new(), OnceLock::new());
+        Self { file, name: name.to_owned(), settings, first, legend, last: Mutex::default() }
     }
 
     /// Returns whether these are the particles of the same file, with the same settings.
@@ -61,6 +79,19 @@ impl FileParticles {
         self.file.trajectory().warnings()
     }
 
+    /// Returns whether the first frame has atoms of several elements: molecules, of which most differ from their mirror images.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read.
+    pub fn has_molecules(&self) -> Result<bool, CloudError> {
+        Ok(match self.file.frame(0)?.column(ELEMENT) {
+            Some(Values::Labels { names, .. }) => names.len() > 1,
+            Some(Values::Numbers(numbers)) => numbers.windows(2).any(|pair| pair[0] != pair[1]),
+            None => false,
+        })
+    }
+
     /// Checks that the columns exist that the settings name, in the first frame.
     ///
     /// # Errors
@@ -69,7 +100,13 @@ impl FileParticles {
     pub fn check(&self) -> Result<(), CloudError> {
         let snapshot = self.file.frame(0)?;
         let columns = FrameColumns::of(&snapshot);
+        if let CloudContent::Cell(radius) = self.settings.content {
+            return edges(&columns, radius).map(|_| ());
+        }
         columns.positions(Some(&[]))?;
+        // A filter may leave few.
+        let count = self.settings.filter.as_ref().map_or(columns.count(), |_| 0);
+        cell::images(columns.cell().as_ref(), self.settings.images, count)?;
         if let Some(filter) = &self.settings.filter {
             filter.bind(&columns)?;
         }
@@ -90,6 +127,19 @@ impl FileParticles {
             None => FirstFrame::default(),
         };
         Ok(self.first.get_or_init(|| first))
+    }
+
+    /// Returns the legend of the first frame.
+    fn first_legend(&self) -> Result<Option<CloudLegend>, CloudError> {
+        let Some(color_by) = &self.settings.color_by else { return Ok(None) };
+        let snapshot = self.file.frame(0)?;
+        let columns = FrameColumns::of(&snapshot);
+        let rows = match &self.settings.filter {
+            Some(filter) => Some(filter.bind(&columns)?.rows(columns.count())),
+            None => None,
+        };
+        let first = self.first_frame(&columns)?;
+        legend(color_by, &columns, rows.as_deref(), first, self.settings.transfer).map(Some)
     }
 
     fn particles(&self, at: FramesAt) -> Result<Cloud, CloudError> {
@@ -123,7 +173,15 @@ impl FileParticles {
         snapshot: &Arc<Snapshot>,
         at: FramesAt,
     ) -> Result<Cloud, CloudError> {
-        let CloudSettings { filter, scale_by, color_by, transfer, .. } = &self.settings;
+        let origin = match at.next {
+            Some((next, _)) => format!("{}, frames {} to {next}", self.name, at.frame),
+            None => format!("{}, frame {}", self.name, at.frame),
+        };
+        let origin = Some(origin.into());
+        if let CloudContent::Cell(radius) = self.settings.content {
+            return Ok(Cloud { origin, ..edges(columns, radius)? });
+        }
+        let CloudSettings { filter, scale_by, color_by, transfer, images, .. } = &self.settings;
         let rows = match filter {
             Some(filter) => Some(filter.bind(columns)?.rows(columns.count())),
             None => None,
@@ -144,18 +202,17 @@ impl FileParticles {
             Some(Values::Numbers(ids)) => Some(picked(rows, columns.count(), |row| number(ids[row]))),
             _ => rows.map(|rows| rows.iter().map(|row| u64::from(*row)).collect()),
         };
-        let origin = match at.next {
-            Some((next, _)) => format!("{}, frames {} to {next}", self.name, at.frame),
-            None => format!("{}, frame {}", self.name, at.frame),
-        };
-        Ok(Cloud {
+        let mut cloud = Cloud {
             positions: Arc::new(columns.positions(rows)?),
             scales,
             colors,
             numbers: numbers.map(Arc::new),
             bonds: self.bonds(snapshot, rows)?,
-            origin: Some(origin.into()),
-        })
+            origin,
+        };
+        let shown = cloud.positions.len();
+        cell::repeat(&mut cloud, &cell::images(columns.cell().as_ref(), *images, shown)?);
+        Ok(cloud)
     }
 
     /// Returns the bonds between the particles in these rows, or between all.
@@ -204,6 +261,39 @@ impl Particles for FileParticles {
 
     fn is_still(&self) -> bool {
         self.file.trajectory().frames() == 1
+    }
+
+    fn legend(&self) -> Result<Option<CloudLegend>, String> {
+        if let Some(legend) = self.legend.get() {
+            return Ok(legend.clone());
+        }
+        let legend = self.first_legend().map_err(|error| error.to_string())?;
+        Ok(self.legend.get_or_init(|| legend).clone())
+    }
+
+    fn moment(&self, time: Time) -> Result<Option<DataMoment>, String> {
+        let FramesAt { frame, next } = self.settings.times.frames_at(time, self.file.trajectory().frames());
+        let of_frame = |frame| Ok::<_, CloudError>(self.file.frame(frame)?.time);
+        let moment = || {
+            let own = of_frame(frame)?;
+            let later = match next {
+                Some((next, share)) => of_frame(next)?.map(|time| (time, share)),
+                None => None,
+            };
+            let time = own.map(|own| later.map_or(own, |(later, share)| own + share * (later - own)));
+            Ok::<_, CloudError>(Some(DataMoment { frame, time }))
+        };
+        moment().map_err(|error| error.to_string())
+    }
+}
+
+fn edges(columns: &FrameColumns<'_>, radius: Option<f64>) -> Result<Cloud, CloudError> {
+    match columns.cell() {
+        Some(cell) => Ok(cell::edges(&cell, radius)),
+        None => {
+            let help = "name a file with the cell of a simulation, or draw the edges with `entities`";
+            Err(CloudError::new(CloudPart::Style, "the data has no periodic cell", help))
+        }
     }
 }
 

@@ -51,6 +51,13 @@ pub(super) struct FirstFrame {
     labels: HashMap<String, usize>,
 }
 
+impl FirstFrame {
+    /// Returns the numbers of the first and the last colour of a map.
+    pub(super) fn range(&self) -> [f64; 2] {
+        [self.range.0, self.range.1]
+    }
+}
+
 /// The column with the elements.
 pub(super) const ELEMENT: &str = "element";
 

@@ -54,6 +54,21 @@ impl TrajectoryFile {
         Ok(Arc::new(Self { trajectory, stamp, is_kept, frames: Mutex::default(), bonds: Mutex::default() }))
     }
 
+    /// Opens a file again that has changed. Of one that has only grown, the new part alone is searched for frames.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read, or has no frame.
+    pub fn opened_again(&self, path: &Path) -> Result<Arc<Self>, TrajectoryError> {
+        let stamp = stamp(path);
+        let mut trajectory = self.trajectory.clone();
+        // A last line without an end counts as whole once the file stays the same.
+        trajectory.refresh()?;
+        trajectory.refresh()?;
+        let Self { is_kept, .. } = *self;
+        Ok(Arc::new(Self { trajectory, stamp, is_kept, frames: Mutex::default(), bonds: Mutex::default() }))
+    }
+
     /// Returns the file.
     #[must_use]
     pub fn trajectory(&self) -> &Trajectory {

@@ -87,6 +87,36 @@ pub struct CloudSource {
     pub place: Arc<str>,
 }
 
+/// The meaning of the colours of particles.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CloudLegend {
+    /// Colours of numbers.
+    Ramp {
+        /// The name of the numbers.
+        title: String,
+        /// The colours, of even steps.
+        colors: Vec<Rgb>,
+        /// The numbers of the first and the last colour.
+        range: [f64; 2],
+    },
+    /// Colours of kinds.
+    Kinds {
+        /// The name of the property by which kinds differ.
+        title: String,
+        /// The kinds with their colours.
+        kinds: Vec<(String, Rgb)>,
+    },
+}
+
+/// A frame of data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DataMoment {
+    /// The index of the frame; of the earlier one between two.
+    pub frame: usize,
+    /// The time in the unit of the data, if the frame has one.
+    pub time: Option<f64>,
+}
+
 /// The number of a particle: an entity with this component is at that particle of its parent, which is a cloud. Its translation is set
 /// before tracks are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,6 +134,25 @@ pub trait Particles: Send + Sync {
     /// Returns whether the particles are the same at all moments.
     fn is_still(&self) -> bool {
         false
+    }
+
+    /// Returns the meaning of the colours; `None` if they have none.
+    ///
+    /// # Errors
+    ///
+    /// Returns the cause if it cannot be found.
+    fn legend(&self) -> Result<Option<CloudLegend>, String> {
+        Ok(None)
+    }
+
+    /// Returns the frame of the data that is shown at a moment, and its time; `None` if there are no frames.
+    ///
+    /// # Errors
+    ///
+    /// Returns the cause if it cannot be read.
+    fn moment(&self, time: Time) -> Result<Option<DataMoment>, String> {
+        let _ = time;
+        Ok(None)
     }
 }
 

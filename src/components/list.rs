@@ -44,6 +44,7 @@ macro_rules! with_components {
             Quality: rewritten,
             Sampling: rewritten,
             Space: rewritten,
+            Overlay: rewritten,
             Animated: rewritten,
         }
     };

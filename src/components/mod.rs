@@ -17,6 +17,7 @@
 //! | [`LookAt`], [`Target`] | the entity that a camera looks at, or the entity or point that another entity points to |
 //! | [`Follow`], [`Shots`] | the entity that a camera follows, and the active camera over time |
 //! | [`Ambient`], [`AmbientOcclusion`], [`Background`], [`Sun`], [`Stars`], [`Fog`], [`Quality`], [`Sampling`], [`Space`] | settings of the whole scene; at most one of each in a world |
+//! | [`Overlay`] | texts, scale bars and legends over the picture |
 //! | [`Animated`] | motions of the values above, each a [`Property`] and a [`Motion`] |
 //! | [`Name`], [`Order`] | the name of an entity and its index in document order |
 //! | [`WorldTransform`] | the transform to world space; derived by [`systems::propagate`](crate::systems::propagate), never written by hand |
@@ -28,6 +29,7 @@ mod identity;
 mod light;
 mod list;
 mod material;
+mod overlay;
 mod property;
 mod quantity;
 mod range;
@@ -39,11 +41,14 @@ mod visibility;
 
 pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn, Way};
 pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, View};
-pub use cloud::{AtParticle, Cloud, CloudBonds, CloudColors, CloudMember, CloudSource, Particles};
+pub use cloud::{
+    AtParticle, Cloud, CloudBonds, CloudColors, CloudLegend, CloudMember, CloudSource, DataMoment, Particles,
+};
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub(crate) use list::with_components;
 pub use material::{Emission, Material, Pattern, PatternKind, Reflective, Refractive, Specular};
+pub use overlay::{Corner, Overlay, OverlayContent, OverlayItem, TextPart};
 pub use property::Property;
 pub(crate) use property::Requirement;
 pub(crate) use quantity::Quantity;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::document::{
     BetweenDocument, CloudDocument, ColorByDocument, ColorDocument, ColorMapDocument, EndDocument,
-    EntityDocument, ScaleByDocument, SceneDocument, TransferDocument,
+    EntityDocument, ScaleByDocument, SceneDocument, SpaceDocument, StyleDocument, TransferDocument,
 };
 use super::input::InputFiles;
 use super::source_text::SourceText;
@@ -16,13 +16,23 @@ use super::spawn::transfer;
 use super::suggest_file::nearby;
 use super::validate::{At, Problems, frame_rate, start_time};
 use crate::clouds::{
-    Between, BondSettings, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End, FileParticles,
-    FrameTiming, ParticleFilter, ScaleBy, TrajectoryFile,
+    Between, BondSettings, CloudContent, CloudError, CloudPart, CloudSettings, ColorBy, ColorMap, End,
+    FileParticles, FrameTiming, ParticleFilter, ScaleBy, TrajectoryFile,
 };
 use crate::components::CloudSource;
 
 /// The label of warnings about data files.
 pub(super) const DATA_LABEL: &str = "shown as far as it can be";
+
+/// The label of warnings about molecules in left-handed space.
+pub(super) const MIRRORED_LABEL: &str = "each is shown as its mirror image";
+
+/// The settings of the whole scene on which clouds depend.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CloudScene {
+    pub(super) transfer: TransferDocument,
+    pub(super) space: Option<SpaceDocument>,
+}
 
 /// The data files of a scene, and the particles taken from them. Both are used again when the scene is loaded again, so that an edit of the
 /// scene reads no file.
@@ -46,7 +56,7 @@ impl CloudFiles {
         &mut self,
         document: &mut SceneDocument,
         scene_text: &SourceText,
-        film: TransferDocument,
+        of_scene: CloudScene,
         before: &Self,
         inputs: &mut InputFiles,
         problems: &mut Problems,
@@ -62,11 +72,18 @@ impl CloudFiles {
         let mut entities = Vec::with_capacity(document.clouds.len());
         for (index, (cloud, folder)) in document.clouds.iter().zip(folders).enumerate() {
             let at = list.index(index);
-            let source = self.source(cloud, folder, film, before, inputs);
+            let source = self.source(cloud, folder, of_scene.transfer, before, inputs);
             let source = source.map_err(|error| add_error(error, cloud, &at, problems)).ok();
             for warning in source.iter().flat_map(|particles| particles.warnings()) {
                 let help = "complete the file, or render what there is";
                 problems.warn(&at.field("source"), warning, DATA_LABEL, help);
+            }
+            // Who writes the space has made a choice.
+            let is_mirrored = of_scene.space.is_none()
+                && source.as_ref().is_some_and(|particles| particles.has_molecules() == Ok(true));
+            if is_mirrored {
+                let help = "write `space: RightHanded` in the scene, for which positions of atoms are meant";
+                problems.warn(&at.field("source"), "molecules in left-handed space", MIRRORED_LABEL, help);
             }
             let place = || format!("{}: ", scene_text.line_of(&at.path())).into();
             let source = source.map(|particles| Box::new(CloudSource { particles, place: place() }));
@@ -113,8 +130,9 @@ impl CloudFiles {
             message,
             help: help.unwrap_or_else(|| "name a file of particles, as \"gas.xyz\"".to_owned()),
         };
-        let file = match before.files.get(&key).filter(|file| file.is_current(path)) {
-            Some(file) => Arc::clone(file),
+        let file = match before.files.get(&key) {
+            Some(file) if file.is_current(path) => Arc::clone(file),
+            Some(file) => file.opened_again(path).map_err(|failure| error(failure.to_string(), None))?,
             None => {
                 match fs::metadata(path) {
                     // Reading a pipe could block forever.
@@ -195,7 +213,13 @@ fn settings(cloud: &CloudDocument, film: TransferDocument) -> Result<CloudSettin
         color: bonds.color.map(|color| transfer.decode(color.0)),
         distance: bonds.distance,
     });
-    Ok(CloudSettings { times, filter, scale_by, color_by, bonds, transfer })
+    let content = match cloud.style {
+        Some(StyleDocument::Cell) => CloudContent::Cell(cloud.bonds.as_ref().and_then(|bonds| bonds.radius)),
+        _ => CloudContent::Particles,
+    };
+    // Larger ones are reported by the validation.
+    let images = cloud.images.map(|count| u32::try_from(count).unwrap_or(1));
+    Ok(CloudSettings { content, times, filter, scale_by, color_by, bonds, images, transfer })
 }
 
 fn color_map(document: ColorMapDocument) -> ColorMap {
@@ -226,6 +250,8 @@ fn add_error(
     match part {
         _ if is_of_style => problems.add(&at.field("style"), message, MISFIT, help),
         CloudPart::Bonds => problems.add(&at.field("bonds"), message, MISFIT, help),
+        CloudPart::Images => problems.add(&at.field("images"), message, MISFIT, help),
+        CloudPart::Style => problems.add(&at.field("style"), message, MISFIT, help),
         CloudPart::Source => problems.add(&at.field("source"), message, "cannot be shown", help),
         CloudPart::Frames => problems.add(&at.field("frames"), message, MISFIT, help),
         CloudPart::ScaleBy => problems.add(&at.field("scale_by"), message, MISFIT, help),

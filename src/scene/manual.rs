@@ -19,12 +19,13 @@ mod tests {
     use crate::scene::document::{
         AmbientOcclusionDocument, AnimationDocument, AreaShapeDocument, BackgroundDocument, BetweenDocument,
         BondsDocument, CameraDocument, ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument,
-        EasingDocument, EndDocument, EntityDocument, FilmDocument, FogDocument, FramesDocument,
-        IncludeDocument, LensDocument, LightDocument, MaterialDocument, NoiseDocument, NormDocument,
-        PatternDocument, QualityDocument, ReflectiveDocument, RefractiveDocument, RepeatDocument,
-        RotationDocument, SamplingDocument, ScaleByDocument, SceneDocument, ScreenDocument, ScriptDocument,
-        ShapeDocument, SpaceDocument, SpecularDocument, StarsDocument, StyleDocument, SunDocument,
-        TimelineDocument, TrackDocument, TransferDocument, TransformDocument, Triple,
+        CornerDocument, EasingDocument, EndDocument, EntityDocument, FilmDocument, FogDocument,
+        FramesDocument, IncludeDocument, LensDocument, LightDocument, MaterialDocument, NoiseDocument,
+        NormDocument, OverlayDocument, PatternDocument, QualityDocument, ReflectiveDocument,
+        RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument, ScaleByDocument,
+        SceneDocument, ScreenDocument, ScriptDocument, ShapeDocument, SpaceDocument, SpecularDocument,
+        StarsDocument, StyleDocument, SunDocument, TimelineDocument, TrackDocument, TransferDocument,
+        TransformDocument, Triple,
     };
     use crate::scene::parse::options;
     use crate::scene::reference::{self, FieldEntry, ManualSection, VariantEntry};
@@ -135,6 +136,8 @@ mod tests {
         check_variants::<ColorMapDocument>("ColorMap", all);
         check_variants::<BetweenDocument>("Between", all);
         check_variants::<EndDocument>("End", all);
+        check_variants::<OverlayDocument>("OverlayItem", all);
+        check_variants::<CornerDocument>("Corner", all);
         check_variants::<RotationDocument>("Rotation", all);
         check_variants::<ChannelDocument>("Channel", all);
         check_variants::<EasingDocument>("Easing", all);

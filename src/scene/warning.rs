@@ -1,12 +1,11 @@
 //! Warnings about the text of a scene.
 
-use super::clouds::DATA_LABEL;
+use super::clouds::{DATA_LABEL, MIRRORED_LABEL};
 use super::error::original;
 use super::files::Files;
 use super::{Diagnostic, SourcePosition};
 
-/// A value of a scene that is valid and surely not meant, such as a colour with channels from 0 to 1, or a data file whose last frame is cut
-/// off.
+/// A value of a scene that is valid and surely not meant, such as a colour with channels from 0 to 1, or a truncated data file.
 ///
 /// ```
 /// use rayreel::Scene;
@@ -33,8 +32,8 @@ pub struct SceneWarning {
 }
 
 impl SceneWarning {
-    /// The names of the warnings: about colours from 0 to 1, and about data files.
-    pub const NAMES: [&str; 2] = ["dark-color", "data-file"];
+    /// The names of the warnings: about colours from 0 to 1, data files, and molecules in left-handed space.
+    pub const NAMES: [&str; 3] = ["dark-color", "data-file", "left-handed"];
 }
 
 /// Returns the warnings about all files, by file and position.
@@ -51,10 +50,10 @@ pub(super) fn warnings_of(files: &mut Files) -> Vec<SceneWarning> {
                 .map_or((&of_file.name, &*of_file.text), |source| (&source.file, &source.text));
             let start = span.map_or(0, |span| span.start);
             let is_hexadecimal = text.as_bytes().get(start) == Some(&b'"');
-            let is_of_data = label == DATA_LABEL;
-            let warning = SceneWarning::NAMES[usize::from(is_of_data)];
-            (is_of_data || !is_hexadecimal).then(|| SceneWarning {
-                name: warning,
+            let name_index = [DATA_LABEL, MIRRORED_LABEL].iter().position(|known| label == **known);
+            let kind = SceneWarning::NAMES[name_index.map_or(0, |index| index + 1)];
+            (name_index.is_some() || !is_hexadecimal).then(|| SceneWarning {
+                name: kind,
                 file: name.clone(),
                 position: SourcePosition::of(text, start),
                 message: format!("{message}: {label}"),

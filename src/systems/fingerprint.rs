@@ -29,7 +29,10 @@ impl<'a> HashedInstants<'a> {
             let instants = u32::try_from(self.instants.len()).unwrap_or(u32::MAX);
             let (transfer, target) = (data.film().transfer, data.error_target(instants > 1));
             let lighting = self.frame.lighting();
-            FrameHasher::new(&FrameConstants { transfer, sampling, target, lighting, instants })
+            let mut hasher =
+                FrameHasher::new(&FrameConstants { transfer, sampling, target, lighting, instants });
+            data.overlay().iter().for_each(|overlay| hasher.add_overlay(overlay));
+            hasher
         });
         hasher.add(data.scene(), data.camera(), sampling);
     }

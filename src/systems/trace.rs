@@ -72,7 +72,8 @@ fn trace<E: Encoding>(
     let on_pause = on_pause.unwrap_or(&mut own_visit);
     let mut start_job = |data: &Preparation| {
         let plan = frame.sample_plan(data, alpha);
-        RenderJob::encoded(encoding, data.camera().resolution(), plan, std::mem::take(memory))
+        let job = RenderJob::encoded(encoding, data.camera().resolution(), plan, std::mem::take(memory));
+        job.with_overlay(data.overlay())
     };
     let mut hashed = fingerprint.then(|| HashedInstants::new(frame));
     let is_fresh = job.is_none();
@@ -156,7 +157,7 @@ fn trace_reference<E: Encoding>(
     report: &mut FrameReport,
 ) -> Result<RenderedImage<E::Pixel>, Interrupted> {
     let RenderRequest { encoding, alpha, sample_counts, signals: Signals { cancelled, .. }, .. } = *request;
-    let mut sums = None;
+    let (mut sums, mut overlay) = (None, None);
     let start_sums =
         |data: &Preparation| ReferenceSums::new(data.camera().resolution(), frame.sample_plan(data, alpha));
     let (first, identifying) = (frame.first_instants(), frame.identifying_instants());
@@ -168,6 +169,7 @@ fn trace_reference<E: Encoding>(
         })?;
     }
     simulation.visit(frame, first, report, cancelled, |PreparedInstant { data, index, .. }| {
+        overlay = overlay.take().or_else(|| data.overlay());
         let sums = sums.get_or_insert_with(|| start_sums(data));
         reference(frame, data).add(sums, index);
         rest -= 1;
@@ -181,8 +183,12 @@ fn trace_reference<E: Encoding>(
         rest = next.len();
         NextInstants::Visit(next)
     })?;
-    let RenderedImage { film, alpha, sample_counts: counts, .. } =
+    let RenderedImage { mut film, mut alpha, sample_counts: counts, .. } =
         sums.ok_or(Interrupted::Cancelled)?.resolve();
+    if let Some(overlay) = overlay {
+        film.draw_over(&overlay);
+        alpha.iter_mut().for_each(|alpha| alpha.draw_over(&overlay));
+    }
     let sample_counts = counts.filter(|_| sample_counts);
     Ok(RenderedImage { film: film.encoded(encoding), alpha, passes: None, sample_counts })
 }

@@ -104,6 +104,7 @@ pub use rays::{PreparedRay, ShapeId};
 pub(crate) use render::adaptive::{Convergence, ErrorTarget, InstantOrder, block, round_policy};
 pub use render::adaptive::{EstimatedError, Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 pub use render::film::{EncodedFilm, Film};
+pub(crate) use render::film_overlay::FilmOverlay;
 pub(crate) use render::fingerprint::{FrameConstants, FrameHasher};
 pub use render::fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
 pub use render::image::RenderedImage;

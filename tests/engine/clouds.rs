@@ -419,6 +419,62 @@ fn changed_files_are_read_again() {
 }
 
 #[test]
+fn files_that_grow_are_followed() {
+    let folder = folder();
+    let (path, data) = (folder.path().join("scene.ron"), folder.path().join("gas.extxyz"));
+    let (start, _) = DATA.match_indices("4\n").nth(2).map(|(start, _)| DATA.split_at(start)).unwrap();
+    fs::write(&path, scene("color: (255, 0, 0), frames: (fps: 4)")).unwrap();
+    fs::write(&data, start).unwrap();
+    let mut reader = Reader::new();
+    let mut engine = Engine::from_scene(reader.load(&path).unwrap().0);
+    let before = engine.render_frame(9).unwrap();
+    // Within the next frame, after its last line without the line end, and whole.
+    for length in [start.len() + 20, DATA.len() - 1, DATA.len()] {
+        fs::write(&data, &DATA[..length]).unwrap();
+        engine.reload(reader.load(&path).unwrap().0);
+        let film = engine.render_frame(9).unwrap();
+        assert_eq!(film, Engine::load(&path).unwrap().render_frame(9).unwrap(), "{length}");
+        assert_eq!(film == before, length < DATA.len() - 1, "{length}");
+    }
+}
+
+#[test]
+fn cells_have_edges_and_images() {
+    let folder = folder();
+    let edges = |settings: &str| {
+        let mut engine = load(folder.path(), &format!("color: (255, 0, 0), {settings}"));
+        engine.seek(Time::ZERO).unwrap();
+        engine
+    };
+    let engine = edges("style: Cell, bonds: (radius: 0.5)");
+    assert_eq!(below(&engine, 5.0, 10.0), Some((None, Some([6, 7]), 10.5)));
+    assert_eq!(below(&engine, 10.3, 10.0).unwrap().0, Some(7));
+    assert_eq!(below(&engine, 5.0, 8.0), None);
+    assert_eq!(rounded(below(&edges("style: Cell"), 5.0, 10.0).unwrap().2), 10.025);
+    let engine = edges("shape: Sphere(radius: 0.5), images: (2, 1, 1), filter: \"element == 'O'\"");
+    assert_eq!(below(&engine, 1.0, 1.0), Some((Some(7), None, 1.5)));
+    assert_eq!(below(&engine, 11.0, 1.0), Some((Some(7), None, 1.5)));
+    assert_eq!([(21.0, 1.0), (1.0, 11.0)].map(|(x, y)| below(&engine, x, y)), [None; 2]);
+}
+
+#[test]
+fn molecules_in_left_handed_space_are_warned_of() {
+    let folder = folder();
+    let warnings = |space: &str| {
+        let text = scene("color: (255, 0, 0)").replace("space: RightHanded,", space);
+        fs::write(folder.path().join("scene.ron"), text).unwrap();
+        let warnings = Scene::load(&folder.path().join("scene.ron")).unwrap().warnings;
+        warnings.into_iter().map(|warning| (warning.name, warning.message)).collect::<Vec<_>>()
+    };
+    let message = "molecules in left-handed space: each is shown as its mirror image".to_owned();
+    assert_eq!(warnings(""), [("left-handed", message)]);
+    assert_eq!(warnings("space: LeftHanded,"), []);
+    assert_eq!(warnings("space: RightHanded,"), []);
+    fs::write(folder.path().join("gas.extxyz"), DATA.replace("species:S", "kind:S")).unwrap();
+    assert_eq!(warnings(""), []);
+}
+
+#[test]
 fn only_moving_particles_are_prepared_again() {
     let folder = folder();
     let animate = "animate: [(target: \"camera\", channel: Position, track: Keys([(0, (5, 3, 20)), (3, (6, 3, 20))]))],\n)";

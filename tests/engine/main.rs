@@ -19,6 +19,7 @@ mod handedness;
 mod moments;
 mod movies;
 mod orthographic;
+mod overlay;
 mod passes;
 mod prepared_changes;
 mod reload;

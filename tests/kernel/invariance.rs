@@ -8,8 +8,8 @@ use glam::{DQuat, DVec3};
 use hecs::{Or, With, Without};
 
 use rayreel::components::{
-    AmbientOcclusion, Background, Camera, Cloud, FilmSettings, Fog, Light, LightKind, Parent, Pattern,
-    Projection, Refractive, Sampling, Shape, Stars, Sun, Target, Transform, View,
+    AmbientOcclusion, Background, Camera, Cloud, FilmSettings, Fog, Light, LightKind, Overlay, Parent,
+    Pattern, Projection, Refractive, Sampling, Shape, Stars, Sun, Target, Transform, View,
 };
 use rayreel::{Engine, Film};
 
@@ -84,7 +84,8 @@ enum Motion {
 }
 
 /// Renders the middle frame after the motion, without features that depend on the world's axes or on random samples: gradients become their
-/// top colour, area lights become points, ambient light is not occluded, and cameras have neither lens nor shutter.
+/// top colour, area lights become points, ambient light is not occluded, cameras have neither lens nor shutter, and nothing is written over
+/// the picture.
 fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::PreparedCamera) {
     let mut engine = Engine::load(path).unwrap();
     let world = engine.world_mut();
@@ -106,6 +107,9 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
     }
     let occluded: Vec<hecs::Entity> =
         world.query_mut::<With<hecs::Entity, &AmbientOcclusion>>().into_iter().collect();
+    for overlay in world.query_mut::<&mut Overlay>() {
+        overlay.0.clear();
+    }
     for entity in occluded {
         world.remove_one::<AmbientOcclusion>(entity).unwrap();
     }

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::values::yes;
+use super::values::{three_whole, yes};
 use super::{ColorDocument, RateDocument, ShapeDocument, SurfaceDocument, TransformDocument};
 
 /// A cloud of particles.
@@ -22,6 +22,8 @@ pub(crate) struct CloudDocument {
     pub(crate) color: Option<ColorDocument>,
     pub(crate) color_by: Option<ColorByDocument>,
     pub(crate) filter: Option<String>,
+    #[serde(default = "one_cell", deserialize_with = "three_whole")]
+    pub(crate) images: [u64; 3],
     #[serde(default)]
     pub(crate) frames: FramesDocument,
     #[serde(default = "yes")]
@@ -38,6 +40,7 @@ pub(crate) struct CloudDocument {
 pub(crate) enum StyleDocument {
     BallAndStick,
     Licorice,
+    Cell,
 }
 
 /// The rods between particles.
@@ -122,7 +125,7 @@ impl CloudDocument {
             // As in Jmol and VMD: a quarter of the van der Waals radius.
             Some(StyleDocument::BallAndStick) => 0.25,
             Some(StyleDocument::Licorice) => LICORICE,
-            None => 1.0,
+            Some(StyleDocument::Cell) | None => 1.0,
         };
         self.shape.clone().unwrap_or(ShapeDocument::Sphere { radius })
     }
@@ -136,10 +139,19 @@ impl CloudDocument {
 
     /// Returns the bonds, with a radius.
     pub(crate) fn rods(&self) -> Option<(f64, BondsDocument)> {
-        let radius = if self.style == Some(StyleDocument::Licorice) { LICORICE } else { 0.15 };
+        let radius = match self.style {
+            Some(StyleDocument::Cell) => return None,
+            Some(StyleDocument::Licorice) => LICORICE,
+            Some(StyleDocument::BallAndStick) | None => 0.15,
+        };
         let bonds = self.bonds.clone().or(self.style.map(|_| BondsDocument::default()))?;
         Some((bonds.radius.unwrap_or(radius), bonds))
     }
+}
+
+/// Returns the default of `images`: the cell of the file alone.
+fn one_cell() -> [u64; 3] {
+    [1; 3]
 }
 
 /// The radius of atoms and bonds in angstroms, as in VMD.

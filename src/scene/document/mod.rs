@@ -7,6 +7,7 @@ mod cloud;
 mod entity;
 mod include;
 mod material;
+mod overlay;
 mod settings;
 mod surface;
 mod values;
@@ -26,6 +27,7 @@ pub(super) use entity::{
 };
 pub(super) use include::IncludeDocument;
 pub(super) use material::{MaterialDocument, PatternDocument};
+pub(super) use overlay::{CornerDocument, OverlayDocument};
 pub(super) use settings::{
     AmbientOcclusionDocument, CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument,
     QualityDocument, SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument,

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::values::yes;
 use super::{
     AnimationDocument, BackgroundDocument, CloudDocument, ColorDocument, EntityDocument, Entries,
-    IncludeDocument, MaterialDocument, RateDocument, ScriptDocument, Triple, whole,
+    IncludeDocument, MaterialDocument, OverlayDocument, RateDocument, ScriptDocument, Triple, whole,
 };
 use crate::components::{AmbientOcclusion, FilmSettings, Quality, Sampling, Stars};
 
@@ -35,6 +35,7 @@ pub(crate) struct SceneDocument {
     /// Shared between successive loads of an edited file.
     pub(crate) entities: Vec<Arc<EntityDocument>>,
     pub(crate) clouds: Vec<CloudDocument>,
+    pub(crate) overlay: Vec<OverlayDocument>,
     pub(crate) spawn: Vec<ScriptDocument>,
     pub(crate) animate: Vec<AnimationDocument>,
     pub(crate) extends: Option<String>,

@@ -234,6 +234,11 @@ pub(crate) fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D
     WholeDocument::deserialize(deserializer).map(|whole| whole.0)
 }
 
+/// Deserializes a field as three [`WholeDocument`]s.
+pub(crate) fn three_whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u64; 3], D::Error> {
+    <[WholeDocument; 3]>::deserialize(deserializer).map(|numbers| numbers.map(|whole| whole.0))
+}
+
 /// 2^53, from which on an `f64` no longer represents every integer.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 

@@ -11,7 +11,7 @@ use super::names;
 use super::read::{DEEPEST, FileContent, ReadFailure, read, read_included};
 use super::{Files, Origin, SceneFile, Scope};
 use crate::scene::Diagnostic;
-use crate::scene::clouds::CloudFiles;
+use crate::scene::clouds::{CloudFiles, CloudScene};
 use crate::scene::document::SceneDocument;
 use crate::scene::extend::EXTENDS;
 use crate::scene::overrides::{Override, Unplaced};
@@ -150,13 +150,17 @@ impl Loader {
         self.known.insert(key, index);
         let own = self.loaded.files.first().unwrap_or(&file);
         let seed = own.document.as_ref().map_or(0, |document| document.sampling.seed);
-        let film = own.document.as_ref().map_or_else(Default::default, |document| document.film.transfer);
+        let of_scene = own
+            .document
+            .as_ref()
+            .map(|document| CloudScene { transfer: document.film.transfer, space: document.space });
         if let Some(document) = &mut file.document {
             let Self { loaded: Files { inputs, .. }, budget, .. } = self;
             scripts::spawn(document, &file.source, seed, budget, inputs, &mut file.problems);
             let none = CloudFiles::default();
             let before = self.texts.as_ref().map_or(&none, |texts| &texts.clouds);
-            self.clouds.open(document, &file.source, film, before, inputs, &mut file.problems);
+            let of_scene = of_scene.unwrap_or_default();
+            self.clouds.open(document, &file.source, of_scene, before, inputs, &mut file.problems);
         }
         let wanted = file.included_files();
         self.loaded.files.push(file);

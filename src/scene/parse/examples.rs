@@ -10,7 +10,7 @@ pub(super) struct Example {
     pub(super) forms: &'static [&'static str],
 }
 
-const EXAMPLES: [Example; 19] = [
+const EXAMPLES: [Example; 21] = [
     Example {
         name: "Rotation",
         noun: "a rotation",
@@ -82,7 +82,7 @@ const EXAMPLES: [Example; 19] = [
     Example { name: "Repeat", noun: "a way to repeat", forms: &["Clamp", "Loop", "PingPong"] },
     Example { name: "Transfer", noun: "a transfer", forms: &["Classic", "Srgb"] },
     Example { name: "Space", noun: "a space", forms: &["LeftHanded", "RightHanded"] },
-    Example { name: "Style", noun: "a style", forms: &["BallAndStick", "Licorice"] },
+    Example { name: "Style", noun: "a style", forms: &["BallAndStick", "Licorice", "Cell"] },
     Example {
         name: "ScaleBy",
         noun: "a scale of particles",
@@ -96,6 +96,16 @@ const EXAMPLES: [Example; 19] = [
     Example { name: "ColorMap", noun: "a colour map", forms: &["Viridis", "Inferno", "Turbo", "CoolWarm"] },
     Example { name: "Between", noun: "a way between frames", forms: &["Hold", "Linear"] },
     Example { name: "End", noun: "an end", forms: &["Hold", "Loop"] },
+    Example {
+        name: "OverlayItem",
+        noun: "an overlay",
+        forms: &[
+            "Text(text: \"t = {time} s\")",
+            "ScaleBar(length: 10, label: \"10 nm\")",
+            "Legend(cloud: \"gas\")",
+        ],
+    },
+    Example { name: "Corner", noun: "a corner", forms: &["TopLeft", "Top", "BottomRight"] },
     Example { name: "Norm", noun: "a norm of errors", forms: &["Rms", "Max", "P99"] },
     Example { name: "Noise", noun: "a kind of noise", forms: &["Fixed", "PerFrame"] },
 ];

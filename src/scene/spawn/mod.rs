@@ -11,11 +11,11 @@ use rayon::prelude::*;
 
 use self::entities::{Links, MaterialComponents, surface};
 use super::document::{
-    AmbientOcclusionDocument, AnimationDocument, BackgroundDocument, CameraDocument, EasingDocument,
-    EntityDocument, FilmDocument, FogDocument, KeyDocument, MaterialDocument, NoiseDocument, NormDocument,
-    QualityDocument, RotationDocument, SamplingDocument, ScaleDocument, SceneDocument, ShotDocument,
-    SpaceDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument, TracksDocument,
-    TransferDocument, Triple, parse_particle_name,
+    AmbientOcclusionDocument, AnimationDocument, BackgroundDocument, CameraDocument, CornerDocument,
+    EasingDocument, EntityDocument, FilmDocument, FogDocument, KeyDocument, MaterialDocument, NoiseDocument,
+    NormDocument, OverlayDocument, QualityDocument, RotationDocument, SamplingDocument, ScaleDocument,
+    SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument,
+    TracksDocument, TransferDocument, Triple, parse_particle_name,
 };
 use super::files::Merged;
 use super::paths::motion_along;
@@ -23,9 +23,10 @@ use super::playback::{ValueDocument, keys, playback};
 use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ColorRamp, ErrorNorm, Rgb, Transfer};
 use crate::components::{
-    Ambient, AmbientOcclusion, Animated, AtParticle, Background, Camera, Channel, FilmSettings, Fog, Follow,
-    Lens, LookAt, Motion, Name, Noise, Parent, Projection, Property, Quality, Sampling, ScriptId, ShortTurn,
-    Shot, Shots, Space, Stars, Sun, Transform, View, Way, WorldTransform,
+    Ambient, AmbientOcclusion, Animated, AtParticle, Background, Camera, Channel, Corner, FilmSettings, Fog,
+    Follow, Lens, LookAt, Motion, Name, Noise, Overlay, OverlayContent, OverlayItem, Parent, Projection,
+    Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars, Sun, TextPart, Transform,
+    View, Way, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -64,7 +65,13 @@ pub(super) fn spawn(Merged { document, parents, .. }: &Merged) -> (World, Timeli
     {
         shots.push(Shot { start: 0.0, camera: first });
     }
-    // The entity exists: it was spawned above.
+    let overlay = document.overlay.iter().filter_map(|item| overlay_item(item, &names, transfer));
+    let overlay: Vec<OverlayItem> = overlay.collect();
+    if !overlay.is_empty() {
+        // The entity exists: it was spawned above.
+        let _ = world.insert_one(settings, Overlay(overlay));
+    }
+    // The entity exists, as above.
     let _ = world.insert_one(settings, Shots(shots));
 
     let mut channels = animated(document, &entities, &names, transfer);
@@ -114,7 +121,8 @@ fn referred_to<'a>(
         document.entities.iter().flat_map(|entity| [entity.parent.as_deref(), entity.look_at.as_deref()]);
     let targets = document.animate.iter().map(|animation| animation.target.as_ref());
     let cameras = document.named_cameras().flat_map(|(_, camera)| links(camera));
-    let names = parents.chain(targets).chain(cameras).flatten();
+    let explained = document.overlay.iter().map(OverlayDocument::cloud);
+    let names = parents.chain(targets).chain(cameras).chain(explained).flatten();
     let wanted: HashSet<&str> = names.map(String::as_str).collect();
     if wanted.is_empty() {
         return (HashMap::new(), Vec::new());
@@ -182,6 +190,39 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
         builder.add(Fog { color: transfer.decode(color.0), density, height, level, hides_background });
     }
     world.spawn(builder.build())
+}
+
+fn overlay_item(
+    document: &OverlayDocument,
+    names: &HashMap<&str, Entity>,
+    transfer: Transfer,
+) -> Option<OverlayItem> {
+    let named = |name: &String| names.get(name.as_str()).copied();
+    let content = match document {
+        OverlayDocument::Text { text, cloud, .. } => OverlayContent::Text {
+            parts: TextPart::parse(text).ok()?,
+            cloud: match cloud {
+                Some(cloud) => Some(named(cloud)?),
+                None => None,
+            },
+        },
+        OverlayDocument::ScaleBar { length, label, at, .. } => {
+            OverlayContent::ScaleBar { length: *length, label: label.clone(), at: at.map(DVec3::from) }
+        }
+        OverlayDocument::Legend { cloud, title, .. } => {
+            OverlayContent::Legend { cloud: named(cloud)?, title: title.clone() }
+        }
+    };
+    let (corner, size, color) = document.look();
+    let corner = match corner {
+        CornerDocument::TopLeft => Corner::TopLeft,
+        CornerDocument::Top => Corner::Top,
+        CornerDocument::TopRight => Corner::TopRight,
+        CornerDocument::BottomLeft => Corner::BottomLeft,
+        CornerDocument::Bottom => Corner::Bottom,
+        CornerDocument::BottomRight => Corner::BottomRight,
+    };
+    Some(OverlayItem { content, corner, size, color: transfer.decode(color.0) })
 }
 
 fn background(document: &BackgroundDocument, transfer: Transfer) -> Background {

@@ -7,12 +7,21 @@ use crate::scene::document::{
 };
 use crate::time::{FrameRate, Time};
 
+/// Maximum number of cells along an edge that show particles.
+const MOST_IMAGES: u64 = 100;
+
 pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut Problems) {
     let list = scene.field("clouds");
     for (index, cloud) in document.clouds.iter().enumerate() {
         let at = list.index(index);
         look(cloud, &at, problems);
         style(cloud, &at, problems);
+        let images = at.field("images");
+        let is_wrong = |(_, count): &(usize, &u64)| !(1..=MOST_IMAGES).contains(*count);
+        for (index, _) in cloud.images.iter().enumerate().filter(is_wrong) {
+            let message = format!("cells are counted from 1 to {MOST_IMAGES}");
+            problems.add(&images.index(index), message, "out of range", "write (2, 2, 1) for four cells");
+        }
         if let Some(document) = &cloud.bonds {
             bonds(document, &at.field("bonds"), problems);
         }
@@ -46,13 +55,32 @@ fn look(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
 /// Checks that a style and the fields that it stands for are not both written.
 fn style(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
     let Some(style) = cloud.style else { return };
+    let bonds = at.field("bonds");
     let (name, fields) = match style {
+        StyleDocument::Cell => {
+            let has_bonds = |has: fn(&BondsDocument) -> bool| cloud.bonds.as_ref().is_some_and(has);
+            let written = [
+                (cloud.shape.is_some(), at.field("shape"), "shape"),
+                (cloud.scale_by.is_some(), at.field("scale_by"), "scale_by"),
+                (cloud.color_by.is_some(), at.field("color_by"), "color_by"),
+                (cloud.filter.is_some(), at.field("filter"), "filter"),
+                (cloud.images != [1; 3], at.field("images"), "images"),
+                (has_bonds(|bonds| bonds.color.is_some()), bonds.field("color"), "bonds.color"),
+                (has_bonds(|bonds| bonds.distance.is_some()), bonds.field("distance"), "bonds.distance"),
+            ];
+            for (_, field, what) in written.iter().filter(|(is_written, ..)| *is_written) {
+                let message = format!("the edges of a cell have no `{what}`");
+                let help =
+                    "remove it, or write it in another cloud of the same file, which shows the particles";
+                problems.add(field, message, "of particles only", help);
+            }
+            return;
+        }
         StyleDocument::BallAndStick => {
             ("BallAndStick", "`shape: Sphere(radius: 0.25), scale_by: VanDerWaals, bonds: (radius: 0.15)`")
         }
         StyleDocument::Licorice => ("Licorice", "`shape: Sphere(radius: 0.3), bonds: (radius: 0.3)`"),
     };
-    let bonds = at.field("bonds");
     let written = [
         (cloud.shape.is_some(), at.field("shape"), "shape"),
         (cloud.scale_by.is_some(), at.field("scale_by"), "scale_by"),

@@ -10,6 +10,7 @@ mod extends;
 mod includes;
 mod lights;
 mod materials;
+mod overlay;
 mod paths;
 mod problems;
 mod settings;
@@ -31,5 +32,6 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, problems: &mu
     materials::validate(document, &scene, problems);
     entities::validate(document, scope, &scene, problems);
     clouds::validate(document, &scene, problems);
+    overlay::validate(document, scope, &scene, problems);
     animation::validate(document, scope, &scene, problems);
 }

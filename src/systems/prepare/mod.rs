@@ -6,6 +6,7 @@ mod faults;
 mod idle_lights;
 mod light;
 mod material;
+mod overlay;
 mod read;
 mod render_settings;
 mod settings;
@@ -13,6 +14,7 @@ mod shape;
 mod undeclared;
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use hecs::{Entity, World};
 
@@ -22,16 +24,18 @@ use crate::color::Rgb;
 use crate::components::{
     Ambient, CloudMember, FilmSettings, Light, Noise, Order, Pattern, Quality, Sampling, WorldTransform,
 };
+use crate::overlay::PreparedOverlay;
 use crate::time::Time;
 use crate::trace::{
-    self, Convergence, ErrorTarget, Geometry, MaterialTable, PreparedScene, SceneChanges, ShapeChange,
-    ShapeId, SimdLevel,
+    self, Convergence, ErrorTarget, FilmOverlay, Geometry, MaterialTable, PreparedScene, SceneChanges,
+    ShapeChange, ShapeId, SimdLevel,
 };
 use camera::prepared_camera;
 use clouds::DrawnCloud;
 use faults::surface_fault;
 use light::prepared_light;
 use material::{Surfaced, surface_material};
+use overlay::prepared_overlay;
 use read::{VisibleShapes, read_all, read_shapes};
 use settings::{
     first, first_of, linear_cutoff, prepared_ambient_occlusion, prepared_background, prepared_fog,
@@ -59,6 +63,8 @@ pub struct Preparation {
     moment: Time,
     film: FilmSettings,
     pub(super) sampling: Sampling,
+    /// The items over the picture; the same at all instants of the frame.
+    overlay: PreparedOverlay,
     entities: Vec<Entity>,
     lights: Vec<Entity>,
     slots: SlotTable,
@@ -108,6 +114,7 @@ impl Preparation {
             moment,
             film,
             sampling: Sampling::default(),
+            overlay: PreparedOverlay::default(),
             entities: Vec::new(),
             lights: Vec::new(),
             slots: SlotTable::default(),
@@ -216,6 +223,12 @@ impl Preparation {
     #[must_use]
     pub fn film(&self) -> FilmSettings {
         self.film
+    }
+
+    /// Returns what is drawn over the picture; `None` for nothing.
+    pub(crate) fn overlay(&self) -> Option<Arc<FilmOverlay>> {
+        let is_empty = self.overlay == PreparedOverlay::default();
+        (!is_empty).then(|| Arc::new(self.overlay.drawn(self.camera.resolution())))
     }
 
     /// Returns the number and the choice of samples per pixel at this moment.
@@ -367,6 +380,7 @@ impl Preparation {
             lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
         let film = film_settings(world);
         let camera = prepared_camera(world, film, self.moment);
+        let overlay = prepared_overlay(world, &camera, self.moment);
         let sampling = sane_sampling(first(world));
         let quality = first::<Quality>(world);
         let ambient = sane(first::<Ambient>(world).0);
@@ -388,7 +402,8 @@ impl Preparation {
             | set(&mut scene.depth, depth)
             | set(&mut scene.cutoff, cutoff)
             | set(&mut self.film, film)
-            | set(&mut self.sampling, sampling);
+            | set(&mut self.sampling, sampling)
+            | set(&mut self.overlay, overlay);
         self.lights = lights.0;
         SceneChanges { lights: lights_differ, camera: camera_differs, settings, ..SceneChanges::default() }
     }

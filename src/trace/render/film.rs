@@ -3,6 +3,7 @@
 use fearless_simd::{f32x16, prelude::*};
 use rayon::prelude::*;
 
+use super::film_overlay::FilmOverlay;
 use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::math::{Colors, LANES, bits16};
 use crate::trace::scene::SIDE;
@@ -61,6 +62,11 @@ impl Film {
         encoded
     }
 
+    /// Draws over the pixels.
+    pub(crate) fn draw_over(&mut self, overlay: &FilmOverlay) {
+        overlay.draw(&mut self.pixels);
+    }
+
     /// Stores pixels of row `j` from column `i` on, and returns the number of pixels that overflowed. These are saturated, so that a film is
     /// always finite.
     #[inline]
@@ -102,6 +108,11 @@ impl Film<f32> {
     /// Creates a film filled with zeros.
     pub(crate) fn zeros(width: u32, height: u32) -> Self {
         Self { width, height, pixels: vec![0.0; width as usize * height as usize] }
+    }
+
+    /// Adds the coverage of an overlay to alpha.
+    pub(crate) fn draw_over(&mut self, overlay: &FilmOverlay) {
+        overlay.draw_alpha(&mut self.pixels);
     }
 
     /// Splits the film into rows of tiles.
@@ -162,15 +173,20 @@ impl<Pixel: Copy + Send + Sync> Film<Pixel> {
         self.pixels[j as usize * self.width as usize + i as usize]
     }
 
-    /// Splits the film into tiles, row by row of tiles; tiles at the edges may be smaller. Light is encoded when it is stored. Tiles are
-    /// created one row at a time, as they are large.
-    pub(crate) fn tiles_mut<E: Encoding<Pixel = Pixel>>(
-        &mut self,
+    /// Splits the film into tiles, row by row of tiles; tiles at the edges may be smaller. Light is drawn over and encoded when it is stored.
+    /// Tiles are created one row at a time, as they are large.
+    pub(crate) fn tiles_mut<'a, E: Encoding<Pixel = Pixel> + 'a>(
+        &'a mut self,
         encoding: E,
-    ) -> impl Iterator<Item = FilmTile<'_, E>> + Send {
-        let (width, side) = ((self.width as usize).max(1), TILE as usize);
-        self.pixels.chunks_mut(width * side).flat_map(move |band| {
-            let tiles = (0..width).step_by(side).map(|_| FilmTile { encoding, rows: Default::default() });
+        overlay: Option<&'a FilmOverlay>,
+    ) -> impl Iterator<Item = FilmTile<'a, E>> + Send {
+        let (columns, side) = (self.width.max(1), TILE as usize);
+        let width = columns as usize;
+        let bands = self.pixels.chunks_mut(width * side).zip((0..).step_by(side));
+        bands.flat_map(move |(band, row)| {
+            let tile =
+                |column| FilmTile { encoding, overlay, first: (column, row), rows: Default::default() };
+            let tiles = (0..columns).step_by(side).map(tile);
             let mut tiles: Vec<FilmTile<'_, E>> = tiles.collect();
             for (j, row) in band.chunks_mut(width).enumerate() {
                 for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
@@ -188,6 +204,9 @@ const TOGETHER: usize = 1 << 14;
 /// A tile of a film: the part of each row inside the tile.
 pub(crate) struct FilmTile<'a, E: Encoding> {
     encoding: E,
+    overlay: Option<&'a FilmOverlay>,
+    /// The column and row of the first pixel in the film.
+    first: (u32, u32),
     rows: [&'a mut [E::Pixel]; TILE as usize],
 }
 
@@ -214,7 +233,11 @@ impl<E: Encoding> FilmTile<'_, E> {
         }
         let mut colors = Colors::splat(Rgb::ZERO);
         colors.store(saturated);
-        let encoded = self.encode(&colors, bits16(same) == u32::from(u16::MAX));
+        let mut same = bits16(same) == u32::from(u16::MAX);
+        if let Some(overlay) = self.overlay {
+            same &= !overlay.draw_packet((self.first.0 + i, self.first.1 + j), &mut colors);
+        }
+        let encoded = self.encode(&colors, same);
         let overflowed = !bits16(whole);
         let mut count = 0;
         let (encoded, _) = encoded.as_chunks::<{ SIDE as usize }>();

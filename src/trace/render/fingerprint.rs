@@ -14,6 +14,7 @@ use crate::color::Transfer;
 use crate::trace::effects::Lighting;
 use crate::trace::math::{Bytes, PixelSampling};
 use crate::trace::render::adaptive::ErrorTarget;
+use crate::trace::render::film_overlay::FilmOverlay;
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 
 /// The version of the semantics of prepared numbers. A change after which the same numbers give another picture must increment it: frames
@@ -127,6 +128,11 @@ impl FrameHasher {
         camera.write(&mut self.0);
         scene.write_surroundings(&mut self.0);
         self.0.digest(scene.shapes_digest());
+    }
+
+    /// Adds what is drawn over the picture.
+    pub(crate) fn add_overlay(&mut self, overlay: &FilmOverlay) {
+        overlay.write(&mut self.0);
     }
 
     /// Returns the fingerprint.

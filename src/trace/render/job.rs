@@ -1,5 +1,6 @@
 //! Render jobs of the fast path.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::dispatch;
@@ -15,6 +16,7 @@ use crate::trace::render::adaptive::{
     SharedRoundPolicy, block,
 };
 use crate::trace::render::film::{self, Film};
+use crate::trace::render::film_overlay::FilmOverlay;
 use crate::trace::render::image::RenderedImage;
 use crate::trace::render::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
 use crate::trace::render::visibility::{self, FeatureScratch};
@@ -38,6 +40,7 @@ pub struct RenderJob<E: Encoding = Linear> {
     tiles: Vec<TileProgress>,
     /// Encoding of the film's pixels.
     encoding: E,
+    overlay: Option<Arc<FilmOverlay>>,
     pixels: Pixels<E::Pixel>,
     stats: RenderStats,
 }
@@ -205,7 +208,13 @@ impl<E: Encoding> RenderJob<E> {
         };
         let adaptive = plan.adaptive((columns, height), memory);
         let (done, stats) = (Vec::new(), RenderStats::default());
-        Self { width: columns, height, plan, adaptive, done, instant: 0, tiles, encoding, pixels, stats }
+        let (width, overlay) = (columns, None);
+        Self { width, height, plan, adaptive, done, instant: 0, tiles, encoding, overlay, pixels, stats }
+    }
+
+    /// Returns the picture with an overlay of the same size, which is drawn over the final pixels.
+    pub(crate) fn with_overlay(self, overlay: Option<Arc<FilmOverlay>>) -> Self {
+        Self { overlay, ..self }
     }
 
     /// Returns the instants of this round's samples in chronological order.
@@ -249,6 +258,7 @@ impl<E: Encoding> RenderJob<E> {
         let (width, height) = (self.width, self.height);
         let SamplePlan { samples, instants, .. } = self.plan;
         let naive = Naive::of(context.scene);
+        let overlay = self.overlay.clone();
         let work = TileWork {
             context,
             naive: naive.as_ref(),
@@ -261,7 +271,7 @@ impl<E: Encoding> RenderJob<E> {
         let (stats, whole, features) = match &mut self.pixels {
             Pixels::Picture(film) => {
                 let film = film.get_or_insert_with(|| Film::black(self.encoding, width, height));
-                work.add(tiles.zip(film.tiles_mut(self.encoding)), count)
+                work.add(tiles.zip(film.tiles_mut(self.encoding, overlay.as_deref())), count)
             }
             Pixels::Sums(sums) => work.add(tiles.zip(sums.tiles_mut()), count),
         };
@@ -366,7 +376,10 @@ impl<E: Encoding> RenderJob<E> {
                 let (film, overflowed) =
                     self.develop_sums(&sums, if has_alpha { &sums.covered } else { &sums.all });
                 stats.escalations.overflowed += overflowed;
-                let alpha = has_alpha.then(|| self.develop_alpha(&sums));
+                let mut alpha = has_alpha.then(|| self.develop_alpha(&sums));
+                if let (Some(alpha), Some(overlay)) = (&mut alpha, &self.overlay) {
+                    alpha.draw_over(overlay);
+                }
                 let pixels = self.adaptive.map(Adaptive::into_memory).unwrap_or_default();
                 let image = RenderedImage { film, alpha, passes: None, sample_counts: None };
                 (image, stats, SampleMemory { sums, pixels })
@@ -377,7 +390,7 @@ impl<E: Encoding> RenderJob<E> {
     /// Returns the film of means of sums, and the number of pixels that overflowed.
     fn develop_sums(&self, sums: &Sums, light: &[Vectors]) -> (Film<E::Pixel>, u64) {
         let mut film = Film::black(self.encoding, self.width, self.height);
-        let stored: Vec<_> = film.tiles_mut(self.encoding).collect();
+        let stored: Vec<_> = film.tiles_mut(self.encoding, self.overlay.as_deref()).collect();
         let tiles = stored.into_par_iter().zip(light.par_chunks(PACKETS)).zip(&self.tiles).enumerate();
         let overflowed = tiles.map(|(index, ((mut stored, light), progress))| {
             let mut slots = Slots::default();

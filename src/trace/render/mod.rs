@@ -7,11 +7,13 @@
 //! | `accumulator` | the sums of a tile's samples |
 //! | `adaptive`, `visibility` | the choice of sample counts for an error target, and the geometry in each pixel, on which it depends |
 //! | `film`, `passes`, `image` | the pixels, the data of the surfaces that they show, and both together |
+//! | `film_overlay` | what is drawn over the pixels |
 //! | `fingerprint` | the identity of a picture: a hash of everything that determines it |
 
 mod accumulator;
 pub(super) mod adaptive;
 pub(super) mod film;
+pub(super) mod film_overlay;
 pub(super) mod fingerprint;
 pub(super) mod image;
 pub(super) mod job;

@@ -338,6 +338,15 @@ impl PreparedCamera {
         if self.is_orthographic { self.distance } else { place.distance(self.eye) }
     }
 
+    /// Returns the height of the picture in the world, in scene units, at the depth of a point. `None` unless the point is in front of the eye.
+    #[must_use]
+    pub fn height_at(&self, point: DVec3) -> Option<f64> {
+        let whole = self.height * f64::from(self.rows) / f64::from(self.rows.saturating_sub(1).max(1));
+        let depth = (point - self.eye).dot(self.forward) / (self.distance * self.distance);
+        let height = if self.is_orthographic { whole } else { whole * depth };
+        (height > 0.0 && height.is_finite()).then_some(height)
+    }
+
     /// Returns the eye, P0.
     #[must_use]
     pub fn position(&self) -> DVec3 {

@@ -1,0 +1,87 @@
+//! Texts, scale bars and legends over the picture.
+
+use serde::Deserialize;
+
+use super::{ColorDocument, Triple};
+
+/// A text, a scale bar or a legend over the picture.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "OverlayItem")]
+pub(crate) enum OverlayDocument {
+    Text {
+        text: String,
+        #[serde(default)]
+        cloud: Option<String>,
+        #[serde(default)]
+        corner: CornerDocument,
+        #[serde(default = "size")]
+        size: f64,
+        #[serde(default = "white")]
+        color: ColorDocument,
+    },
+    ScaleBar {
+        length: f64,
+        label: String,
+        #[serde(default)]
+        at: Option<Triple>,
+        #[serde(default)]
+        corner: CornerDocument,
+        #[serde(default = "size")]
+        size: f64,
+        #[serde(default = "white")]
+        color: ColorDocument,
+    },
+    Legend {
+        cloud: String,
+        #[serde(default)]
+        title: String,
+        #[serde(default)]
+        corner: CornerDocument,
+        #[serde(default = "size")]
+        size: f64,
+        #[serde(default = "white")]
+        color: ColorDocument,
+    },
+}
+
+/// A place in the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename = "Corner")]
+pub(crate) enum CornerDocument {
+    #[default]
+    TopLeft,
+    Top,
+    TopRight,
+    BottomLeft,
+    Bottom,
+    BottomRight,
+}
+
+/// Returns the default height of a line of text.
+fn size() -> f64 {
+    0.04
+}
+
+fn white() -> ColorDocument {
+    ColorDocument([255.0; 3])
+}
+
+impl OverlayDocument {
+    /// Returns the name of the cloud that the item is about.
+    pub(crate) fn cloud(&self) -> Option<&String> {
+        match self {
+            Self::Text { cloud, .. } => cloud.as_ref(),
+            Self::Legend { cloud, .. } => Some(cloud),
+            Self::ScaleBar { .. } => None,
+        }
+    }
+
+    /// Returns the place, the height of a line of text and the colour.
+    pub(crate) fn look(&self) -> (CornerDocument, f64, ColorDocument) {
+        match self {
+            Self::Text { corner, size, color, .. }
+            | Self::ScaleBar { corner, size, color, .. }
+            | Self::Legend { corner, size, color, .. } => (*corner, *size, *color),
+        }
+    }
+}
