@@ -56,7 +56,19 @@ pub struct FileParticles {
     first: OnceLock<FirstFrame>,
     /// The legend, once it was needed; `None` without colours.
     legend: OnceLock<Option<CloudLegend>>,
-    last: Mutex<Option<(FramesAt, Cloud)>>,
+    last: Mutex<Option<ShownFrames>>,
+}
+
+/// The later of two frames, and its share.
+type LaterFrame = (Arc<Snapshot>, f64);
+
+/// The particles of the last moment.
+#[derive(Debug)]
+struct ShownFrames {
+    at: FramesAt,
+    cloud: Cloud,
+    /// The time in the unit of the file.
+    time: Option<f64>,
 }
 
 impl FileParticles {
@@ -142,12 +154,18 @@ impl FileParticles {
         legend(color_by, &columns, rows.as_deref(), first, self.settings.transfer).map(Some)
     }
 
-    fn particles(&self, at: FramesAt) -> Result<Cloud, CloudError> {
-        let earlier = self.file.frame(at.frame)?;
+    /// Returns the earlier and the later frame, with its share.
+    fn frames(&self, at: FramesAt) -> Result<(Arc<Snapshot>, Option<LaterFrame>), CloudError> {
         let later = match at.next {
             Some((next, share)) => Some((self.file.frame(next)?, share)),
             None => None,
         };
+        Ok((self.file.frame(at.frame)?, later))
+    }
+
+    fn particles(&self, at: FramesAt) -> Result<ShownFrames, CloudError> {
+        let (earlier, later) = self.frames(at)?;
+        let time = time_between(&earlier, later.as_ref());
         let columns = match &later {
             Some((later, share)) => FrameColumns::between(&earlier, later, *share)?,
             None => FrameColumns::of(&earlier),
@@ -164,7 +182,7 @@ impl FileParticles {
                 None => self.file.release(&[]),
             }
         }
-        cloud
+        Ok(ShownFrames { at, cloud: cloud?, time })
     }
 
     fn mapped(
@@ -246,15 +264,14 @@ impl Particles for FileParticles {
         let at = self.settings.times.frames_at(time, self.file.trajectory().frames());
         // Nothing is locked while threads work, as in `TrajectoryFile`.
         let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((frames, cloud)) = last().as_ref()
-            && *frames == at
-        {
-            return Ok(cloud.clone());
+        if let Some(shown) = last().as_ref().filter(|shown| shown.at == at) {
+            return Ok(shown.cloud.clone());
         }
-        let cloud = self.particles(at).map_err(|error| error.to_string())?;
-        let before = last().replace((at, cloud.clone()));
-        if let Some((before, _)) = before {
-            self.read_ahead(before, at);
+        let shown = self.particles(at).map_err(|error| error.to_string())?;
+        let cloud = shown.cloud.clone();
+        let before = last().replace(shown);
+        if let Some(before) = before {
+            self.read_ahead(before.at, at);
         }
         Ok(cloud)
     }
@@ -272,19 +289,26 @@ impl Particles for FileParticles {
     }
 
     fn moment(&self, time: Time) -> Result<Option<DataMoment>, String> {
-        let FramesAt { frame, next } = self.settings.times.frames_at(time, self.file.trajectory().frames());
-        let of_frame = |frame| Ok::<_, CloudError>(self.file.frame(frame)?.time);
-        let moment = || {
-            let own = of_frame(frame)?;
-            let later = match next {
-                Some((next, share)) => of_frame(next)?.map(|time| (time, share)),
-                None => None,
-            };
-            let time = own.map(|own| later.map_or(own, |(later, share)| own + share * (later - own)));
-            Ok::<_, CloudError>(Some(DataMoment { frame, time }))
+        let at = self.settings.times.frames_at(time, self.file.trajectory().frames());
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let shown = last.as_ref().filter(|shown| shown.at == at).map(|shown| shown.time);
+        drop(last);
+        let time = match shown {
+            Some(time) => time,
+            None => {
+                let (earlier, later) = self.frames(at).map_err(|error| error.to_string())?;
+                time_between(&earlier, later.as_ref())
+            }
         };
-        moment().map_err(|error| error.to_string())
+        Ok(Some(DataMoment { frame: at.frame, time }))
     }
+}
+
+/// Returns the time of the earlier of two frames, or in proportion between both.
+fn time_between(earlier: &Snapshot, later: Option<&LaterFrame>) -> Option<f64> {
+    let own = earlier.time?;
+    let other = later.and_then(|(later, share)| Some((later.time?, *share)));
+    Some(other.map_or(own, |(later, share)| own + share * (later - own)))
 }
 
 fn edges(columns: &FrameColumns<'_>, radius: Option<f64>) -> Result<Cloud, CloudError> {

@@ -7,6 +7,12 @@ use crate::trace::FilmOverlay;
 /// The distance from the border of the picture and between items, as a share of the picture's height.
 pub(super) const MARGIN: f64 = 0.025;
 
+/// Maximum length of a scale bar in pixels, more than any picture is wide.
+const LONGEST_BAR: f64 = (1 << 20) as f64;
+
+/// Maximum height of a line in pixels. A letter takes memory for its whole square.
+const HIGHEST_LINE: f64 = 4096.0;
+
 /// An item, laid out in pixels.
 pub(super) struct Block {
     /// Width and height.
@@ -28,7 +34,7 @@ enum BlockShape {
 
 /// Lays out an item for a picture of a height.
 pub(super) fn block(item: &PreparedItem, height: f64) -> Block {
-    let line = item.size * height;
+    let line = (item.size * height).min(HIGHEST_LINE);
     let mut block = Block { size: [0.0; 2], shapes: Vec::new(), line, color: item.color };
     match &item.content {
         PreparedContent::Text(text) => {
@@ -36,7 +42,7 @@ pub(super) fn block(item: &PreparedItem, height: f64) -> Block {
                 block.text(words);
             }
         }
-        PreparedContent::Bar(length, label) => block.scale_bar(length * height, label),
+        PreparedContent::Bar(length, label) => block.scale_bar((length * height).min(LONGEST_BAR), label),
         PreparedContent::Ramp(title, colors, range) => {
             block.title(title);
             block.ramp(colors, *range);
@@ -156,7 +162,8 @@ fn bar(film: &mut FilmOverlay, [left, top]: [f64; 2], [width, height]: [f64; 2],
     };
     let (columns, rows) = (sides(left, width), sides(top, height));
     let across = (columns.end - columns.start) as f64;
-    for column in columns.clone() {
+    // A bar may be far longer than the picture is wide.
+    for column in columns.start.max(0)..columns.end.min(film.size().0.into()) {
         let share = ((column - columns.start) as f64 + 0.5) / across;
         let step = (share * colors.len() as f64) as usize;
         let color = colors.get(step.min(colors.len().saturating_sub(1))).copied().unwrap_or(color);

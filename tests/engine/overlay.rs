@@ -107,6 +107,8 @@ fn a_scale_bar_has_its_length() {
     assert_eq!(bar("corner: TopLeft"), Some((3, 50, 3)));
     assert_eq!(bar("corner: BottomRight"), Some((147, 50, 96)));
     assert_eq!(bar("corner: Top, at: (0, 0, 5)"), Some((75, 50, 3)));
+    let endless = film("ScaleBar(length: 1e60, label: \"\", size: 1)", "0");
+    assert_eq!(bounds(&endless).map(|[left, right, ..]| (left, right)), Some((3, 199)));
     let folder = folder("ScaleBar(length: 5, label: \"\", at: (1, 2, 6))");
     let path = folder.path().join("scene.ron");
     let text = fs::read_to_string(&path).unwrap();

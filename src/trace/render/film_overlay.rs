@@ -26,6 +26,11 @@ impl FilmOverlay {
         Self { columns, rows: vec![BTreeMap::new(); rows as usize] }
     }
 
+    /// Returns the numbers of columns and rows.
+    pub(crate) fn size(&self) -> (u32, u32) {
+        (self.columns, u32::try_from(self.rows.len()).unwrap_or(u32::MAX))
+    }
+
     /// Covers a share of a pixel, from 0 to 1, with a colour, over what is there already. Pixels outside the film are ignored.
     pub(crate) fn cover(&mut self, (column, row): (i64, i64), share: f32, color: Rgb) {
         let share = share.clamp(0.0, 1.0);
