@@ -315,6 +315,8 @@ struct LoadFailure {
     /// Time of the first of several consecutive failures.
     first: Instant,
     check_at: Instant,
+    /// True if files had mistakes for [`SETTLE_TIMEOUT`] when they were read. A busy thread may check much later, when they are long mended.
+    is_over: bool,
     /// The stamps of the files after they were read; `None` if they were written in the meantime.
     stamps: Option<Vec<Option<Stamp>>>,
 }
@@ -348,9 +350,10 @@ impl SceneFiles {
             Err(error) => {
                 self.watcher.follow(error.files(), since);
                 let first = self.failure.take().map_or(start, |failure| failure.first);
-                let wait = SETTLE_TIME.min(SETTLE_TIMEOUT.saturating_sub(first.elapsed()));
+                let left = SETTLE_TIMEOUT.saturating_sub(first.elapsed());
+                let (wait, is_over) = (SETTLE_TIME.min(left), left.is_zero());
                 let (check_at, stamps) = (Instant::now() + wait, self.watcher.stamps());
-                self.failure = Some(LoadFailure { error, first, check_at, stamps });
+                self.failure = Some(LoadFailure { error, first, check_at, is_over, stamps });
                 None
             }
         }
@@ -359,9 +362,8 @@ impl SceneFiles {
     /// Returns the treatment of mistakes that are not reported yet, once it is time.
     fn failure_action(&self) -> Option<FailureAction> {
         let failure = self.failure.as_ref().filter(|failure| failure.check_at <= Instant::now())?;
-        let is_over = failure.first.elapsed() >= SETTLE_TIMEOUT;
         let is_unchanged = failure.stamps.is_some() && failure.stamps == self.watcher.stamps();
-        let is_settled = is_over || is_unchanged && !failure.error.is_transient();
+        let is_settled = failure.is_over || is_unchanged && !failure.error.is_transient();
         Some(if is_settled { FailureAction::Report } else { FailureAction::ReadAgain })
     }
 }
