@@ -93,7 +93,10 @@ impl Builder {
         );
         tree.frame = frame;
         assemble(treelets, &mut tree.nodes);
-        if !std::mem::replace(has_built, true) {
+        let is_first = !*has_built;
+        // A new scene is empty.
+        *has_built |= count > 0;
+        if is_first {
             (*boxes, *round, *treelets) = Default::default();
         }
         order
