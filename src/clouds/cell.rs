@@ -11,10 +11,11 @@ use crate::trajectory::Cell;
 /// The radius of edges without one, as a share of the longest edge: that of a thin line in a picture of the whole cell.
 const THIN: f64 = 1.0 / 400.0;
 
-/// Maximum number of particles with those in copies of the cell. Each takes about 150 bytes.
+/// Maximum number of particles with those in copies of the cell. Each takes some 320 bytes while a frame is prepared.
 const MOST_PARTICLES: usize = 100_000_000;
 
-/// Returns the edges of a cell as rods, with a particle of their radius at each corner. Directions along which the cell has no extent have none.
+/// Returns the edges of a cell as rods, with a particle of their radius at each corner. Directions along which the cell has no extent have
+/// none.
 pub(super) fn edges(cell: &Cell, radius: Option<f64>) -> Cloud {
     let longest = cell.edges.iter().map(|edge| edge.length()).fold(0.0, f64::max);
     let radius = radius.unwrap_or(longest * THIN);

@@ -141,15 +141,18 @@ impl FileParticles {
         Ok(self.first.get_or_init(|| first))
     }
 
+    /// Returns the rows that the filter keeps; `None` for all.
+    fn rows(&self, columns: &FrameColumns<'_>) -> Result<Option<Vec<u32>>, CloudError> {
+        let filter = self.settings.filter.as_ref();
+        filter.map(|filter| Ok(filter.bind(columns)?.rows(columns.count()))).transpose()
+    }
+
     /// Returns the legend of the first frame.
     fn first_legend(&self) -> Result<Option<CloudLegend>, CloudError> {
         let Some(color_by) = &self.settings.color_by else { return Ok(None) };
         let snapshot = self.file.frame(0)?;
         let columns = FrameColumns::of(&snapshot);
-        let rows = match &self.settings.filter {
-            Some(filter) => Some(filter.bind(&columns)?.rows(columns.count())),
-            None => None,
-        };
+        let rows = self.rows(&columns)?;
         let first = self.first_frame(&columns)?;
         legend(color_by, &columns, rows.as_deref(), first, self.settings.transfer).map(Some)
     }
@@ -199,11 +202,8 @@ impl FileParticles {
         if let CloudContent::Cell(radius) = self.settings.content {
             return Ok(Cloud { origin, ..edges(columns, radius)? });
         }
-        let CloudSettings { filter, scale_by, color_by, transfer, images, .. } = &self.settings;
-        let rows = match filter {
-            Some(filter) => Some(filter.bind(columns)?.rows(columns.count())),
-            None => None,
-        };
+        let CloudSettings { scale_by, color_by, transfer, images, .. } = &self.settings;
+        let rows = self.rows(columns)?;
         let rows = rows.as_deref();
         let scales = match scale_by {
             Some(scale_by) => {

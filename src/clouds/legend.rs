@@ -43,19 +43,17 @@ pub(super) fn legend(
         }
         ColumnValues::Numbers(numbers) => {
             let mut found = BTreeMap::new();
-            for (particle, row) in particles {
-                let number = numbers[row].round();
-                // By an integer that is ordered as the number is.
-                let bits = number.to_bits() as i64;
-                let key = if bits < 0 { bits ^ i64::MAX } else { bits };
-                found.entry(key).or_insert_with(|| (number, color(particle)));
+            for (particle, row) in particles.filter(|(_, row)| numbers[*row].is_finite()) {
+                #[expect(clippy::cast_possible_truncation, reason = "categories are small whole numbers")]
+                let number = numbers[row].round() as i64;
+                found.entry(number).or_insert_with(|| color(particle));
             }
             let is_element = matches!(color_by, ColorBy::Element);
-            let named = |(number, color): (f64, Rgb)| match numbered(number).filter(|_| is_element) {
+            let named = |(number, color): (i64, Rgb)| match numbered(number as f64).filter(|_| is_element) {
                 Some(element) => (element.symbol.to_owned(), color),
                 None => (number.to_string(), color),
             };
-            found.into_values().map(named).collect()
+            found.into_iter().map(named).collect()
         }
     };
     Ok(CloudLegend::Kinds { title: name.to_owned(), kinds: shortened(kinds) })

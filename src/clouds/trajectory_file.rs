@@ -61,11 +61,8 @@ impl TrajectoryFile {
     /// If it cannot be read, or has no frame.
     pub fn opened_again(&self, path: &Path) -> Result<Arc<Self>, TrajectoryError> {
         let stamp = stamp(path);
-        let mut trajectory = self.trajectory.clone();
-        // A last line without an end counts as whole once the file stays the same.
-        trajectory.refresh()?;
-        trajectory.refresh()?;
-        let Self { is_kept, .. } = *self;
+        let trajectory = self.trajectory.opened_again()?;
+        let is_kept = self.is_kept;
         Ok(Arc::new(Self { trajectory, stamp, is_kept, frames: Mutex::default(), bonds: Mutex::default() }))
     }
 

@@ -48,7 +48,7 @@ pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub(crate) use list::with_components;
 pub use material::{Emission, Material, Pattern, PatternKind, Reflective, Refractive, Specular};
-pub use overlay::{Corner, Overlay, OverlayContent, OverlayItem, TextPart};
+pub use overlay::{Anchor, Overlay, OverlayContent, OverlayItem, TextPart};
 pub use property::Property;
 pub(crate) use property::Requirement;
 pub(crate) use quantity::Quantity;

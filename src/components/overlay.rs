@@ -5,7 +5,8 @@ use hecs::Entity;
 
 use crate::color::Rgb;
 
-/// Texts, scale bars and legends over the picture, in order. A world has at most one `Overlay`; if there are several, the first in document order is used.
+/// Texts, scale bars and legends over the picture, in order. A world has at most one `Overlay`; if there are several, the first in document
+/// order is used.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay(pub Vec<OverlayItem>);
 
@@ -15,7 +16,7 @@ pub struct OverlayItem {
     /// The content.
     pub content: OverlayContent,
     /// The place in the picture. Items at the same place stand below each other.
-    pub corner: Corner,
+    pub anchor: Anchor,
     /// The height of a line of text as a share of the picture's height, greater than 0 and at most 1.
     pub size: f64,
     /// The colour of letters and bars.
@@ -64,7 +65,7 @@ pub enum TextPart {
 
 /// A place in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Corner {
+pub enum Anchor {
     /// Top left.
     #[default]
     TopLeft,
@@ -95,8 +96,8 @@ impl TextPart {
     /// Maximum number of decimals.
     pub const MOST_DECIMALS: u8 = 9;
 
-    /// Returns the parts of a text in which `{time}`, `{time:3}` (with three decimals) and `{frame}` stand for numbers. The error is the text
-    /// between braces that stands for nothing.
+    /// Returns the parts of a text in which `{time}`, `{time:3}` (with three decimals) and `{frame}` stand for numbers. The error is the
+    /// text between braces that stands for nothing.
     ///
     /// ```
     /// use rayreel::components::TextPart;

@@ -38,9 +38,7 @@ pub(super) fn block(item: &PreparedItem, height: f64) -> Block {
     let mut block = Block { size: [0.0; 2], shapes: Vec::new(), line, color: item.color };
     match &item.content {
         PreparedContent::Text(text) => {
-            for words in text.split('\n') {
-                block.text(words);
-            }
+            block.lines(text, item.anchor[0]);
         }
         PreparedContent::Bar(length, label) => block.scale_bar((length * height).min(LONGEST_BAR), label),
         PreparedContent::Ramp(title, colors, range) => {
@@ -50,15 +48,6 @@ pub(super) fn block(item: &PreparedItem, height: f64) -> Block {
         PreparedContent::Kinds(title, kinds) => {
             block.title(title);
             kinds.iter().for_each(|(name, color)| block.kind(name, *color));
-        }
-    }
-    // Lines are left, centred or right within the widest one.
-    if let PreparedContent::Text(_) = item.content {
-        let width = block.size[0];
-        for shape in &mut block.shapes {
-            if let BlockShape::Text(place, words) = shape {
-                place[0] = item.anchor[0] * (width - letters::width(words, line));
-            }
         }
     }
     block
@@ -79,15 +68,20 @@ impl Block {
         }
     }
 
-    /// Adds a line of text below all else.
-    fn text(&mut self, words: &str) {
-        self.shapes.push(BlockShape::Text([0.0, self.size[1]], words.to_owned()));
-        self.grow(letters::width(words, self.line), self.line);
+    /// Adds lines of text: left, centred or right within the widest one, as `side` is 0, 1/2 or 1.
+    fn lines(&mut self, text: &str, side: f64) {
+        let width = |words: &str| letters::width(words, self.line);
+        let lines: Vec<(&str, f64)> = text.split('\n').map(|words| (words, width(words))).collect();
+        let widest = lines.iter().map(|(_, width)| *width).fold(0.0, f64::max);
+        for (words, width) in lines {
+            self.shapes.push(BlockShape::Text([side * (widest - width), self.size[1]], words.to_owned()));
+            self.grow(widest, self.line);
+        }
     }
 
     fn title(&mut self, title: &str) {
         if !title.is_empty() {
-            self.text(title);
+            self.lines(title, 0.0);
         }
     }
 
@@ -116,8 +110,8 @@ impl Block {
         let widths: Vec<f64> = numbers.iter().map(|(_, text)| letters::width(text, self.line)).collect();
         // Numbers stand below their colours, and may reach beyond the ends of the bar.
         let beyond = |end: f64| {
-            let beyond = |((share, _), width): (&(f64, String), &f64)| {
-                width / 2.0 - (share - end).abs() * self.line * 9.0
+            let beyond = |((share, _), text_width): (&(f64, String), &f64)| {
+                text_width / 2.0 - (share - end).abs() * width
             };
             numbers.iter().zip(&widths).map(beyond).fold(0.0, f64::max)
         };
@@ -125,9 +119,17 @@ impl Block {
         let top = self.size[1] + 0.15 * self.line;
         self.shapes.push(BlockShape::Bar([left, top], [width, height], colors.to_vec()));
         let mark = [(0.05 * self.line).max(1.0), 0.2 * self.line];
-        for ((share, text), text_width) in numbers.iter().zip(&widths) {
+        // Long numbers would touch each other: only every second mark has one then, or every third.
+        let widest = widths.iter().copied().fold(0.0, f64::max) + 0.4 * self.line;
+        let spacing = numbers.windows(2).map(|pair| (pair[1].0 - pair[0].0).abs() * width).next();
+        let is_apart = |every: &usize| spacing.is_none_or(|spacing| widest <= *every as f64 * spacing);
+        let every = (1..numbers.len()).find(is_apart).unwrap_or(numbers.len());
+        for (index, ((share, text), text_width)) in numbers.iter().zip(&widths).enumerate() {
             let x = left + share * width;
             self.shapes.push(BlockShape::Bar([x - mark[0] / 2.0, top + height], mark, Vec::new()));
+            if index % every != 0 {
+                continue;
+            }
             let place = [x - text_width / 2.0, top + height + mark[1]];
             self.shapes.push(BlockShape::Text(place, text.clone()));
         }

@@ -1,19 +1,25 @@
-//! Texts, scale bars and legends over a picture: placed at its corners, and drawn as vector shapes.
+//! Texts, scale bars and legends over a picture: placed at its borders, and drawn as vector shapes.
 //!
 //! ```text
-//! PreparedOverlay -> blocks (layout: shapes relative to a block's top left) -> places at corners -> trace::FilmOverlay
+//! PreparedOverlay -> blocks (layout: shapes relative to a block's top left) -> places at anchors -> trace::FilmOverlay
 //! ```
 
 mod layout;
 mod letters;
 mod ticks;
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use crate::color::Rgb;
 use crate::trace::FilmOverlay;
 
 /// The items over a picture at a moment, independent of the picture's size.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct PreparedOverlay(pub(crate) Vec<PreparedItem>);
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PreparedOverlay {
+    items: Vec<PreparedItem>,
+    /// The last drawing: a frame needs it for its fingerprint and for its film, and following frames often need the same.
+    drawn: Arc<Mutex<Option<Arc<FilmOverlay>>>>,
+}
 
 /// A text, a scale bar or a legend at a moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,25 +47,42 @@ pub(crate) enum PreparedContent {
     Kinds(String, Vec<(String, Rgb)>),
 }
 
+impl PartialEq for PreparedOverlay {
+    /// Compares the items. Equal ones have equal drawings.
+    fn eq(&self, other: &Self) -> bool {
+        self.items == other.items
+    }
+}
+
 impl PreparedOverlay {
-    /// Draws all items for a film of a size. Items at the same place stand below each other, in order.
-    #[must_use]
-    pub(crate) fn drawn(&self, size: (u32, u32)) -> FilmOverlay {
+    /// Creates an overlay of these items.
+    pub(crate) fn new(items: Vec<PreparedItem>) -> Self {
+        Self { items, drawn: Arc::default() }
+    }
+
+    /// Returns the drawing for a film of a size; `None` without items.
+    pub(crate) fn drawn(&self, size: (u32, u32)) -> Option<Arc<FilmOverlay>> {
+        if self.items.is_empty() {
+            return None;
+        }
+        let mut drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
+        if drawn.as_ref().is_none_or(|film| film.size() != size) {
+            *drawn = Some(Arc::new(self.draw(size)));
+        }
+        drawn.clone()
+    }
+
+    /// Draws all items. Items at the same anchor stand below each other, in order.
+    fn draw(&self, size: (u32, u32)) -> FilmOverlay {
         let mut film = FilmOverlay::new(size);
         let (width, height) = (f64::from(size.0), f64::from(size.1));
         let margin = (layout::MARGIN * height).round();
-        let mut is_placed = vec![false; self.0.len()];
-        for first in 0..self.0.len() {
-            if is_placed[first] {
-                continue;
-            }
-            let anchor = self.0[first].anchor;
-            let there: Vec<usize> =
-                (first..self.0.len()).filter(|item| self.0[*item].anchor == anchor).collect();
-            there.iter().for_each(|item| is_placed[*item] = true);
-            let blocks: Vec<_> = there.iter().map(|item| layout::block(&self.0[*item], height)).collect();
-            let gaps = margin * (blocks.len() - 1) as f64;
-            let stack: f64 = blocks.iter().map(|block| block.size[1]).sum::<f64>() + gaps;
+        let mut rest: Vec<&PreparedItem> = self.items.iter().collect();
+        while let Some(PreparedItem { anchor, .. }) = rest.first().copied() {
+            let (there, others) = rest.into_iter().partition::<Vec<_>, _>(|item| item.anchor == *anchor);
+            rest = others;
+            let blocks: Vec<_> = there.into_iter().map(|item| layout::block(item, height)).collect();
+            let stack: f64 = blocks.iter().map(|block| block.size[1] + margin).sum::<f64>() - margin;
             let mut top = margin + anchor[1] * (height - 2.0 * margin - stack);
             for block in blocks {
                 let left = margin + anchor[0] * (width - 2.0 * margin - block.size[0]);

@@ -1,10 +1,10 @@
 //! Round numbers along a range.
 
-/// Returns up to seven round numbers within a range, in either order, each with its share of the way from the first end, and as text: multiples
-/// of 1, 2 or 5 times a power of ten. Without a range that can be divided, returns nothing.
+/// Returns up to seven round numbers within a range, in either order, each with its share of the way from the first end, and as text:
+/// multiples of 1, 2 or 5 times a power of ten. Without a range that can be divided, returns nothing.
 pub(super) fn ticks([first, last]: [f64; 2]) -> Vec<(f64, String)> {
-    /// The number of steps that a range has at least.
-    const STEPS: f64 = 3.0;
+    /// The number of steps that a range has at least. It has fewer than 7 then: below 14 of 10^n, steps are 2, and 14 / 5 = 2.8.
+    const STEPS: f64 = 2.8;
     let (least, most) = (first.min(last), first.max(last));
     let range = most - least;
     let is_divisible = range.is_finite() && range > 0.0 && range > 1e-12 * least.abs().max(most.abs());
@@ -23,7 +23,7 @@ pub(super) fn ticks([first, last]: [f64; 2]) -> Vec<(f64, String)> {
     let (start, end) = (libm::ceil(count(least) - 1e-9), libm::floor(count(most) + 1e-9));
     let mut numbers = Vec::new();
     let mut index = start;
-    while index <= end && numbers.len() < 7 {
+    while index <= end {
         let number = scaled(index * step) + 0.0;
         numbers.push((((number - first) / (last - first)).clamp(0.0, 1.0), text(number, exponent)));
         index += 1.0;
@@ -57,6 +57,8 @@ mod tests {
     fn ticks_are_round_and_within_the_range() {
         assert_eq!(texts([0.0, 2.4]), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
         assert_eq!(texts([0.0, 3.0]), ["0", "1", "2", "3"]);
+        assert_eq!(texts([0.0, 14.0]), ["0", "5", "10"]);
+        assert_eq!(texts([0.0, 13.9]), ["0", "2", "4", "6", "8", "10", "12"]);
         assert_eq!(texts([-0.31, 0.3]), ["\u{2212}0.2", "0.0", "0.2"]);
         assert_eq!(texts([300.0, 1200.0]), ["400", "600", "800", "1000", "1200"]);
         assert_eq!(texts([0.0, 7e-9]), ["0e0", "2e\u{2212}9", "4e\u{2212}9", "6e\u{2212}9"]);

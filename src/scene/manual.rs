@@ -17,9 +17,9 @@ mod tests {
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
     use crate::components::{Property, Quantity};
     use crate::scene::document::{
-        AmbientOcclusionDocument, AnimationDocument, AreaShapeDocument, BackgroundDocument, BetweenDocument,
-        BondsDocument, CameraDocument, ChannelDocument, CloudDocument, ColorByDocument, ColorMapDocument,
-        CornerDocument, EasingDocument, EndDocument, EntityDocument, FilmDocument, FogDocument,
+        AmbientOcclusionDocument, AnchorDocument, AnimationDocument, AreaShapeDocument, BackgroundDocument,
+        BetweenDocument, BondsDocument, CameraDocument, ChannelDocument, CloudDocument, ColorByDocument,
+        ColorMapDocument, EasingDocument, EndDocument, EntityDocument, FilmDocument, FogDocument,
         FramesDocument, IncludeDocument, LensDocument, LightDocument, MaterialDocument, NoiseDocument,
         NormDocument, OverlayDocument, PatternDocument, QualityDocument, ReflectiveDocument,
         RefractiveDocument, RepeatDocument, RotationDocument, SamplingDocument, ScaleByDocument,
@@ -137,7 +137,7 @@ mod tests {
         check_variants::<BetweenDocument>("Between", all);
         check_variants::<EndDocument>("End", all);
         check_variants::<OverlayDocument>("OverlayItem", all);
-        check_variants::<CornerDocument>("Corner", all);
+        check_variants::<AnchorDocument>("Anchor", all);
         check_variants::<RotationDocument>("Rotation", all);
         check_variants::<ChannelDocument>("Channel", all);
         check_variants::<EasingDocument>("Easing", all);

@@ -50,9 +50,14 @@ pub(super) fn warnings_of(files: &mut Files) -> Vec<SceneWarning> {
                 .map_or((&of_file.name, &*of_file.text), |source| (&source.file, &source.text));
             let start = span.map_or(0, |span| span.start);
             let is_hexadecimal = text.as_bytes().get(start) == Some(&b'"');
-            let name_index = [DATA_LABEL, MIRRORED_LABEL].iter().position(|known| label == **known);
-            let kind = SceneWarning::NAMES[name_index.map_or(0, |index| index + 1)];
-            (name_index.is_some() || !is_hexadecimal).then(|| SceneWarning {
+            let [of_color, of_data, of_space] = SceneWarning::NAMES;
+            let kind = match label.as_str() {
+                DATA_LABEL => of_data,
+                MIRRORED_LABEL => of_space,
+                _ if is_hexadecimal => return None,
+                _ => of_color,
+            };
+            Some(SceneWarning {
                 name: kind,
                 file: name.clone(),
                 position: SourcePosition::of(text, start),

@@ -31,7 +31,9 @@ impl<'a> HashedInstants<'a> {
             let lighting = self.frame.lighting();
             let mut hasher =
                 FrameHasher::new(&FrameConstants { transfer, sampling, target, lighting, instants });
-            data.overlay().iter().for_each(|overlay| hasher.add_overlay(overlay));
+            if let Some(overlay) = data.overlay() {
+                hasher.add_overlay(&overlay);
+            }
             hasher
         });
         hasher.add(data.scene(), data.camera(), sampling);

@@ -169,7 +169,7 @@ fn trace_reference<E: Encoding>(
         })?;
     }
     simulation.visit(frame, first, report, cancelled, |PreparedInstant { data, index, .. }| {
-        overlay = overlay.take().or_else(|| data.overlay());
+        overlay = data.overlay();
         let sums = sums.get_or_insert_with(|| start_sums(data));
         reference(frame, data).add(sums, index);
         rest -= 1;

@@ -67,10 +67,6 @@ impl FrameReader for CsvFile {
         let table = table::parse(&bytes, header.line, &form)?;
         Ok(Snapshot { count: table.rows, columns: table.columns, ..Snapshot::default() })
     }
-
-    fn boxed(&self) -> Box<dyn FrameReader> {
-        Box::new(self.clone())
-    }
 }
 
 /// Returns the position after the last line that has an end.

@@ -7,7 +7,7 @@ use super::error::Faults;
 use super::snapshot::Snapshot;
 
 /// The frames of a format.
-pub(super) trait FrameReader: fmt::Debug + Send + Sync {
+pub(super) trait FrameReader: CloneReader + fmt::Debug + Send + Sync {
     /// Finds the frames of a file that has grown, or of one that was not read before. Returns warnings. After an error, the frames are as
     /// before.
     fn index(&mut self, file: &DataFile, end: FileEnd) -> Result<Vec<Faults>, Faults>;
@@ -20,9 +20,18 @@ pub(super) trait FrameReader: fmt::Debug + Send + Sync {
 
     /// Reads a frame, which exists.
     fn read(&self, file: &DataFile, frame: usize) -> Result<Snapshot, Faults>;
+}
 
-    /// Returns a copy of what is known of the frames.
+/// A reader that can be copied without its type being known.
+pub(super) trait CloneReader {
+    /// Returns a copy.
     fn boxed(&self) -> Box<dyn FrameReader>;
+}
+
+impl<T: FrameReader + Clone + 'static> CloneReader for T {
+    fn boxed(&self) -> Box<dyn FrameReader> {
+        Box::new(self.clone())
+    }
 }
 
 impl Clone for Box<dyn FrameReader> {

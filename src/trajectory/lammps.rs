@@ -47,10 +47,6 @@ impl FrameReader for DumpFrames {
         let span = self.spans.list[frame];
         read_frame(&file.read(span.start..span.end)?, span.line)
     }
-
-    fn boxed(&self) -> Box<dyn FrameReader> {
-        Box::new(self.clone())
-    }
 }
 
 /// Returns `true` for the section that holds the particles, or the entries of `dump local`.

@@ -54,10 +54,6 @@ impl FrameReader for NpyFrames {
         }
         Ok(snapshot)
     }
-
-    fn boxed(&self) -> Box<dyn FrameReader> {
-        Box::new(self.clone())
-    }
 }
 
 /// Returns the names of an array's columns.

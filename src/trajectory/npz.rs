@@ -162,10 +162,6 @@ impl FrameReader for NpzFrames {
         snapshot.time = time.transpose()?.and_then(|values| values.first().copied());
         Ok(snapshot)
     }
-
-    fn boxed(&self) -> Box<dyn FrameReader> {
-        Box::new(self.clone())
-    }
 }
 
 impl NpzFrames {

@@ -84,10 +84,6 @@ impl FrameReader for PdbFrames {
         }
         Ok(snapshot)
     }
-
-    fn boxed(&self) -> Box<dyn FrameReader> {
-        Box::new(self.clone())
-    }
 }
 
 impl Search {

@@ -117,12 +117,32 @@ impl Trajectory {
         if is_settled && self.end == FileEnd::Final {
             return Ok(false);
         }
+        self.index_again(stamp, if is_settled { FileEnd::Final } else { FileEnd::Growing })
+    }
+
+    /// Returns the file as it is now, as [`open`](Self::open) does. Of one that has only grown, the new part alone is searched for frames.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the file cannot be read, or has no whole frame any more.
+    pub fn opened_again(&self) -> Result<Self, TrajectoryError> {
+        let stamp =
+            stamp(&self.path).map_err(|error| TrajectoryError::new(&self.path, Faults::io(&error)))?;
+        let mut again = self.clone();
+        again.index_again(stamp, FileEnd::Final)?;
+        Ok(again)
+    }
+
+    /// Finds the frames of a file that has changed. `growing` is the meaning of its end if it has only grown. Returns whether frames have
+    /// been added or have changed.
+    fn index_again(&mut self, stamp: FileStamp, growing: FileEnd) -> Result<bool, TrajectoryError> {
+        let fail = |faults| TrajectoryError::new(&self.path, faults);
         let (file, warning) = open_file::open(&self.path).map_err(fail)?;
         let ends_before = |length| ends(&file, length).map_err(|error| fail(Faults::io(&error)));
         let (before, now) = (self.file.length(), file.length());
         let grown = now >= before && ends_before(before)? == self.ends;
         let new_ends = ends_before(now)?;
-        let end = if is_settled || !grown { FileEnd::Final } else { FileEnd::Growing };
+        let end = if grown { growing } else { FileEnd::Final };
         let extent = self.frames.extent();
         let mut faults = warning.into_iter().collect::<Vec<_>>();
         let mut frames = reader(self.format);

@@ -174,10 +174,6 @@ impl FrameReader for XtcFrames {
         }
         Ok(snapshot)
     }
-
-    fn boxed(&self) -> Box<dyn FrameReader> {
-        Box::new(self.clone())
-    }
 }
 
 /// Returns the cell of a frame, or `None` for a box of zeros.

@@ -41,10 +41,6 @@ impl FrameReader for XyzFrames {
         let span = self.spans.list[frame];
         read_frame(&file.read(span.start..span.end)?, span.line)
     }
-
-    fn boxed(&self) -> Box<dyn FrameReader> {
-        Box::new(self.clone())
-    }
 }
 
 /// Finds the next frame.

@@ -64,8 +64,8 @@ fn bounds(film: &Film) -> Option<[u32; 4]> {
     Some([least.0?, most.0?, least.1?, most.1?])
 }
 
-const ALL: &str = "Text(text: \"t = {time:1} ps,\\nframe {frame}\", cloud: \"gas\"), Legend(cloud: \"gas\", corner: BottomRight, size: 0.08),
-    ScaleBar(length: 5, label: \"half\", corner: BottomLeft, color: (255, 0, 0)), Legend(cloud: \"kinds\", title: \"\", corner: TopRight)";
+const ALL: &str = "Text(text: \"t = {time:1} ps,\\nframe {frame}\", cloud: \"gas\"), Legend(cloud: \"gas\", anchor: BottomRight, size: 0.08),
+    ScaleBar(length: 5, label: \"half\", anchor: BottomLeft, color: (255, 0, 0)), Legend(cloud: \"kinds\", title: \"\", anchor: TopRight)";
 
 #[test]
 fn all_paths_give_the_same_bits() {
@@ -104,9 +104,9 @@ fn a_scale_bar_has_its_length() {
         bounds(&film).map(|[left, right, top, _]| (left, right - left + 1, top))
     };
     // The picture is 10 units and 100 pixels high, with a margin of 2.5 pixels.
-    assert_eq!(bar("corner: TopLeft"), Some((3, 50, 3)));
-    assert_eq!(bar("corner: BottomRight"), Some((147, 50, 96)));
-    assert_eq!(bar("corner: Top, at: (0, 0, 5)"), Some((75, 50, 3)));
+    assert_eq!(bar("anchor: TopLeft"), Some((3, 50, 3)));
+    assert_eq!(bar("anchor: BottomRight"), Some((147, 50, 96)));
+    assert_eq!(bar("anchor: Top, at: (0, 0, 5)"), Some((75, 50, 3)));
     let endless = film("ScaleBar(length: 1e60, label: \"\", size: 1)", "0");
     assert_eq!(bounds(&endless).map(|[left, right, ..]| (left, right)), Some((3, 199)));
     let folder = folder("ScaleBar(length: 5, label: \"\", at: (1, 2, 6))");
@@ -132,7 +132,7 @@ fn texts_follow_the_film_and_the_data() {
     assert!(of_data("{time} {frame}", "0.9") == text("0.50 0", "0"));
     assert!(of_data("{time} {frame}", "1") == text("1.75 1", "0"));
     // Two lines, right-aligned, at the bottom.
-    let film = film("Text(text: \"i\\niiiii\", corner: BottomRight, size: 0.2)", "0");
+    let film = film("Text(text: \"i\\niiiii\", anchor: BottomRight, size: 0.2)", "0");
     let [left, right, top, bottom] = bounds(&film).unwrap();
     assert!(right > 190 && bottom > 85 && top > 55 && left > 160, "{left} {right} {top} {bottom}");
     let lit = |i: u32, rows: std::ops::Range<u32>| rows.into_iter().any(|j| film.pixel(i, j) != Rgb::ZERO);
@@ -192,6 +192,7 @@ fn mistakes_are_reported() {
         ("Text(text: \"{frame}\")", "`{frame}` is the frame of a data file"),
         ("Text(text: \"\", size: 2)", "a share of the picture's height"),
         ("Legend(cloud: \"nobody\")", "there is no entity \"nobody\""),
+        ("Legend(cloud: \"gas/1\")", "\"gas/1\" is no cloud"),
         ("ScaleBar(length: 0, label: \"\")", "length"),
     ] {
         let found = message(overlay);

@@ -1,6 +1,6 @@
 //! Bar chart of the cost and the worth of every effect, side by side.
 
-use crate::cli::svg::{Anchor, Area, Svg};
+use crate::cli::svg::{Area, Svg, TextAnchor};
 
 /// The cost and the worth of an effect.
 pub(super) struct Bar {
@@ -33,12 +33,12 @@ pub(super) fn svg(bars: &mut [Bar]) -> String {
     let longest = [most(|bar| bar.share + bar.deviation), most(|bar| bar.error)];
     let mut svg = Svg::new([WIDTH, height], "Price and worth of effects");
     for (start, head) in STARTS.into_iter().zip(["price: share of the time", "worth: rms error without it"]) {
-        svg.text("", [start, 16.0], Anchor::Start, head);
+        svg.text("", [start, 16.0], TextAnchor::Start, head);
         svg.line("axis", [start, TOP - 4.0], [start, height - 4.0]);
     }
     for (index, bar) in bars.iter().enumerate() {
         let middle = TOP + ROW * (index as f64 + 0.5);
-        svg.text("", [NAMES, middle + 4.0], Anchor::End, &bar.name);
+        svg.text("", [NAMES, middle + 4.0], TextAnchor::End, &bar.name);
         let halves = [(bar.share, bar.deviation, &bar.share_text), (bar.error, 0.0, &bar.error_text)];
         for (half, (value, deviation, words)) in halves.into_iter().enumerate() {
             let (start, scale) = (STARTS[half], LONGEST / longest[half]);
@@ -50,7 +50,7 @@ pub(super) fn svg(bars: &mut [Bar]) -> String {
                 let first = (end - scale * deviation).max(start);
                 svg.line("whisker", [first, middle], [last, middle]);
             }
-            svg.text("", [last + 6.0, middle + 4.0], Anchor::Start, words);
+            svg.text("", [last + 6.0, middle + 4.0], TextAnchor::Start, words);
         }
     }
     svg.finish()

@@ -1,6 +1,6 @@
 //! Charts of errors on logarithmic axes, in the colours of the page.
 
-use crate::cli::svg::{Anchor, Area, Axis, Labels, PagePoint, Plot, Svg, directions, escaped};
+use crate::cli::svg::{Area, Axis, Labels, PagePoint, Plot, Svg, TextAnchor, directions, escaped};
 
 /// A mark on a chart.
 #[derive(Clone, Debug)]
@@ -109,7 +109,7 @@ impl Chart<'_> {
         let mut svg = Svg::new([width, height], self.title);
         plot.draw(&mut svg);
         let [across, up] = plot.area.middle();
-        svg.text("", [across, height - 8.0], Anchor::Middle, self.x);
+        svg.text("", [across, height - 8.0], TextAnchor::Middle, self.x);
         svg.upward_text([12.0, up], self.y);
         if let Some(floor) = self.floor.filter(|floor| *floor > 0.0) {
             let top = plot.at([1.0, floor])[1].min(plot.area.bottom());

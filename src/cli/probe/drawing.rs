@@ -7,7 +7,7 @@ use rayreel::{Engine, systems::Preparation};
 
 use super::names::{label, ray_name};
 use crate::cli::svg::{
-    Anchor, Area, Labels, OrthographicView, OutlinedShape, PagePoint, Svg, VIEW_STYLE, directions,
+    Area, Labels, OrthographicView, OutlinedShape, PagePoint, Svg, TextAnchor, VIEW_STYLE, directions,
     outlined_shapes,
 };
 
@@ -191,12 +191,12 @@ impl RayDrawing {
             format!(".swatch {{ fill: rgb({red}, {green}, {blue}) }}\n.title {{ font-size: {size:.1}px }}\n");
         let mut svg = Svg::standalone([1000.0, 580.0], title, &[VIEW_STYLE, STYLE, &colors].concat());
         svg.filled("swatch", Area { left: 20.0, top: 14.0, width: 34.0, height: 34.0 }, "");
-        svg.text("title", [66.0, 28.0], Anchor::Start, title);
+        svg.text("title", [66.0, 28.0], TextAnchor::Start, title);
         let omitted = match self.omitted {
             0 => String::new(),
             count => format!(", without {count} more rays"),
         };
-        svg.text("", [66.0, 46.0], Anchor::Start, &format!("{text}{omitted}"));
+        svg.text("", [66.0, 46.0], TextAnchor::Start, &format!("{text}{omitted}"));
         let frames = [
             Area { left: 56.0, top: 84.0, width: 420.0, height: 420.0 },
             Area { left: 546.0, top: 84.0, width: 420.0, height: 420.0 },
@@ -284,7 +284,7 @@ impl RayDrawing {
         {
             let text = if *kind == LineKind::Camera && self.screen.is_none() { &"ray" } else { text };
             svg.line(class, [x, y - 4.0], [x + 30.0, y - 4.0]);
-            svg.text("", [x + 36.0, y], Anchor::Start, text);
+            svg.text("", [x + 36.0, y], TextAnchor::Start, text);
             x += 60.0 + 5.3 * text.len() as f64;
         }
     }

@@ -1,6 +1,6 @@
 //! Axes of plots, with ticks at round numbers.
 
-use super::{Anchor, Area, PagePoint, Svg};
+use super::{Area, PagePoint, Svg, TextAnchor};
 
 /// A plot of two values.
 #[derive(Clone, Copy, Debug)]
@@ -24,12 +24,12 @@ impl Plot {
         for (value, label) in self.x.ticks() {
             let x = left + self.x.share(value) * width;
             svg.line("grid", [x, top], [x, bottom]);
-            svg.text("", [x, bottom + 16.0], Anchor::Middle, &label);
+            svg.text("", [x, bottom + 16.0], TextAnchor::Middle, &label);
         }
         for (value, label) in self.y.ticks() {
             let y = bottom - self.y.share(value) * height;
             svg.line("grid", [left, y], [right, y]);
-            svg.text("", [left - 6.0, y + 4.0], Anchor::End, &label);
+            svg.text("", [left - 6.0, y + 4.0], TextAnchor::End, &label);
         }
         svg.lines("axis", &[vec![[left, top], [left, bottom], [right, bottom]]]);
     }

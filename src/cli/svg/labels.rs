@@ -1,6 +1,6 @@
 //! Placement of texts next to points, so that they cover neither each other nor marks and lines.
 
-use super::{Anchor, Area, PagePoint, Svg};
+use super::{Area, PagePoint, Svg, TextAnchor};
 
 /// Width of a character of 12 pixels.
 const CHARACTER: f64 = 6.6;
@@ -65,7 +65,7 @@ impl Labels {
 
     /// Writes a text into its [place](Self::place).
     pub(crate) fn write(svg: &mut Svg, class: &str, place: Area, text: &str) {
-        svg.text(class, [place.middle()[0], place.bottom() - BELOW], Anchor::Middle, text);
+        svg.text(class, [place.middle()[0], place.bottom() - BELOW], TextAnchor::Middle, text);
     }
 }
 

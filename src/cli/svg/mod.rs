@@ -15,4 +15,4 @@ pub(super) use axis::{Axis, Plot, Steps};
 pub(super) use labels::{Labels, directions};
 pub(super) use shapes::{OutlinedShape, outlined_shapes};
 pub(super) use view::{OrthographicView, VIEW_STYLE};
-pub(super) use writer::{Anchor, Svg, escaped};
+pub(super) use writer::{Svg, TextAnchor, escaped};

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::shapes::OutlinedShape;
-use super::{Anchor, Area, Axis, PagePoint, Plot, Svg};
+use super::{Area, Axis, PagePoint, Plot, Svg, TextAnchor};
 
 /// Style sheet of views, with mid-tones, which are visible on light and on dark backgrounds.
 pub(crate) const VIEW_STYLE: &str = "
@@ -94,7 +94,7 @@ impl OrthographicView {
         let half = 0.5 * self.frame.width / self.scale;
         let [x, y] = self.across(self.center).map(|middle| Axis::linear((middle - half, middle + half), 7.0));
         Plot { area: self.frame, x, y }.draw(svg);
-        svg.text("", [self.frame.left, self.frame.top - 8.0], Anchor::Start, self.name);
+        svg.text("", [self.frame.left, self.frame.top - 8.0], TextAnchor::Start, self.name);
     }
 
     /// Draws an outline, unless it is outside the frame or so large that it would appear as a line.

@@ -6,7 +6,7 @@ use super::{Area, PagePoint};
 
 /// The alignment of a text relative to its point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Anchor {
+pub(crate) enum TextAnchor {
     Start,
     Middle,
     End,
@@ -105,7 +105,7 @@ impl Svg {
         self.lines(class, &[vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]]);
     }
 
-    pub(crate) fn text(&mut self, class: &str, at: PagePoint, anchor: Anchor, text: &str) {
+    pub(crate) fn text(&mut self, class: &str, at: PagePoint, anchor: TextAnchor, text: &str) {
         let [x, y] = at.map(coordinate);
         let class = if class.is_empty() { String::new() } else { format!("class=\"{class}\" ") };
         self.write_text(format_args!("{class}x=\"{x}\" y=\"{y}\""), anchor, text);
@@ -114,14 +114,18 @@ impl Svg {
     /// Writes a text upwards, centred at a point.
     pub(crate) fn upward_text(&mut self, at: PagePoint, text: &str) {
         let [x, y] = at.map(coordinate);
-        self.write_text(format_args!("transform=\"translate({x} {y}) rotate(-90)\""), Anchor::Middle, text);
+        self.write_text(
+            format_args!("transform=\"translate({x} {y}) rotate(-90)\""),
+            TextAnchor::Middle,
+            text,
+        );
     }
 
-    fn write_text(&mut self, place: std::fmt::Arguments<'_>, anchor: Anchor, text: &str) {
+    fn write_text(&mut self, place: std::fmt::Arguments<'_>, anchor: TextAnchor, text: &str) {
         let anchor = match anchor {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
+            TextAnchor::Start => "start",
+            TextAnchor::Middle => "middle",
+            TextAnchor::End => "end",
         };
         if !text.is_empty() {
             self.write(format_args!("<text {place} text-anchor=\"{anchor}\">{}</text>", escaped(text)));

@@ -27,7 +27,7 @@ pub(super) use entity::{
 };
 pub(super) use include::IncludeDocument;
 pub(super) use material::{MaterialDocument, PatternDocument};
-pub(super) use overlay::{CornerDocument, OverlayDocument};
+pub(super) use overlay::{AnchorDocument, OverlayDocument};
 pub(super) use settings::{
     AmbientOcclusionDocument, CameraDocument, FilmDocument, FogDocument, NoiseDocument, NormDocument,
     QualityDocument, SamplingDocument, SceneDocument, ShotDocument, SpaceDocument, StarsDocument,

@@ -13,7 +13,7 @@ pub(crate) enum OverlayDocument {
         #[serde(default)]
         cloud: Option<String>,
         #[serde(default)]
-        corner: CornerDocument,
+        anchor: AnchorDocument,
         #[serde(default = "size")]
         size: f64,
         #[serde(default = "white")]
@@ -25,7 +25,7 @@ pub(crate) enum OverlayDocument {
         #[serde(default)]
         at: Option<Triple>,
         #[serde(default)]
-        corner: CornerDocument,
+        anchor: AnchorDocument,
         #[serde(default = "size")]
         size: f64,
         #[serde(default = "white")]
@@ -36,7 +36,7 @@ pub(crate) enum OverlayDocument {
         #[serde(default)]
         title: String,
         #[serde(default)]
-        corner: CornerDocument,
+        anchor: AnchorDocument,
         #[serde(default = "size")]
         size: f64,
         #[serde(default = "white")]
@@ -46,8 +46,8 @@ pub(crate) enum OverlayDocument {
 
 /// A place in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(rename = "Corner")]
-pub(crate) enum CornerDocument {
+#[serde(rename = "Anchor")]
+pub(crate) enum AnchorDocument {
     #[default]
     TopLeft,
     Top,
@@ -77,11 +77,11 @@ impl OverlayDocument {
     }
 
     /// Returns the place, the height of a line of text and the colour.
-    pub(crate) fn look(&self) -> (CornerDocument, f64, ColorDocument) {
+    pub(crate) fn look(&self) -> (AnchorDocument, f64, ColorDocument) {
         match self {
-            Self::Text { corner, size, color, .. }
-            | Self::ScaleBar { corner, size, color, .. }
-            | Self::Legend { corner, size, color, .. } => (*corner, *size, *color),
+            Self::Text { anchor, size, color, .. }
+            | Self::ScaleBar { anchor, size, color, .. }
+            | Self::Legend { anchor, size, color, .. } => (*anchor, *size, *color),
         }
     }
 }

@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use super::names::{Clashes, Meaning, Names};
 use super::{Origin, SceneFile};
 use crate::scene::document::{
-    EntityDocument, LightDocument, MaterialDocument, ShapeDocument, SpaceDocument, SurfaceDocument,
-    parse_particle_name,
+    CloudDocument, EntityDocument, LightDocument, MaterialDocument, ShapeDocument, SpaceDocument,
+    SurfaceDocument, parse_particle_name,
 };
 
 /// The result of looking up a name.
@@ -41,6 +41,8 @@ pub(in crate::scene) struct KnownEntity<'a> {
     pub(in crate::scene) has_target: bool,
     /// True if it points to an entity.
     pub(in crate::scene) looks_at: bool,
+    /// The cloud, if it is one.
+    pub(in crate::scene) cloud: Option<&'a CloudDocument>,
 }
 
 /// The names visible in one file. A name in a named include is written `part/name`.
@@ -82,11 +84,12 @@ impl<'a> Scope<'a> {
                 };
                 let (shape, light) = (entity.shape.as_ref(), entity.light.as_deref());
                 let (has_target, looks_at) = (entity.target.is_some(), entity.look_at.is_some());
-                Lookup::Found(KnownEntity { shape, light, material, has_target, looks_at })
+                let cloud = self.of(*file).cloud(entity);
+                Lookup::Found(KnownEntity { shape, light, material, has_target, looks_at, cloud })
             }
             Some(Meaning::Part(_)) => Lookup::Found(KnownEntity::default()),
             None => match parse_particle_name(name).and_then(|(cloud, _)| self.own().entities.get(cloud)) {
-                Some(Meaning::Entity(entity, file)) if self.of(*file).is_cloud(entity) => {
+                Some(Meaning::Entity(entity, file)) if self.of(*file).cloud(entity).is_some() => {
                     Lookup::Found(KnownEntity::default())
                 }
                 _ => self.in_part(name, Self::entity),
@@ -94,10 +97,10 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Returns whether an entity of the file is a cloud, whose particles have names.
-    fn is_cloud(self, entity: &EntityDocument) -> bool {
-        let clouds = self.files[self.file].document.iter().flat_map(|document| &document.clouds);
-        clouds.into_iter().any(|cloud| cloud.name.is_some() && cloud.name == entity.name)
+    /// Returns the cloud that an entity of the file is, if it is one.
+    fn cloud(self, entity: &EntityDocument) -> Option<&'a CloudDocument> {
+        let mut clouds = self.files[self.file].document.iter().flat_map(|document| &document.clouds);
+        clouds.find(|cloud| cloud.name.is_some() && cloud.name == entity.name)
     }
 
     pub(in crate::scene) fn material(self, name: &str) -> Lookup<&'a MaterialDocument> {

@@ -105,7 +105,7 @@ const EXAMPLES: [Example; 21] = [
             "Legend(cloud: \"gas\")",
         ],
     },
-    Example { name: "Corner", noun: "a corner", forms: &["TopLeft", "Top", "BottomRight"] },
+    Example { name: "Anchor", noun: "an anchor", forms: &["TopLeft", "Top", "BottomRight"] },
     Example { name: "Norm", noun: "a norm of errors", forms: &["Rms", "Max", "P99"] },
     Example { name: "Noise", noun: "a kind of noise", forms: &["Fixed", "PerFrame"] },
 ];

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use self::entities::{Links, MaterialComponents, surface};
 use super::document::{
-    AmbientOcclusionDocument, AnimationDocument, BackgroundDocument, CameraDocument, CornerDocument,
+    AmbientOcclusionDocument, AnchorDocument, AnimationDocument, BackgroundDocument, CameraDocument,
     EasingDocument, EntityDocument, FilmDocument, FogDocument, KeyDocument, MaterialDocument, NoiseDocument,
     NormDocument, OverlayDocument, QualityDocument, RotationDocument, SamplingDocument, ScaleDocument,
     SceneDocument, ShotDocument, SpaceDocument, StarsDocument, SunDocument, TimelineDocument, TrackDocument,
@@ -23,7 +23,7 @@ use super::playback::{ValueDocument, keys, playback};
 use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ColorRamp, ErrorNorm, Rgb, Transfer};
 use crate::components::{
-    Ambient, AmbientOcclusion, Animated, AtParticle, Background, Camera, Channel, Corner, FilmSettings, Fog,
+    Ambient, AmbientOcclusion, Anchor, Animated, AtParticle, Background, Camera, Channel, FilmSettings, Fog,
     Follow, Lens, LookAt, Motion, Name, Noise, Overlay, OverlayContent, OverlayItem, Parent, Projection,
     Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars, Sun, TextPart, Transform,
     View, Way, WorldTransform,
@@ -213,16 +213,16 @@ fn overlay_item(
             OverlayContent::Legend { cloud: named(cloud)?, title: title.clone() }
         }
     };
-    let (corner, size, color) = document.look();
-    let corner = match corner {
-        CornerDocument::TopLeft => Corner::TopLeft,
-        CornerDocument::Top => Corner::Top,
-        CornerDocument::TopRight => Corner::TopRight,
-        CornerDocument::BottomLeft => Corner::BottomLeft,
-        CornerDocument::Bottom => Corner::Bottom,
-        CornerDocument::BottomRight => Corner::BottomRight,
+    let (anchor, size, color) = document.look();
+    let anchor = match anchor {
+        AnchorDocument::TopLeft => Anchor::TopLeft,
+        AnchorDocument::Top => Anchor::Top,
+        AnchorDocument::TopRight => Anchor::TopRight,
+        AnchorDocument::BottomLeft => Anchor::BottomLeft,
+        AnchorDocument::Bottom => Anchor::Bottom,
+        AnchorDocument::BottomRight => Anchor::BottomRight,
     };
-    Some(OverlayItem { content, corner, size, color: transfer.decode(color.0) })
+    Some(OverlayItem { content, anchor, size, color: transfer.decode(color.0) })
 }
 
 fn background(document: &BackgroundDocument, transfer: Transfer) -> Background {

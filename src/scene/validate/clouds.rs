@@ -57,25 +57,7 @@ fn style(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
     let Some(style) = cloud.style else { return };
     let bonds = at.field("bonds");
     let (name, fields) = match style {
-        StyleDocument::Cell => {
-            let has_bonds = |has: fn(&BondsDocument) -> bool| cloud.bonds.as_ref().is_some_and(has);
-            let written = [
-                (cloud.shape.is_some(), at.field("shape"), "shape"),
-                (cloud.scale_by.is_some(), at.field("scale_by"), "scale_by"),
-                (cloud.color_by.is_some(), at.field("color_by"), "color_by"),
-                (cloud.filter.is_some(), at.field("filter"), "filter"),
-                (cloud.images != [1; 3], at.field("images"), "images"),
-                (has_bonds(|bonds| bonds.color.is_some()), bonds.field("color"), "bonds.color"),
-                (has_bonds(|bonds| bonds.distance.is_some()), bonds.field("distance"), "bonds.distance"),
-            ];
-            for (_, field, what) in written.iter().filter(|(is_written, ..)| *is_written) {
-                let message = format!("the edges of a cell have no `{what}`");
-                let help =
-                    "remove it, or write it in another cloud of the same file, which shows the particles";
-                problems.add(field, message, "of particles only", help);
-            }
-            return;
-        }
+        StyleDocument::Cell => return cell(cloud, at, problems),
         StyleDocument::BallAndStick => {
             ("BallAndStick", "`shape: Sphere(radius: 0.25), scale_by: VanDerWaals, bonds: (radius: 0.15)`")
         }
@@ -90,6 +72,26 @@ fn style(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
         let message = format!("the cloud has both `{what}` and a style that sets it");
         let help = format!("keep one of the two: `style: {name}` stands for {fields}");
         problems.add(field, message, "one too many", help);
+    }
+}
+
+/// Checks that the edges of a cell have no settings of particles.
+fn cell(cloud: &CloudDocument, at: &At<'_>, problems: &mut Problems) {
+    let bonds = at.field("bonds");
+    let has = |has: fn(&BondsDocument) -> bool| cloud.bonds.as_ref().is_some_and(has);
+    let written = [
+        (cloud.shape.is_some(), at.field("shape"), "shape"),
+        (cloud.scale_by.is_some(), at.field("scale_by"), "scale_by"),
+        (cloud.color_by.is_some(), at.field("color_by"), "color_by"),
+        (cloud.filter.is_some(), at.field("filter"), "filter"),
+        (cloud.images != [1; 3], at.field("images"), "images"),
+        (has(|bonds| bonds.color.is_some()), bonds.field("color"), "bonds.color"),
+        (has(|bonds| bonds.distance.is_some()), bonds.field("distance"), "bonds.distance"),
+    ];
+    for (_, field, what) in written.iter().filter(|(is_written, ..)| *is_written) {
+        let message = format!("the edges of a cell have no `{what}`");
+        let help = "remove it, or write it in another cloud of the same file, which shows the particles";
+        problems.add(field, message, "of particles only", help);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Validation of what is drawn over the picture.
+//! Validation of the overlay.
 
 use super::{At, Problems, check};
 use crate::components::TextPart;
@@ -17,7 +17,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
             problems.add(&size_at, message, "out of range", "write 0.04 for 25 lines in the picture");
         }
         check::color(color.0, &at.field("color"), problems);
-        cloud(item, document, scope, &at, problems);
+        cloud(item, scope, &at, problems);
         match item {
             OverlayDocument::Text { text, cloud, .. } => self::text(text, cloud.is_some(), &at, problems),
             OverlayDocument::ScaleBar { length, at: point, .. } => {
@@ -31,29 +31,23 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
     }
 }
 
-/// Reports a cloud that does not exist, or one without colours to explain.
-fn cloud(
-    item: &OverlayDocument,
-    document: &SceneDocument,
-    scope: Scope<'_>,
-    at: &At<'_>,
-    problems: &mut Problems,
-) {
+/// Reports a name that is no cloud's, or a cloud without colours to explain.
+fn cloud(item: &OverlayDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
     let Some(name) = item.cloud() else { return };
-    let at = at.field("cloud");
-    if scope.entity(name).is_missing() {
-        problems.add_unknown(&at, Named::Entity, name, || scope.entity_names());
-        return;
-    }
-    let is_it = |cloud: &&CloudDocument| cloud.name.as_ref() == Some(name);
-    let own = document.clouds.iter().find(is_it);
-    if document.entities.iter().any(|entity| entity.name.as_ref() == Some(name)) && own.is_none() {
-        let help = "name an entry of `clouds`";
-        problems.add(&at, format!("{name:?} is no cloud"), "an entity without a data file", help);
-    }
-    if let (OverlayDocument::Legend { .. }, Some(CloudDocument { color_by: None, .. })) = (item, own) {
-        let help = "add `color_by` to the cloud, or remove the legend";
-        problems.add(&at, format!("the cloud {name:?} has no colours to explain"), "no `color_by`", help);
+    let (at, known) = (at.field("cloud"), scope.entity(name));
+    let is_missing = known.is_missing();
+    let cloud = known.found().map(|entity| entity.cloud);
+    match (item, cloud) {
+        _ if is_missing => problems.add_unknown(&at, Named::Entity, name, || scope.entity_names()),
+        (_, Some(None)) => {
+            let help = "name an entry of `clouds`";
+            problems.add(&at, format!("{name:?} is no cloud"), "without a data file", help);
+        }
+        (OverlayDocument::Legend { .. }, Some(Some(CloudDocument { color_by: None, .. }))) => {
+            let help = "add `color_by` to the cloud, or remove the legend";
+            problems.add(&at, format!("the cloud {name:?} has no colours to explain"), "no `color_by`", help);
+        }
+        _ => {}
     }
 }
 

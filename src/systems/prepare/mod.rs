@@ -227,8 +227,7 @@ impl Preparation {
 
     /// Returns what is drawn over the picture; `None` for nothing.
     pub(crate) fn overlay(&self) -> Option<Arc<FilmOverlay>> {
-        let is_empty = self.overlay == PreparedOverlay::default();
-        (!is_empty).then(|| Arc::new(self.overlay.drawn(self.camera.resolution())))
+        self.overlay.drawn(self.camera.resolution())
     }
 
     /// Returns the number and the choice of samples per pixel at this moment.

@@ -6,7 +6,7 @@ use hecs::{Entity, World};
 use super::camera::active_camera;
 use super::settings::{first_of, sane};
 use crate::components::{
-    CloudLegend, CloudSource, Corner, DataMoment, Overlay, OverlayContent, OverlayItem, TextPart,
+    Anchor, CloudLegend, CloudSource, DataMoment, Overlay, OverlayContent, OverlayItem, TextPart,
 };
 use crate::overlay::{PreparedContent, PreparedItem, PreparedOverlay};
 use crate::time::Time;
@@ -15,7 +15,7 @@ use crate::trace::PreparedCamera;
 /// Returns what is drawn over the picture of the frame at `moment`. Items whose data are missing are left out.
 pub(super) fn prepared_overlay(world: &World, camera: &PreparedCamera, moment: Time) -> PreparedOverlay {
     let Some(Overlay(items)) = first_of(world) else { return PreparedOverlay::default() };
-    let item = |OverlayItem { content, corner, size, color }: &OverlayItem| {
+    let item = |OverlayItem { content, anchor, size, color }: &OverlayItem| {
         let size = (*size > 0.0 && *size <= 1.0).then_some(*size)?;
         let content = match content {
             OverlayContent::Text { parts, cloud } => {
@@ -28,19 +28,20 @@ pub(super) fn prepared_overlay(world: &World, camera: &PreparedCamera, moment: T
             }
             OverlayContent::Legend { cloud, title } => legend(world, *cloud, title)?,
         };
-        Some(PreparedItem { content, anchor: anchor(*corner), size, color: sane(*color) })
+        Some(PreparedItem { content, anchor: shares(*anchor), size, color: sane(*color) })
     };
-    PreparedOverlay(items.iter().filter_map(item).collect())
+    PreparedOverlay::new(items.iter().filter_map(item).collect())
 }
 
-fn anchor(corner: Corner) -> [f64; 2] {
-    match corner {
-        Corner::TopLeft => [0.0, 0.0],
-        Corner::Top => [0.5, 0.0],
-        Corner::TopRight => [1.0, 0.0],
-        Corner::BottomLeft => [0.0, 1.0],
-        Corner::Bottom => [0.5, 1.0],
-        Corner::BottomRight => [1.0, 1.0],
+/// Returns how far across and down the picture an anchor is.
+fn shares(anchor: Anchor) -> [f64; 2] {
+    match anchor {
+        Anchor::TopLeft => [0.0, 0.0],
+        Anchor::Top => [0.5, 0.0],
+        Anchor::TopRight => [1.0, 0.0],
+        Anchor::BottomLeft => [0.0, 1.0],
+        Anchor::Bottom => [0.5, 1.0],
+        Anchor::BottomRight => [1.0, 1.0],
     }
 }
 

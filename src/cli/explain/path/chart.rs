@@ -1,13 +1,13 @@
 //! Charts of a value over time.
 
 use super::sample::Rates;
-use crate::cli::svg::{Anchor, Area, Axis, PagePoint, Plot, Svg};
+use crate::cli::svg::{Area, Axis, PagePoint, Plot, Svg, TextAnchor};
 
 pub(super) fn draw(svg: &mut Svg, rates: &Rates, area: Area, title: &str) {
     let (from, to) = rates.span;
     let x = Axis::linear((from, to), 12.0).in_unit(" s");
     let plot = Plot { area, x, y: Axis::from_zero(rates.range().1, 3.0) };
-    svg.text("", [area.left, area.top - 8.0], Anchor::Start, title);
+    svg.text("", [area.left, area.top - 8.0], TextAnchor::Start, title);
     plot.draw(svg);
     let place = |(second, rate): &(f64, f64)| plot.at([*second, *rate]);
     let shots: Vec<Vec<PagePoint>> = rates.shots.iter().map(|shot| thinned(shot.iter().map(place))).collect();

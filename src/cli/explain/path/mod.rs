@@ -15,7 +15,7 @@ use rayreel::time::FrameList;
 use super::super::exit::Failure;
 use super::super::print;
 use super::super::write_file::{ensure_not_the_scene, write_file};
-use crate::cli::svg::{Anchor, Area, Svg, VIEW_STYLE};
+use crate::cli::svg::{Area, Svg, TextAnchor, VIEW_STYLE};
 use sample::CameraPath;
 
 /// Style sheet of the path, in addition to that of the views.
@@ -52,8 +52,8 @@ fn drawing(path: &CameraPath, name: &str) -> String {
         &format!("The camera's path in {name}"),
         &[VIEW_STYLE, STYLE].concat(),
     );
-    svg.text("title", [20.0, 28.0], Anchor::Start, name);
-    svg.text("", [20.0, 48.0], Anchor::Start, &path.describe());
+    svg.text("title", [20.0, 28.0], TextAnchor::Start, name);
+    svg.text("", [20.0, 48.0], TextAnchor::Start, &path.describe());
     let frames = [
         Area { left: 56.0, top: 76.0, width: 410.0, height: 410.0 },
         Area { left: 526.0, top: 76.0, width: 410.0, height: 410.0 },

@@ -2,7 +2,7 @@
 
 use super::chart::thinned;
 use super::sample::{CameraPath, CameraSample};
-use crate::cli::svg::{Anchor, Area, Labels, OrthographicView, PagePoint, Svg, directions};
+use crate::cli::svg::{Area, Labels, OrthographicView, PagePoint, Svg, TextAnchor, directions};
 
 /// Draws the path from above and from the side, at the same scale.
 pub(super) fn draw(svg: &mut Svg, path: &CameraPath, [left, right]: [Area; 2]) {
@@ -142,7 +142,7 @@ fn legend(svg: &mut Svg, [mut x, y]: PagePoint, stride: usize, path: &CameraPath
     }
     for (class, text) in entries {
         svg.line(class, [x, y - 4.0], [x + 22.0, y - 4.0]);
-        svg.text("", [x + 28.0, y], Anchor::Start, text);
+        svg.text("", [x + 28.0, y], TextAnchor::Start, text);
         x += 60.0 + 6.0 * text.len() as f64;
     }
 }
