@@ -2,7 +2,7 @@
 //! sphere without absorption then needs no other query.
 
 use crate::trace::rays::{PreparedRay, RayView, ShadowLimit, ShapeId};
-use crate::trace::scene::{Geometry, ShapeKind, ShapeLocation};
+use crate::trace::scene::{Geometry, ShapeRef};
 use crate::trace::shapes::Sphere;
 
 /// 2^-32: crossings closer to a light than this, relative to its distance, are uncertain.
@@ -56,9 +56,7 @@ impl Geometry {
         ray: &RayView<'_>,
         limit: &ShadowLimit,
     ) -> Option<u32> {
-        let ShapeLocation { kind: ShapeKind::Sphere, index } = self.locations[id.index()] else {
-            return None;
-        };
+        let ShapeRef::Sphere(sphere) = self.shape(id) else { return None };
         if ray.left_normal(id).is_some() {
             return None;
         }
@@ -66,7 +64,7 @@ impl Geometry {
         if exclusion.is_some_and(|exclusion| exclusion.outward) {
             return Some(0);
         }
-        let Line::Through { near, far, error } = Line::by(&self.spheres[index as usize], ray)? else {
+        let Line::Through { near, far, error } = Line::by(sphere, ray)? else {
             return exclusion.is_none().then_some(0);
         };
         let (before, beyond) = (limit.t() * (1.0 - NEAR), limit.t() * (1.0 + NEAR));

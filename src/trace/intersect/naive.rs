@@ -376,9 +376,9 @@ impl<T: Number> NaiveShapes<T> {
     fn intersect(&self, id: ShapeId, ray: &RayView<'_>) -> Option<ShapeHit> {
         let (origin, direction) = (Vector::<T>::new(ray.origin()), Vector::<T>::new(ray.direction()));
         let least = if ray.exclusion().is_some() { T::AHEAD } else { T::ZERO };
-        let ShapeLocation { kind, index } = self.locations[id.index()];
-        let index = index as usize;
-        let t = match kind {
+        let location = self.locations[id.index()];
+        let index = location.index();
+        let t = match location.kind() {
             ShapeKind::Sphere => {
                 let (center, radius) = self.spheres[index];
                 sphere(center, radius, origin, direction, least)
@@ -420,9 +420,9 @@ impl<T: Number> NaiveShapes<T> {
     fn refine(&self, ray: &PreparedRay, hit: &ShapeHit) -> RefinedHit {
         let t = hit.root.t();
         let point = Vector::<T>::new(ray.origin()).along(Vector::new(ray.direction()), T::new(t));
-        let ShapeLocation { kind, index } = self.locations[hit.id.index()];
-        let index = index as usize;
-        let normal = match kind {
+        let location = self.locations[hit.id.index()];
+        let index = location.index();
+        let normal = match location.kind() {
             ShapeKind::Sphere => point.minus(self.spheres[index].0).value(),
             ShapeKind::Plane => self.planes[index].1.value(),
             ShapeKind::AlignedBox => {

@@ -9,7 +9,7 @@ use crate::trace::math::{
     moderate, moderate3, pick3, splat, splat3,
 };
 use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
-use crate::trace::scene::{Geometry, PreparedScene, ShapeKind, ShapeLocation, ShapeRef};
+use crate::trace::scene::{Geometry, PreparedScene, ShapeKind, ShapeRef};
 use crate::trace::shapes::{AlignedBox, Refined, Sphere, refine_box, refine_plane, refine_sphere};
 
 /// The rays of a packet and their hits.
@@ -218,8 +218,8 @@ impl ShapeParameters {
     /// Looks up the parameters of a shape.
     #[inline(always)]
     fn of(geometry: &Geometry, id: ShapeId) -> Self {
-        let ShapeLocation { kind, index } = geometry.locations[id.index()];
-        let index = index as usize;
+        let location = geometry.locations[id.index()];
+        let (kind, index) = (location.kind(), location.index());
         let none = Self { kind, place: DVec3::ZERO, other: DVec3::ONE, unit: DVec3::Y, radius: 1.0 };
         match kind {
             ShapeKind::Sphere => {

@@ -17,7 +17,7 @@ pub(crate) struct EqualShapes {
     groups: Vec<EqualGroup>,
     /// Index of a shape's group, by id. Empty in a scene without groups.
     group_of: Vec<Option<u32>>,
-    /// By id.
+    /// By id. Empty until a shape changes.
     fingerprints: Vec<u64>,
 }
 
@@ -37,10 +37,11 @@ pub(crate) struct EqualGroup {
 impl EqualShapes {
     /// Finds the groups of equal shapes among those that rays of a class see. [`EqualShapes::sort`] must be called afterwards.
     pub(crate) fn find(&mut self, geometry: &Geometry, class: RayClass) {
-        let Self { groups, group_of, fingerprints } = self;
-        geometry.par_ids().map(|id| fingerprint(geometry, id)).collect_into_vec(fingerprints);
+        let Self { groups, group_of, .. } = self;
+        self.fingerprints = Vec::new();
+        let fingerprints = fingerprints(geometry);
         let mut suspects: Vec<(u64, ShapeId)> =
-            repeated(fingerprints).into_iter().map(|id| (fingerprints[id.index()], id)).collect();
+            repeated(&fingerprints).into_iter().map(|id| (fingerprints[id.index()], id)).collect();
         suspects.retain(|(_, id)| geometry.visibility(*id).sees(class));
         suspects.par_sort_unstable_by_key(|(fingerprint, id)| (*fingerprint, geometry.order().rank(*id)));
         groups.clear();
@@ -69,6 +70,9 @@ impl EqualShapes {
         const BITS_A_CHANGE: usize = 64;
         if changed.iter().any(|id| self.group(*id).is_some()) {
             return false;
+        }
+        if self.fingerprints.is_empty() {
+            self.fingerprints = fingerprints(geometry);
         }
         let mut filter = BloomFilter::new(changed.len() * BITS_A_CHANGE);
         for id in changed {
@@ -149,6 +153,11 @@ impl EqualGroup {
     pub(crate) fn media(&self) -> &[ShapeId] {
         &self.media
     }
+}
+
+/// Returns the fingerprints of all shapes, by id.
+fn fingerprints(geometry: &Geometry) -> Vec<u64> {
+    geometry.par_ids().map(|id| fingerprint(geometry, id)).collect()
 }
 
 fn fingerprint(geometry: &Geometry, id: ShapeId) -> u64 {

@@ -58,12 +58,9 @@ pub struct Geometry {
     pub(crate) rod_images: Vec<RodImage>,
 }
 
-/// The location of a shape: its array, and the index in it.
+/// The location of a shape: its array, and the index in it, which is below 2^28, in one word.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ShapeLocation {
-    pub(crate) kind: ShapeKind,
-    pub(crate) index: u32,
-}
+pub(crate) struct ShapeLocation(u32);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ShapeKind {
@@ -74,6 +71,40 @@ pub(crate) enum ShapeKind {
     BoxImage,
     Rod,
     RodImage,
+}
+
+impl ShapeKind {
+    const ALL: [Self; 7] = [
+        Self::Sphere,
+        Self::Plane,
+        Self::AlignedBox,
+        Self::SphereImage,
+        Self::BoxImage,
+        Self::Rod,
+        Self::RodImage,
+    ];
+}
+
+impl ShapeLocation {
+    /// Bits of an index; those above hold the kind.
+    const INDEX_BITS: u32 = Geometry::LARGEST_COUNT.ilog2();
+
+    pub(super) fn new(kind: ShapeKind, index: usize) -> Self {
+        assert!(index < Geometry::LARGEST_COUNT, "a scene has at most 2^28 shapes");
+        Self((kind as u32) << Self::INDEX_BITS | to_index(index))
+    }
+
+    /// Returns the array.
+    #[inline(always)]
+    pub(crate) fn kind(self) -> ShapeKind {
+        ShapeKind::ALL[(self.0 >> Self::INDEX_BITS) as usize]
+    }
+
+    /// Returns the index in the array.
+    #[inline(always)]
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize & (Geometry::LARGEST_COUNT - 1)
+    }
 }
 
 impl Geometry {
@@ -88,7 +119,7 @@ impl Geometry {
     pub fn push(&mut self, shape: PreparedShape) -> ShapeId {
         fn store<T>(list: &mut Vec<T>, kind: ShapeKind, shape: T) -> ShapeLocation {
             list.push(shape);
-            ShapeLocation { kind, index: to_index(list.len() - 1) }
+            ShapeLocation::new(kind, list.len() - 1)
         }
         let location = match shape {
             PreparedShape::Sphere(shape) => store(&mut self.spheres, ShapeKind::Sphere, shape),
@@ -148,9 +179,14 @@ impl Geometry {
     /// Returns a shape.
     #[inline(always)]
     pub(crate) fn shape(&self, id: ShapeId) -> ShapeRef<'_> {
-        let ShapeLocation { kind, index } = self.locations[id.index()];
-        let index = index as usize;
-        match kind {
+        self.shape_at(self.locations[id.index()])
+    }
+
+    /// Returns the shape at a location.
+    #[inline(always)]
+    pub(super) fn shape_at(&self, location: ShapeLocation) -> ShapeRef<'_> {
+        let index = location.index();
+        match location.kind() {
             ShapeKind::Sphere => ShapeRef::Sphere(&self.spheres[index]),
             ShapeKind::Plane => ShapeRef::Plane(&self.planes[index]),
             ShapeKind::AlignedBox => ShapeRef::AlignedBox(&self.boxes[index]),
@@ -172,9 +208,9 @@ impl Geometry {
     /// Replaces a shape by another of the same kind. Returns `false`, and does nothing, if the kinds differ.
     #[must_use]
     pub fn replace(&mut self, id: ShapeId, shape: PreparedShape) -> bool {
-        let ShapeLocation { kind, index } = self.locations[id.index()];
-        let index = index as usize;
-        match (kind, shape) {
+        let location = self.locations[id.index()];
+        let index = location.index();
+        match (location.kind(), shape) {
             (ShapeKind::Sphere, PreparedShape::Sphere(shape)) => self.spheres[index] = shape,
             (ShapeKind::Plane, PreparedShape::Plane(shape)) => self.planes[index] = shape,
             (ShapeKind::AlignedBox, PreparedShape::AlignedBox(shape)) => self.boxes[index] = shape,
@@ -266,7 +302,7 @@ impl Geometry {
 
     /// Writes the bytes of everything that defines a shape.
     pub(super) fn write(&self, id: ShapeId, bytes: &mut Bytes) {
-        bytes.count(self.locations[id.index()].kind as u64);
+        bytes.count(self.locations[id.index()].kind() as u64);
         self.numbers(id, |number| bytes.number(number));
         if let ShapeRef::Plane(plane) = self.shape(id) {
             bytes.vectors([plane.normal()]);
@@ -350,19 +386,10 @@ impl Geometry {
     pub(crate) fn append(&mut self, other: &mut Self) {
         let first = to_index(self.len());
         to_index(self.len() + other.len());
-        let starts = [
-            ShapeKind::Sphere,
-            ShapeKind::Plane,
-            ShapeKind::AlignedBox,
-            ShapeKind::SphereImage,
-            ShapeKind::BoxImage,
-            ShapeKind::Rod,
-            ShapeKind::RodImage,
-        ]
-        .map(|kind| to_index(self.count(kind)));
-        let moved = |ShapeLocation { kind, index }: ShapeLocation| ShapeLocation {
-            kind,
-            index: starts[kind as usize] + index,
+        let starts = ShapeKind::ALL.map(|kind| self.count(kind));
+        let moved = |location: ShapeLocation| {
+            let kind = location.kind();
+            ShapeLocation::new(kind, starts[kind as usize] + location.index())
         };
         self.locations.extend(other.locations.drain(..).map(moved));
         self.order.extend((first..to_index(self.locations.len())).map(ShapeId));
@@ -409,7 +436,7 @@ impl Geometry {
 
     /// Returns whether a shape has [bounds](Self::bounds).
     pub(super) fn is_bounded(&self, id: ShapeId) -> bool {
-        match self.locations[id.index()].kind {
+        match self.locations[id.index()].kind() {
             ShapeKind::Sphere | ShapeKind::AlignedBox | ShapeKind::Rod => true,
             ShapeKind::Plane => false,
             ShapeKind::SphereImage | ShapeKind::BoxImage | ShapeKind::RodImage => self.bounds(id).is_some(),

@@ -2,76 +2,81 @@
 
 use rayon::prelude::*;
 
-use super::geometry::{Geometry, ShapeRef};
+use super::geometry::{Geometry, ShapeKind, ShapeLocation, ShapeRef};
 use crate::trace::bvh::LeafId;
 use crate::trace::rays::ShapeId;
 use crate::trace::shapes::{AlignedBox, Sphere};
 
-/// The shape of each leaf.
+/// The shape of each leaf, with copies of small shapes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LeafShapes(Vec<LeafShape>);
+pub(crate) struct LeafShapes {
+    leaves: Vec<LeafShape>,
+    spheres: Vec<SphereCopy>,
+    boxes: Vec<AlignedBox>,
+}
 
-/// A shape and its id, in one cache line.
+/// The id of a shape, and its location: among the copies, or in the geometry if shapes of its kind are not copied.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
 struct LeafShape {
     id: ShapeId,
-    copy: ShapeCopy,
+    location: ShapeLocation,
 }
 
-/// A copy of a shape, if it is small.
+/// A sphere, in a single cache line.
 #[derive(Clone, Copy, Debug)]
-enum ShapeCopy {
-    Sphere(Sphere),
-    AlignedBox(AlignedBox),
-    Elsewhere,
-}
-
-const _: () = assert!(size_of::<LeafShape>() == 64);
-
-impl LeafShape {
-    fn new(geometry: &Geometry, id: ShapeId) -> Self {
-        let copy = match geometry.shape(id) {
-            ShapeRef::Sphere(sphere) => ShapeCopy::Sphere(*sphere),
-            ShapeRef::AlignedBox(shape) => ShapeCopy::AlignedBox(*shape),
-            _ => ShapeCopy::Elsewhere,
-        };
-        Self { id, copy }
-    }
-}
+#[repr(align(32))]
+struct SphereCopy(Sphere);
 
 impl LeafShapes {
-    /// Replaces all copies by copies of these shapes, given in leaf order.
+    /// Replaces all leaves by leaves of these shapes.
     pub(super) fn fill(&mut self, geometry: &Geometry, ids: impl IndexedParallelIterator<Item = ShapeId>) {
-        ids.map(|id| LeafShape::new(geometry, id)).collect_into_vec(&mut self.0);
+        let Self { leaves, spheres, boxes } = self;
+        ids.map(|id| LeafShape { id, location: geometry.locations[id.index()] }).collect_into_vec(leaves);
+        let (mut of_spheres, mut of_boxes) = (Vec::new(), Vec::new());
+        for LeafShape { location, .. } in leaves {
+            let copied = match location.kind() {
+                ShapeKind::Sphere => &mut of_spheres,
+                ShapeKind::AlignedBox => &mut of_boxes,
+                _ => continue,
+            };
+            copied.push(*location);
+            *location = ShapeLocation::new(location.kind(), copied.len() - 1);
+        }
+        let sphere = |location: &ShapeLocation| SphereCopy(geometry.spheres[location.index()]);
+        of_spheres.par_iter().map(sphere).collect_into_vec(spheres);
+        of_boxes.par_iter().map(|location| geometry.boxes[location.index()]).collect_into_vec(boxes);
     }
 
     /// Copies the shape of a leaf again after it has changed.
     pub(super) fn refresh(&mut self, leaf: LeafId, geometry: &Geometry) {
-        let shape = &mut self.0[leaf.index()];
-        *shape = LeafShape::new(geometry, shape.id);
+        let LeafShape { id, location } = self.leaves[leaf.index()];
+        match geometry.shape(id) {
+            ShapeRef::Sphere(sphere) => self.spheres[location.index()] = SphereCopy(*sphere),
+            ShapeRef::AlignedBox(shape) => self.boxes[location.index()] = *shape,
+            _ => {}
+        }
     }
 
     /// Returns the ids of the shapes of all leaves, in leaf order.
     pub(crate) fn ids(&self) -> impl ExactSizeIterator<Item = ShapeId> {
-        self.0.iter().map(|shape| shape.id)
+        self.leaves.iter().map(|leaf| leaf.id)
     }
 
     /// Returns the id of a leaf's shape.
     #[inline(always)]
     pub(crate) fn id(&self, leaf: LeafId) -> ShapeId {
-        self.0[leaf.index()].id
+        self.leaves[leaf.index()].id
     }
 
     /// Returns the id of a leaf's shape, and the shape.
     #[inline(always)]
     pub(crate) fn get<'a>(&'a self, leaf: LeafId, geometry: &'a Geometry) -> (ShapeId, ShapeRef<'a>) {
-        let LeafShape { id, copy } = &self.0[leaf.index()];
-        let shape = match copy {
-            ShapeCopy::Sphere(sphere) => ShapeRef::Sphere(sphere),
-            ShapeCopy::AlignedBox(shape) => ShapeRef::AlignedBox(shape),
-            ShapeCopy::Elsewhere => geometry.shape(*id),
+        let LeafShape { id, location } = self.leaves[leaf.index()];
+        let shape = match location.kind() {
+            ShapeKind::Sphere => ShapeRef::Sphere(&self.spheres[location.index()].0),
+            ShapeKind::AlignedBox => ShapeRef::AlignedBox(&self.boxes[location.index()]),
+            _ => geometry.shape_at(location),
         };
-        (*id, shape)
+        (id, shape)
     }
 }

@@ -17,8 +17,6 @@ const REFIT_ONE_IN: usize = 8;
 #[derive(Clone, Debug, Default)]
 pub(super) struct TreeMaintenance {
     builder: Builder,
-    /// The shapes of the tree, in the order of their ids.
-    ids: Vec<ShapeId>,
     /// Created when a shape moves for the first time after the tree was built.
     links: Option<TreeLinks>,
 }
@@ -74,16 +72,12 @@ impl TreeMaintenance {
         equal_shapes: &EqualShapes,
         SceneTree { tree, leaves, unbounded }: SceneTree<'_>,
     ) {
-        let Self { builder, ids, links } = self;
-        *links = None;
-        ids.clear();
-        unbounded.clear();
+        self.links = None;
         let is_queried =
             |id: &ShapeId| equal_shapes.first(*id) == *id && geometry.visibility(*id).sees(class);
-        for id in geometry.ids().filter(is_queried) {
-            if geometry.is_bounded(id) { ids.push(id) } else { unbounded.push(id) }
-        }
-        for index in huge_shapes(geometry, ids).into_iter().rev() {
+        let mut ids: Vec<ShapeId>;
+        (ids, *unbounded) = geometry.par_ids().filter(is_queried).partition(|id| geometry.is_bounded(*id));
+        for index in huge_shapes(geometry, &ids).into_iter().rev() {
             unbounded.push(ids.remove(index));
         }
         unbounded.sort_unstable_by_key(|id| geometry.order().rank(*id));
@@ -92,8 +86,8 @@ impl TreeMaintenance {
             let round = matches!(geometry.shape(id), ShapeRef::Sphere(_));
             Extent { bounds: geometry.bounds(id).unwrap_or_default(), round }
         };
-        let order = builder.build(ids.len(), extent, tree);
-        leaves.fill(geometry, order.par_iter().map(|index| ids[*index as usize]));
+        let order = self.builder.build(ids.len(), extent, tree);
+        leaves.fill(geometry, order.into_par_iter().map(move |index| ids[index as usize]));
     }
 }
 

@@ -12,12 +12,13 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Returns the box of half-extent `half` around `center`, rounded outwards.
+    /// Returns the box of half-extent `half` around `center`, rounded outwards by at most two units in the last place and 2^-1022.
     #[must_use]
     pub fn around(center: DVec3, half: DVec3) -> Self {
-        let down = DVec3::from_array((center - half).to_array().map(f64::next_down));
-        let up = DVec3::from_array((center + half).to_array().map(f64::next_up));
-        Self { min: down, max: up }
+        // At least a unit in the last place. Unlike a step to the next number, it takes no branch.
+        let step = |side: DVec3| side.abs() * f64::EPSILON + f64::MIN_POSITIVE;
+        let (low, high) = (center - half, center + half);
+        Self { min: low - step(low), max: high + step(high) }
     }
 
     /// Returns the centre.

@@ -1,5 +1,6 @@
 //! Collapsing of a binary tree into wide nodes.
 
+use super::BOXES_A_NODE;
 use super::ploc::Clusters;
 use crate::trace::bvh::node::{Child, Node, WIDTH, to_u32};
 
@@ -14,8 +15,6 @@ pub(super) fn collapse(
     nodes: &mut Vec<Node>,
     leaves: &mut Vec<u32>,
 ) {
-    /// Number of boxes per node; most trees have at most one node for this many.
-    const BOXES_A_NODE: usize = 4;
     nodes.clear();
     leaves.clear();
     nodes.reserve(clusters.get(clusters.root()).count as usize / BOXES_A_NODE + 1);

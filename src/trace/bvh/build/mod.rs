@@ -23,29 +23,27 @@ use crate::trace::bvh::{Extent, Tree};
 /// Maximum number of shapes in a treelet: enough for trees as good as a single one, and few enough to occupy many threads.
 const TREELET_SIZE: usize = 16_384;
 
+/// Number of boxes per node; most trees have at most one node for this many.
+const BOXES_A_NODE: usize = 4;
+
+/// Number of treelets per thread that are built before they are joined: few, since their nodes are then in memory twice.
+const TREELETS_A_THREAD: usize = 4;
+
 /// Builds trees. The first build frees its scratch memory, since most scenes are built once; further ones keep it for the next.
 #[derive(Debug, Default)]
 pub(crate) struct Builder {
     boxes: Vec<FrameBox>,
     /// True for spheres. A separate array, so that all of it stays in a cache during the build.
     round: Vec<bool>,
-    /// Index of the shape of each leaf.
-    order: Vec<u32>,
     treelets: Vec<Treelet>,
     has_built: bool,
 }
 
-/// A group of neighbouring shapes.
+/// The tree of a group of neighbouring shapes.
 #[derive(Debug, Default)]
 struct Treelet {
-    /// The nodes of its tree.
     nodes: Vec<Node>,
-    /// The bounds of its shapes.
     bounds: FrameBox,
-    /// Index of its first leaf among all leaves.
-    first_leaf: usize,
-    /// Index of its root among all nodes.
-    first_node: usize,
 }
 
 /// Scratch memory of one thread.
@@ -72,27 +70,37 @@ impl Builder {
         count: usize,
         extent: impl Fn(usize) -> Extent + Sync,
         tree: &mut Tree,
-    ) -> &[u32] {
+    ) -> Vec<u32> {
         let frame = Frame::of(count, |index| extent(index).bounds);
-        let Self { boxes, round, order, treelets, has_built } = self;
+        let Self { boxes, round, treelets, has_built } = self;
         let place = |index| {
             let Extent { bounds, round } = extent(index);
             (frame.bounds(&bounds), round)
         };
         (0..count).into_par_iter().map(place).unzip_into_vecs(boxes, round);
-        order.clear();
-        order.extend(0..to_u32(count));
-        let ends = morton::divide(boxes, order, TREELET_SIZE);
-        treelets.resize_with(ends.len(), Treelet::default);
-        runs(order, &ends).into_par_iter().zip(&mut *treelets).for_each_init(
-            BuildScratch::default,
-            |scratch, ((first_leaf, members), treelet)| {
-                treelet.first_leaf = first_leaf;
-                treelet.build(scratch, boxes, round, members);
-            },
-        );
+        let mut order: Vec<u32> = (0..to_u32(count)).collect();
+        let ends = morton::divide(boxes, &mut order, TREELET_SIZE);
         tree.frame = frame;
-        assemble(treelets, &mut tree.nodes);
+        tree.nodes.clear();
+        tree.nodes.reserve(count / BOXES_A_NODE);
+        // The nodes above the treelets come first: one treelet needs none, several need fewer than there are treelets.
+        tree.nodes.resize(if ends.len() > 1 { ends.len() } else { 0 }, Node::empty());
+        let (mut roots, mut first_leaf) = (Vec::new(), 0);
+        treelets.resize_with(rayon::current_num_threads() * TREELETS_A_THREAD, Treelet::default);
+        for group in runs(&mut order, &ends).chunks_mut(treelets.len()) {
+            group.par_iter_mut().zip(&mut *treelets).for_each_init(
+                BuildScratch::default,
+                |scratch, (members, treelet)| {
+                    treelet.build(scratch, boxes, round, members);
+                },
+            );
+            for (members, treelet) in group.iter().zip(&*treelets) {
+                roots.push((treelet.bounds, tree.nodes.len()));
+                tree.append(treelet, first_leaf);
+                first_leaf += members.len();
+            }
+        }
+        tree.join(&roots);
         let is_first = !*has_built;
         // A new scene is empty.
         *has_built |= count > 0;
@@ -123,54 +131,44 @@ impl Treelet {
             *member = order[*leaf as usize];
         }
     }
+}
 
-    /// Returns a node of the treelet with its children renumbered for the whole tree.
-    fn node(&self, index: usize) -> Node {
-        self.nodes[index].relinked(|child| match child.read() {
-            Link::Node(node) => Child::node(to_u32(self.first_node + node)),
-            Link::Leaf(leaf) => Child::leaf(to_u32(self.first_leaf + leaf.index())),
-        })
+impl Tree {
+    /// Adds the nodes of a treelet, whose first leaf gets this index.
+    fn append(&mut self, treelet: &Treelet, first_leaf: usize) {
+        let first_node = self.nodes.len();
+        let moved = |child: Child| match child.read() {
+            Link::Node(node) => Child::node(to_u32(first_node + node)),
+            Link::Leaf(leaf) => Child::leaf(to_u32(first_leaf + leaf.index())),
+        };
+        self.nodes.par_extend(treelet.nodes.par_iter().map(|node| node.relinked(moved)));
+    }
+
+    /// Joins several treelets under one root, given by the bounds and the index of each treelet's root.
+    fn join(&mut self, roots: &[(FrameBox, usize)]) {
+        if roots.len() < 2 {
+            return;
+        }
+        let (mut clusters, mut above, mut order) = (Clusters::default(), Vec::new(), Vec::new());
+        clusters.build(roots.iter().map(|(bounds, _)| bounds));
+        collapse(&clusters, |_| false, &mut above, &mut order);
+        let root = |child: Child| match child.read() {
+            Link::Node(_) => child,
+            Link::Leaf(leaf) => Child::node(to_u32(roots[order[leaf.index()] as usize].1)),
+        };
+        for (place, node) in self.nodes.iter_mut().zip(&above) {
+            *place = node.relinked(root);
+        }
     }
 }
 
-/// Splits a list into runs with these ends. Returns each run with its start.
-fn runs<'a>(mut list: &'a mut [u32], ends: &[usize]) -> Vec<(usize, &'a mut [u32])> {
+/// Splits a list into runs with these ends.
+fn runs<'a>(mut list: &'a mut [u32], ends: &[usize]) -> Vec<&'a mut [u32]> {
     let mut start = 0;
     let next = |end: &usize| {
         let (run, rest) = std::mem::take(&mut list).split_at_mut(end - start);
-        list = rest;
-        (std::mem::replace(&mut start, *end), run)
+        (list, start) = (rest, *end);
+        run
     };
     ends.iter().map(next).collect()
-}
-
-/// Joins the trees of all treelets under one root. The nodes above the treelets come first.
-fn assemble(treelets: &mut [Treelet], nodes: &mut Vec<Node>) {
-    let (mut above, mut order) = (Vec::new(), Vec::new());
-    if treelets.len() > 1 {
-        let mut clusters = Clusters::default();
-        clusters.build(treelets.iter().map(|treelet| &treelet.bounds));
-        collapse(&clusters, |_| false, &mut above, &mut order);
-    }
-    let mut count = above.len();
-    for treelet in &mut *treelets {
-        treelet.first_node = count;
-        count += treelet.nodes.len();
-    }
-    let treelet = |place: usize| &treelets[order[place] as usize];
-    let upper = |node: &Node| {
-        node.relinked(|child| match child.read() {
-            Link::Node(_) => child,
-            Link::Leaf(leaf) => Child::node(to_u32(treelet(leaf.index()).first_node)),
-        })
-    };
-    let lower = |index: usize| {
-        let next = treelets.partition_point(|treelet| treelet.first_node <= index);
-        let treelet = &treelets[next - 1];
-        treelet.node(index - treelet.first_node)
-    };
-    (0..count)
-        .into_par_iter()
-        .map(|index| above.get(index).map_or_else(|| lower(index), upper))
-        .collect_into_vec(nodes);
 }
