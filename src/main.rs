@@ -2,6 +2,10 @@
 
 mod cli;
 
+#[cfg(target_os = "linux")]
+#[global_allocator]
+static ALLOCATOR: cli::HugePages = cli::HugePages;
+
 fn main() -> std::process::ExitCode {
     cli::run()
 }

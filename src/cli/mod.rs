@@ -15,6 +15,8 @@ mod exit;
 mod explain;
 mod farm;
 mod heat_map;
+#[cfg(target_os = "linux")]
+mod huge_pages;
 mod instructions;
 mod interrupt;
 mod lsp;
@@ -41,6 +43,9 @@ mod verify;
 mod warnings;
 mod watch;
 mod write_file;
+
+#[cfg(target_os = "linux")]
+pub(crate) use huge_pages::HugePages;
 
 use std::process::ExitCode;
 
