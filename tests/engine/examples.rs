@@ -1,7 +1,7 @@
 //! Tests of the example programs, on small films.
 
 use std::collections::BTreeSet;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
@@ -22,12 +22,18 @@ mod bouncing_balls;
 #[path = "../../scenes/code/camera_path.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
 mod camera_path;
+#[path = "../../scenes/code/gas.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod gas;
 #[path = "../../scenes/code/marbles.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
 mod marbles;
 #[path = "../../scenes/code/melting.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
 mod melting;
+#[path = "../../scenes/code/packing/main.rs"]
+#[allow(dead_code, reason = "its `main` is not called")]
+mod packing;
 #[path = "../../scenes/code/passes.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
 mod passes;
@@ -89,6 +95,69 @@ fn the_crystal_keeps_its_temperature_and_its_middle() {
     (0..1000).for_each(|_| atoms.step(0.1));
     assert!((atoms.temperature() - 0.1).abs() < 0.01, "{}", atoms.temperature());
     assert!(middle(&atoms).length() < 1e-9, "{}", middle(&atoms));
+}
+
+#[test]
+fn the_gas_of_the_shipped_scene_flies_as_its_program_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = folder.path().join("gas.extxyz");
+    gas::shoot(&written, 101).unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/data/gas.extxyz.gz");
+    let [written, shipped] = [written, shipped].map(|file| Trajectory::open(&file, None).unwrap());
+    assert_eq!((written.frames(), shipped.frames()), (101, 101));
+    for frame in 0..101 {
+        assert!(written.read(frame).unwrap() == shipped.read(frame).unwrap(), "frame {frame}");
+    }
+}
+
+#[test]
+fn the_gas_keeps_its_energy_and_only_walls_change_its_momentum() {
+    let mut gas = gas::Gas::new();
+    let momentum = |gas: &gas::Gas| {
+        gas.spheres.iter().fold(DVec3::ZERO, |sum, sphere| sum + sphere.mass * DVec3::from(sphere.velocity))
+    };
+    let (energy, before, shot) = (gas.energy(), momentum(&gas), gas.spheres[0]);
+    for frame in 1..=100 {
+        gas.advance(0.05 * f64::from(frame));
+        for (index, sphere) in gas.spheres.iter().enumerate() {
+            let position = DVec3::from(sphere.position);
+            let room = DVec3::from(gas::HALF_BOX) - position.abs() - sphere.radius;
+            assert!(room.min_element() > -1e-9, "frame {frame}: sphere {index} is in a wall, {room}");
+            for other in &gas.spheres[..index] {
+                let gap = position.distance(DVec3::from(other.position)) - sphere.radius - other.radius;
+                assert!(gap > -1e-9, "frame {frame}: sphere {index} is in another, {gap}");
+            }
+        }
+        assert!((gas.energy() / energy - 1.0).abs() < 1e-12, "frame {frame}: {}", gas.energy());
+        let change = momentum(&gas) - before - DVec3::from(gas.from_walls);
+        assert!(change.length() < 1e-9, "frame {frame}: {change}");
+    }
+    // Friction slows the heavy sphere down.
+    let speed = |sphere: &gas::Sphere| DVec3::from(sphere.velocity).length();
+    assert!(speed(&gas.spheres[0]) < 0.75 * speed(&shot), "{}", speed(&gas.spheres[0]));
+}
+
+#[test]
+fn boxes_lose_energy_and_rest_in_the_tray_and_around_without_overlap() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = folder.path().join("packing.ron");
+    packing::pack(&written, 121).unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/data/packing.ron");
+    assert!(fs::read_to_string(written).unwrap() == fs::read_to_string(shipped).unwrap());
+
+    let mut packing = packing::Packing::new();
+    let mut energy = packing.energy();
+    for step in 0..2400 {
+        packing.step();
+        let before = energy;
+        energy = packing.energy();
+        assert!(energy < before + 1e-6, "step {step}: {before} {energy}");
+        assert!(step % 20 > 0 || packing.overlap() < 0.015, "step {step}: {}", packing.overlap());
+    }
+    let is_slow = |velocity: [f64; 3]| DVec3::from(velocity).length() < 0.05;
+    let slow = packing.boxes().iter().filter(|body| is_slow(body.velocity)).count();
+    assert!(slow > 190, "{slow} of {}", packing.boxes().len());
+    assert!(packing.boxes().iter().all(|body| body.position[1] > 0.14));
 }
 
 #[test]

@@ -8,8 +8,8 @@ use glam::{DQuat, DVec3};
 use hecs::{Or, With, Without};
 
 use rayreel::components::{
-    AmbientOcclusion, Background, Camera, Cloud, FilmSettings, Fog, Light, LightKind, Overlay, Parent,
-    Pattern, Projection, Refractive, Sampling, Shape, Stars, Sun, Target, Transform, View,
+    AmbientOcclusion, Background, Camera, Cloud, FilmSettings, Fog, Follow, Light, LightKind, Overlay,
+    Parent, Pattern, Projection, Refractive, Sampling, Shape, Stars, Sun, Target, Transform, View,
 };
 use rayreel::{Engine, Film};
 
@@ -38,8 +38,11 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
                 falloff.quadratic /= scale * scale;
             }
         }
-        // A camera with a parent moves along with it.
-        for camera in context.world.query_mut::<hecs::Without<&mut Camera, &Parent>>() {
+        // A camera with a parent moves along with it, and one that follows an entity is moved by it.
+        for (camera, follow) in
+            context.world.query_mut::<hecs::Without<(&mut Camera, Option<&Follow>), &Parent>>()
+        {
+            let offset = follow.map_or(offset, |_| DVec3::ZERO);
             camera.position = camera.position * scale + offset;
             if let View::Target(target) = &mut camera.view {
                 *target = *target * scale + offset;

@@ -370,7 +370,7 @@ fn mutate(value: &mut Value, random_bits: &mut Random) {
 
 #[test]
 fn shipped_scenes_match_the_schema() {
-    let folders = ["scenes", "scenes/parts", "scenes/lesson", "tests/hard_cases"];
+    let folders = ["scenes", "scenes/parts", "scenes/data", "scenes/lesson", "tests/hard_cases"];
     let scenes: Vec<_> = folders.into_iter().flat_map(scenes_in).collect();
     assert!(scenes.len() > 30);
     for path in scenes {
