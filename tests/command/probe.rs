@@ -105,7 +105,7 @@ fn with_one_sample(path: &Path, folder: &Path) -> PathBuf {
     let copy = folder.join(path.file_name().unwrap());
     // Paths of referenced files lead to the original folder.
     let directory = path.parent().unwrap().display();
-    let naming = ["(file: \"", "File(\"", " source: \""];
+    let naming = ["(file: \"", "File(\"", "source: \""];
     let text = naming
         .iter()
         .fold(lines.join("\n"), |text, start| text.replace(start, &format!("{start}{directory}/")));

@@ -445,6 +445,7 @@ impl Geometry {
 
     /// Returns a box around the shape; `None` for planes, and for shapes that no box bounds reliably.
     #[must_use]
+    #[inline]
     pub fn bounds(&self, id: ShapeId) -> Option<Bounds> {
         match self.shape(id) {
             ShapeRef::Sphere(sphere) => Some(sphere.bounds()),

@@ -75,8 +75,11 @@ impl TreeMaintenance {
         self.links = None;
         let is_queried =
             |id: &ShapeId| equal_shapes.first(*id) == *id && geometry.visibility(*id).sees(class);
-        let mut ids: Vec<ShapeId>;
-        (ids, *unbounded) = geometry.par_ids().filter(is_queried).partition(|id| geometry.is_bounded(*id));
+        let mut ids = Vec::with_capacity(geometry.len());
+        unbounded.clear();
+        for id in geometry.ids().filter(is_queried) {
+            if geometry.is_bounded(id) { ids.push(id) } else { unbounded.push(id) }
+        }
         for index in huge_shapes(geometry, &ids).into_iter().rev() {
             unbounded.push(ids.remove(index));
         }

@@ -14,6 +14,7 @@ pub struct Bounds {
 impl Bounds {
     /// Returns the box of half-extent `half` around `center`, rounded outwards by at most two units in the last place and 2^-1022.
     #[must_use]
+    #[inline]
     pub fn around(center: DVec3, half: DVec3) -> Self {
         // At least a unit in the last place. Unlike a step to the next number, it takes no branch.
         let step = |side: DVec3| side.abs() * f64::EPSILON + f64::MIN_POSITIVE;

@@ -245,6 +245,7 @@ impl Sphere {
 
     /// Returns the bounding box.
     #[must_use]
+    #[inline]
     pub fn bounds(&self) -> Bounds {
         Bounds::around(self.center, DVec3::splat(self.radius))
     }
