@@ -35,7 +35,7 @@ def run(command):
 
 def rayreel(program, scene):
     """A picture's file and its counts of rays."""
-    command = [program, 'render', f'{scene}.ron', '--out', PICTURES, '--json']
+    command = [program, 'render', f'{scene}.ron', '--out', PICTURES, '--json', '--overwrite']
     if '--cutoff' in run([program, 'render', '--help'])[0]:
         command += ['--cutoff', '0']
     frame = json.loads(run(command)[0])['frames'][0]

@@ -239,7 +239,7 @@ def tachyon(scene):
 def commands(program, name, scene):
     """By renderer: how its picture is made, and where that is."""
     at = f'{FOLDER}/{name}'
-    found = {'rayreel': ([program, 'render', f'{at}.ron', '--threads', '2', '--format', 'ppm', '--out', f'{at}.rayreel'],
+    found = {'rayreel': ([program, 'render', f'{at}.ron', '--threads', '2', '--format', 'ppm', '--out', f'{at}.rayreel', '--overwrite'],
                          f'{at}.rayreel/{name}.0000.ppm')}
     smooth = ['+AM1', '+A0.0', '+R3', '-J'] if scene.samples == 9 else ['-A']
     found['povray'] = (['povray', f'+I{at}.pov', f'+O{at}.povray.ppm', '+FP', f'+W{WIDTH}', f'+H{HEIGHT}', '+WT2', '-D',

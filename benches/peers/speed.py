@@ -8,7 +8,7 @@ Embree's, or where 0.01 % more or fewer rays were traced.
 usage: speed.py RUNS THREADS RAYREEL scene ...
 needs: numpy
 """
-import json, math, os, statistics, subprocess, sys
+import json, math, os, re, statistics, subprocess, sys
 import numpy as np
 
 FRAMES = 6
@@ -36,7 +36,8 @@ def of_equal_frames(scene):
 
 def rayreel(program, copy, threads):
     """Seconds of the warm frames, counts of rays, and the last picture."""
-    report = run([program, 'render', copy, '--threads', threads, '--json', '--format', 'ppm', '--out', PICTURES, '--cutoff', '0'])
+    report = run([program, 'render', copy, '--threads', threads, '--json', '--format', 'ppm', '--out', PICTURES, '--cutoff', '0',
+                  '--overwrite'])
     frames = report['frames']
     return [frame['seconds']['trace'] for frame in frames[1:]], frames[-1]['rays'], frames[-1]['file']
 
@@ -50,7 +51,7 @@ def embree(scene, packet, threads):
 def pixels(picture):
     with open(picture, 'rb') as file:
         data = file.read()
-    width, height = (int(number) for number in data.split(maxsplit=3)[1:3])
+    width, height = (int(number) for number in re.match(rb'P6\s(?:#.*\s)*(\d+) (\d+)', data).groups())
     return np.frombuffer(data[-3 * width * height:], np.uint8).astype(float)
 
 

@@ -19,7 +19,7 @@ def run(command):
 
 def main(runs, rayreel, scenes):
     commands = {
-        'rayreel': lambda s: [rayreel, 'render', f'{s}.ron', '--out', 'out', '--threads', '2', '--json'],
+        'rayreel': lambda s: [rayreel, 'render', f'{s}.ron', '--out', 'out', '--threads', '2', '--json', '--overwrite'],
         'tachyon': lambda s: ['tachyon', f'{s}.dat', '-numthreads', '2', '-format', 'PPM', '-o', 'tachyon.ppm'],
         'povray': lambda s: ['povray', f'{s}.pov', '+W1280', '+H720', '+WT2', '-D', '+Opovray.png'],
     }
