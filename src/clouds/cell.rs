@@ -11,7 +11,7 @@ use crate::trajectory::Cell;
 /// The radius of edges without one, as a share of the longest edge: that of a thin line in a picture of the whole cell.
 const THIN: f64 = 1.0 / 400.0;
 
-/// Maximum number of particles with those in copies of the cell. Each takes some 320 bytes while a frame is prepared.
+/// Maximum number of particles with those in copies of the cell. Each takes some 250 bytes while a frame is prepared.
 const MOST_PARTICLES: usize = 100_000_000;
 
 /// Returns the edges of a cell as rods, with a particle of their radius at each corner. Directions along which the cell has no extent have

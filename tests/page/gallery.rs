@@ -8,7 +8,7 @@ use serde_json::json;
 use super::browser::Browser;
 use super::{SCENE, until};
 use program::Options;
-use program::source::highlighted;
+use program::source::{beginning, highlighted};
 
 #[path = "../../scenes/code/gallery/main.rs"]
 #[allow(dead_code, reason = "its `main` is not called")]
@@ -121,6 +121,19 @@ fn gallery_is_readable_everywhere_and_loads_loops_on_demand() {
     browser.click("nav a");
     until(&browser, "location.pathname.endsWith('/index.html')");
     assert_eq!(browser.console(), json!([]));
+}
+
+#[test]
+fn long_sources_are_cut_after_a_line() {
+    let line = "(é: 1),\n";
+    let [short, long] = [40, 40_000].map(|count| line.repeat(count));
+    assert_eq!(beginning(&short), (short.as_str(), 0));
+    let (shown, left_out) = beginning(&long);
+    assert!((32_000..=32_768).contains(&shown.len()) && shown.ends_with(line), "{}", shown.len());
+    assert_eq!(shown.lines().count() + left_out, 40_000);
+    // There is no place to cut.
+    let wide = "é".repeat(40_000);
+    assert_eq!(beginning(&wide), (wide.as_str(), 0));
 }
 
 #[test]

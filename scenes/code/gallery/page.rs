@@ -6,7 +6,7 @@ use rayreel::time::FrameList;
 use rayreel::trace::SimdLevel;
 
 use super::exhibit::{Exhibit, Movie, Span, Still};
-use super::source::{escaped, highlighted, prose};
+use super::source::{beginning, escaped, highlighted, prose};
 
 /// The style of the pages of `rayreel accuracy`, and what the gallery adds.
 const STYLE: &str = concat!(include_str!("../../../src/cli/accuracy/page.css"), include_str!("page.css"));
@@ -76,9 +76,13 @@ pub(crate) fn scene(exhibits: &[Exhibit], index: usize) -> String {
     body += "<h2>Source</h2>\n";
     for (index, (path, text)) in exhibit.sources.iter().enumerate() {
         let path = escaped(&path.display().to_string());
-        let source = highlighted(text);
-        let code =
+        let (shown, left_out) = beginning(text);
+        let source = highlighted(shown);
+        let mut code =
             format!("<pre tabindex=\"0\" role=\"region\" aria-label=\"{path}\"><code>{source}</code></pre>");
+        if left_out > 0 {
+            let _ = write!(code, "\n<p class=\"dim\">and {left_out} more lines</p>");
+        }
         let _ = match index {
             0 => writeln!(body, "<p class=\"dim\">{path}</p>\n{code}"),
             _ => writeln!(body, "<details><summary>{path}</summary>\n{code}\n</details>"),

@@ -11,6 +11,16 @@ pub(crate) fn prose(text: &str) -> String {
     parts.map(|(part, [start, end])| format!("{start}{}{end}", escaped(part))).collect()
 }
 
+/// Returns the first lines of a source, whole unless it is long, and the number of lines after them.
+pub(crate) fn beginning(source: &str) -> (&str, usize) {
+    /// Longer than what people write; programs write keys of a hundred thousand bytes.
+    const LONGEST: usize = 32 << 10;
+    let cut =
+        if source.len() > LONGEST { source[..source.floor_char_boundary(LONGEST)].rfind('\n') } else { None };
+    let (shown, rest) = source.split_at(cut.map_or(source.len(), |end| end + 1));
+    (shown, rest.lines().count())
+}
+
 /// Returns the source of a scene or a script as HTML.
 pub(crate) fn highlighted(source: &str) -> String {
     let (mut html, mut rest, mut is_word) = (String::new(), source, false);
