@@ -70,17 +70,24 @@ fn camera_path_keeps_the_size_of_its_subject() {
     render_movie(engine);
 }
 
-#[test]
-fn the_crystal_of_the_shipped_scene_melts_as_its_program_says() {
+/// Checks that a program writes the trajectory of this many frames that a shipped scene shows.
+#[track_caller]
+fn assert_writes(shipped: &str, frames: usize, write: impl FnOnce(&Path)) {
     let folder = tempfile::tempdir().unwrap();
-    let written = folder.path().join("melting.extxyz");
-    melting::melt(&written, 60).unwrap();
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/data/melting.extxyz.gz");
+    let written = folder.path().join("written.extxyz");
+    write(&written);
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/data").join(shipped);
     let [written, shipped] = [written, shipped].map(|file| Trajectory::open(&file, None).unwrap());
-    assert_eq!((written.frames(), shipped.frames()), (60, 60));
-    for frame in 0..60 {
+    assert_eq!((written.frames(), shipped.frames()), (frames, frames));
+    for frame in 0..frames {
         assert!(written.read(frame).unwrap() == shipped.read(frame).unwrap(), "frame {frame}");
     }
+}
+
+#[test]
+fn programs_write_the_trajectories_of_the_shipped_scenes() {
+    assert_writes("melting.extxyz.gz", 60, |file| melting::melt(file, 60).unwrap());
+    assert_writes("gas.extxyz.gz", 101, |file| gas::shoot(file, 101).unwrap());
 }
 
 #[test]
@@ -95,19 +102,6 @@ fn the_crystal_keeps_its_temperature_and_its_middle() {
     (0..1000).for_each(|_| atoms.step(0.1));
     assert!((atoms.temperature() - 0.1).abs() < 0.01, "{}", atoms.temperature());
     assert!(middle(&atoms).length() < 1e-9, "{}", middle(&atoms));
-}
-
-#[test]
-fn the_gas_of_the_shipped_scene_flies_as_its_program_says() {
-    let folder = tempfile::tempdir().unwrap();
-    let written = folder.path().join("gas.extxyz");
-    gas::shoot(&written, 101).unwrap();
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/data/gas.extxyz.gz");
-    let [written, shipped] = [written, shipped].map(|file| Trajectory::open(&file, None).unwrap());
-    assert_eq!((written.frames(), shipped.frames()), (101, 101));
-    for frame in 0..101 {
-        assert!(written.read(frame).unwrap() == shipped.read(frame).unwrap(), "frame {frame}");
-    }
 }
 
 #[test]
