@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::Duration;
 
-use rayreel::live::{Event, Server, Session, SessionSettings, Shown, Watching};
+use rayreel::live::{DEFAULT_CACHE, Event, Server, Session, SessionSettings, Shown, Watching};
 use rayreel::{EffectSet, Engine, Scene};
 
 #[path = "page/http.rs"]
@@ -55,6 +55,7 @@ fn long_sessions_do_not_leak_and_stay_correct() {
             frame: 3,
             watching: Watching::Events,
             finish: false,
+            cache: DEFAULT_CACHE,
         },
         move |event| sender.send(event).unwrap(),
     );

@@ -44,6 +44,7 @@ fn main() {
         frame: 0,
         watching: Watching::Events,
         finish: false,
+        cache: 0,
     };
     let session = Session::start(settings, |_| ());
     let server = Server::start(0, session.handle()).unwrap();

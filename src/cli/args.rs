@@ -325,6 +325,9 @@ pub(super) struct WatchArguments {
     /// Poll the files ten times a second, for network folders and other places without change notifications
     #[arg(long)]
     pub(super) poll: bool,
+    /// Keep finished frames of up to this size in all, in MiB, for playback and for edits that are undone; 0 keeps none [default: 512]
+    #[arg(long, value_name = "MIB")]
+    pub(super) cache: Option<u16>,
     #[command(flatten)]
     pub(super) allowed: AllowArguments,
     #[command(flatten)]

@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
 
-use rayreel::live::{Event, PictureWarning, Server, Session, SessionSettings, Shown, Times, Watching};
+use rayreel::live::{
+    DEFAULT_CACHE, Event, PictureWarning, Server, Session, SessionSettings, Shown, Times, Watching,
+};
 use rayreel::output::{self, Channels, FrameFormat};
 use rayreel::scene::input::is_stream;
 use rayreel::trace::Passes;
@@ -37,6 +39,7 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         frame: arguments.frame.unwrap_or(0),
         watching: if arguments.poll { Watching::Polling } else { Watching::Events },
         finish: arguments.out.is_some(),
+        cache: arguments.cache.map_or(DEFAULT_CACHE, |mebibytes| usize::from(mebibytes) << 20),
     };
     let mut reported = 0;
     // The session ends with the program, which does not wait for loading or rendering. The session writes no files.

@@ -14,6 +14,7 @@
 //! | `worker` | reading of the files, and the choice of the next job |
 //! | `renderer` | the engine; coarse pictures, the requested one, and the full one |
 //! | `progressive` | levels and times of the pictures before and during a picture that takes long |
+//! | `cache` | finished pictures, for playback and for edits that are undone |
 //! | `measure`, `pixel_info` | costs of effects, the error curve, and single pixels |
 //! | `warnings` | warnings about the scene and its full pictures |
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
@@ -23,6 +24,7 @@
 //! while it is unfinished. A new command interrupts the work at once and discards only results that are no longer
 //! needed.
 
+mod cache;
 mod commands;
 mod measure;
 mod pixel_info;
@@ -38,7 +40,7 @@ mod worker;
 
 pub use publish::{Event, Shown};
 pub use server::{HostName, NoHostName, Server};
-pub use session::{Handle, Session, SessionSettings};
+pub use session::{DEFAULT_CACHE, Handle, Session, SessionSettings};
 pub use state::{Mistakes, PictureInfo, Times};
 pub use warnings::{PictureWarning, PictureWarnings};
 pub use watcher::{QUIET_PERIOD, Watcher, Watching};
@@ -49,5 +51,5 @@ pub use {
     commands::{Detail, ProbeReply, SessionCommand, ViewChange},
     pixel_info::{PixelInfo, SurfaceInfo},
     publish::Picture,
-    state::{Planned, State},
+    state::{CachedFrames, Planned, State},
 };

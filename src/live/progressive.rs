@@ -107,6 +107,11 @@ impl PreviewLevel {
         self.effort
     }
 
+    /// Returns the level with a divisor of at most `divisor`.
+    pub(super) fn at_least(self, divisor: u32) -> Self {
+        Self { divisor: self.divisor.min(divisor), ..self }
+    }
+
     /// Returns the time after which the level is abandoned, or `None` for the last attempt, which has no deadline.
     pub(super) fn deadline(self) -> Option<Duration> {
         DEADLINES.get(self.tried as usize).map(|milliseconds| Duration::from_millis(*milliseconds))

@@ -1,11 +1,13 @@
 //! Publication of a session's state and pictures, which all threads can read, and of its events.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use tokio::sync::watch;
 
+use super::cache::{CachedPicture, FrameCache};
+use super::commands::Detail;
 use super::state::{Mistakes, PictureInfo, Planned, State, Times};
 use super::warnings::PictureWarnings;
 use crate::color::Transfer;
@@ -64,6 +66,7 @@ pub struct Picture {
 pub(super) struct Published {
     state: watch::Sender<State>,
     pictures: Mutex<Pictures>,
+    cache: Mutex<FrameCache>,
 }
 
 #[derive(Debug, Default)]
@@ -73,8 +76,29 @@ struct Pictures {
 }
 
 impl Published {
-    pub(super) fn new(state: State) -> Self {
-        Self { state: watch::Sender::new(state), pictures: Mutex::default() }
+    /// Publishes a state. `cache` is the maximum size of the pictures that are kept, in bytes.
+    pub(super) fn new(state: State, cache: usize) -> Self {
+        let cache = Mutex::new(FrameCache::new(cache));
+        Self { state: watch::Sender::new(state), pictures: Mutex::default(), cache }
+    }
+
+    /// Returns the finished pictures of frames.
+    pub(super) fn cache(&self) -> MutexGuard<'_, FrameCache> {
+        self.cache.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the finished picture of a frame as a PNG file, if the [frames kept](State::cached) are of this generation.
+    pub(super) fn frame(&self, generation: u64, frame: u32) -> Option<Arc<[u8]>> {
+        let mut cache = self.cache();
+        let is_current = cache.generation() == generation;
+        Some(Arc::clone(&cache.picture(frame).filter(|_| is_current)?.png))
+    }
+
+    /// Publishes which frames have pictures; without `notify`, together with the next change.
+    pub(super) fn publish_cached_frames(&self, notify: bool) {
+        let cached = self.cache().contents();
+        let update = |state: &mut State| state.cached = cached;
+        if notify { self.update(update) } else { self.update_without_notify(update) }
     }
 
     pub(super) fn state(&self) -> State {
@@ -134,7 +158,8 @@ pub(super) struct Publisher {
     emit: Box<dyn FnMut(Event) + Send>,
     encode: Encode,
     last_id: u64,
-    latest: Option<(PictureInfo, Arc<Film>)>,
+    /// The latest picture, with its film unless it comes from the cache.
+    latest: Option<(PictureInfo, Option<Arc<Film>>)>,
 }
 
 /// A picture to be published.
@@ -202,11 +227,54 @@ impl Publisher {
         (self.emit)(event);
     }
 
-    /// Returns the latest picture if it shows the current frame of the current scene.
-    pub(super) fn latest(&self) -> Option<(PictureInfo, &Arc<Film>)> {
+    /// Returns the latest picture if it shows the current frame of the current scene, with its film unless it comes from the cache.
+    pub(super) fn latest(&self) -> Option<(PictureInfo, Option<&Arc<Film>>)> {
         let state = self.published.state();
         let (info, film) = self.latest.as_ref()?;
-        (info.frame == state.frame && info.reloads == state.reloads).then_some((*info, film))
+        (info.frame == state.frame && info.reloads == state.reloads).then_some((*info, film.as_ref()))
+    }
+
+    /// Encodes a finished picture, which is not the displayed one, and adds it to the cache. Returns whether it could be encoded.
+    pub(super) fn keep(&mut self, state: &State, picture: &RenderedPicture, current: u32) -> bool {
+        let Ok(png) = (self.encode)(&picture.film, picture.transfer) else { return false };
+        self.add_to_cache(state.frame, picture, png.into(), current);
+        true
+    }
+
+    /// Adds a finished picture to the cache, if it has the quality of the others.
+    fn add_to_cache(&self, frame: u32, picture: &RenderedPicture, png: Arc<[u8]>, current: u32) {
+        let mut cache = self.published.cache();
+        let is_full = cache.detail() == Detail::Full;
+        if matches!(picture.kind, PictureKind::Coarse(_)) || (picture.kind == PictureKind::Full) != is_full {
+            return;
+        }
+        let cached = CachedPicture {
+            png,
+            width: picture.film.width(),
+            height: picture.film.height(),
+            times: picture.times,
+            rays: picture.rays,
+            plan: picture.plan.clone().unwrap_or_default(),
+            warnings: picture.warnings.clone(),
+            used: 0,
+        };
+        cache.add(frame, cached, current);
+    }
+
+    /// Publishes a picture of the frame of `state` from the cache.
+    pub(super) fn publish_cached(&mut self, state: &State, picture: CachedPicture) {
+        let CachedPicture { png, width, height, times, rays, plan, warnings, .. } = picture;
+        let kind = match self.published.cache().detail() {
+            Detail::Full => PictureKind::Full,
+            Detail::Draft | Detail::Half => PictureKind::Draft { precedes_full: false },
+        };
+        let info = self.info(state, (width, height), kind);
+        self.latest = Some((info, None));
+        self.published.add(Picture { info, png });
+        let Times { read, build, .. } = state.times;
+        self.published.update(|state| {
+            state.show(info, Times { read, build, ..times }, rays, kind, &warnings, Some(plan));
+        });
     }
 
     /// Encodes and publishes a picture of the frame of `state`. If encoding fails, reports a mistake of the frame and returns `false`.
@@ -221,34 +289,16 @@ impl Publisher {
                 return false;
             }
         };
+        let png: Arc<[u8]> = png.into();
+        self.add_to_cache(state.frame, &picture, Arc::clone(&png), state.frame);
         let RenderedPicture { film, transfer, kind, mut times, rays, plan, warnings } = picture;
         times.encode = Times::milliseconds(start.elapsed());
-        let info = self.info(state, &film, kind);
+        let info = self.info(state, (film.width(), film.height()), kind);
         let film = Arc::new(film);
-        self.latest = Some((info, Arc::clone(&film)));
-        self.published.add(Picture { info, png: png.into() });
-        self.published.update(|state| {
-            state.picture = Some(info);
-            state.times = times;
-            state.rays = rays;
-            (state.rendering, state.progress) = match kind {
-                PictureKind::Coarse(share) => (true, share),
-                PictureKind::Draft { precedes_full } => (precedes_full, 1.0),
-                PictureKind::Full => (false, 1.0),
-            };
-            state.frame_mistakes = None;
-            match kind {
-                // Until the full picture follows, the warnings about the last one stay.
-                PictureKind::Coarse(_) | PictureKind::Draft { precedes_full: true } => {}
-                PictureKind::Draft { precedes_full: false } | PictureKind::Full => {
-                    state.warnings.clone_from(&warnings);
-                }
-            }
-            if let Some(plan) = plan {
-                state.plan = plan;
-                state.curve.clear();
-            }
-        });
+        self.latest = Some((info, Some(Arc::clone(&film))));
+        self.published.add(Picture { info, png });
+        self.published.publish_cached_frames(false);
+        self.published.update(|state| state.show(info, times, rays, kind, &warnings, plan));
         self.emit(Event::Shown(Shown { info, film, transfer, times, rays, warnings }));
         true
     }
@@ -256,7 +306,7 @@ impl Publisher {
     /// Emits the event of a full picture and publishes its warnings, but not the picture.
     pub(super) fn report(&mut self, state: &State, picture: RenderedPicture) {
         let RenderedPicture { film, transfer, kind, times, rays, warnings, .. } = picture;
-        let info = self.info(state, &film, kind);
+        let info = self.info(state, (film.width(), film.height()), kind);
         self.published.update(|state| {
             if (state.frame, state.reloads) == (info.frame, info.reloads) {
                 state.warnings.clone_from(&warnings);
@@ -278,17 +328,51 @@ impl Publisher {
         });
     }
 
-    fn info(&mut self, state: &State, film: &Film, kind: PictureKind) -> PictureInfo {
+    fn info(&mut self, state: &State, (width, height): (u32, u32), kind: PictureKind) -> PictureInfo {
         self.last_id += 1;
         PictureInfo {
             id: self.last_id,
             frame: state.frame,
             reloads: state.reloads,
-            width: film.width(),
-            height: film.height(),
+            width,
+            height,
             film: state.film,
             full: kind == PictureKind::Full,
             coarse: matches!(kind, PictureKind::Coarse(_)),
+        }
+    }
+}
+
+impl State {
+    /// Shows a picture of the current frame.
+    fn show(
+        &mut self,
+        info: PictureInfo,
+        times: Times,
+        rays: u64,
+        kind: PictureKind,
+        warnings: &PictureWarnings,
+        plan: Option<Vec<Planned>>,
+    ) {
+        self.picture = Some(info);
+        self.times = times;
+        self.rays = rays;
+        (self.rendering, self.progress) = match kind {
+            PictureKind::Coarse(share) => (true, share),
+            PictureKind::Draft { precedes_full } => (precedes_full, 1.0),
+            PictureKind::Full => (false, 1.0),
+        };
+        self.frame_mistakes = None;
+        match kind {
+            // Until the full picture follows, the warnings about the last one stay.
+            PictureKind::Coarse(_) | PictureKind::Draft { precedes_full: true } => {}
+            PictureKind::Draft { precedes_full: false } | PictureKind::Full => {
+                self.warnings.clone_from(warnings);
+            }
+        }
+        if let Some(plan) = plan {
+            self.plan = plan;
+            self.curve.clear();
         }
     }
 }
@@ -302,7 +386,7 @@ mod tests {
     #[test]
     fn encoding_failure_is_reported_and_ends_rendering() {
         let state = State { rendering: true, ..State::default() };
-        let published = Arc::new(Published::new(state.clone()));
+        let published = Arc::new(Published::new(state.clone(), 0));
         let (sender, events) = channel();
         let emit = move |event| sender.send(event).unwrap();
         let mut publisher = Publisher::new(Arc::clone(&published), Box::new(emit));

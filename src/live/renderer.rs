@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::cache::FrameKey;
 use super::commands::{CommandQueue, Detail};
 use super::measure;
 use super::pixel_info::PixelInfo;
@@ -27,12 +28,16 @@ const PREVIEW_DELAY: Duration = Duration::from_millis(50);
 /// Minimum time slice of the full picture due after an edit, even when another picture is requested: half a frame interval at 25 frames
 /// per second, so that the picture progresses during playback, which stays smooth.
 const MIN_SLICE: Duration = Duration::from_millis(20);
+/// Minimum interval between reports of new pictures in the cache. Simple scenes fill it with hundreds of pictures a second.
+const CACHE_REPORT_INTERVAL: Duration = Duration::from_millis(100);
 /// Maximum time of a curve point other than the scene's own, in milliseconds, so that the curve of a slow frame ends.
 const LONGEST_POINT: f64 = 2000.0;
 
 /// A piece of work. All pictures are of the current frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum PreviewJob {
+    /// The finished picture, if it is in the cache.
+    Cached(Occasion),
     /// A coarse picture.
     Preview(PreviewLevel, LevelRole),
     /// The requested picture, or the full one.
@@ -43,6 +48,17 @@ pub(super) enum PreviewJob {
     },
     /// A measurement of the cost of the effect with this index or, after all effects, of a point of the error curve.
     Measurement(usize),
+}
+
+/// The reason why a frame is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Occasion {
+    /// The scene has changed, or is new.
+    Edit,
+    /// The frame or the quality is requested.
+    Request,
+    /// Playback has reached the frame.
+    Playback,
 }
 
 /// The role of a coarse picture among the pictures of its frame.
@@ -67,6 +83,8 @@ pub(super) enum JobOutcome {
     Interrupted,
     /// A coarse picture should come first.
     Needs(PreviewLevel, LevelRole),
+    /// The cache has no picture of the frame.
+    NotCached(Occasion),
 }
 
 /// A picture while it is being rendered.
@@ -95,6 +113,9 @@ pub(super) struct Renderer {
     in_progress: Option<RenderInProgress>,
     /// The full picture that is due after an edit and is rendered while other pictures are shown.
     background: Option<RenderInProgress>,
+    /// The picture that is rendered for the cache.
+    filling: Option<RenderInProgress>,
+    cache_reported: Instant,
 }
 
 impl RenderInProgress {
@@ -122,6 +143,8 @@ impl Renderer {
             last_level: None,
             in_progress: None,
             background: None,
+            filling: None,
+            cache_reported: Instant::now(),
         }
     }
 
@@ -144,6 +167,7 @@ impl Renderer {
     pub(super) fn begin(&mut self, times: Times, wanted_frame: u32) {
         self.discard_unfinished();
         self.background = None;
+        self.begin_cache(self.publisher.published().state().detail);
         let (timeline, film) = (self.engine.timeline(), self.engine.effective_settings().film);
         let published = self.publisher.published();
         let before = published.keep_for_comparison();
@@ -165,6 +189,14 @@ impl Renderer {
             };
         });
         self.publisher.emit(Event::Reloaded(times));
+    }
+
+    /// Forgets which frames have finished pictures, after a change of the scene or of the requested quality.
+    pub(super) fn begin_cache(&mut self, detail: Detail) {
+        self.filling = None;
+        let published = self.publisher.published();
+        published.cache().begin(self.engine.timeline().frame_count(), detail);
+        published.publish_cached_frames(false);
     }
 
     /// Discards the unfinished pictures of a frame that is no longer displayed.
@@ -213,17 +245,66 @@ impl Renderer {
             return Ok(None);
         }
         let time = self.engine.timeline().time_of(state.frame);
-        let full = self.publisher.latest().filter(|(info, _)| info.full).map(|(_, film)| &**film);
+        let latest = self.publisher.latest().filter(|(info, _)| info.full);
+        let full = latest.and_then(|(_, film)| film).map(|film| &**film);
         PixelInfo::of(&mut self.engine, &self.sources, time, pixel, full)
+    }
+
+    /// Returns whether the current frame is shown by a finished picture from the cache, which has no film.
+    pub(super) fn shows_cached_picture(&self) -> bool {
+        self.publisher.latest().is_some_and(|(_, film)| film.is_none())
     }
 
     /// Runs a job until it is finished or a command interrupts it.
     pub(super) fn run(&mut self, job: PreviewJob) -> Result<JobOutcome, EngineError> {
         match job {
+            PreviewJob::Cached(occasion) => Ok(self.show_cached(occasion)),
             PreviewJob::Preview(level, role) => self.render_preview(level, role),
             PreviewJob::Picture { detail, precedes_full } => self.render_requested(detail, precedes_full),
             PreviewJob::Measurement(index) => self.measure(index),
         }
+    }
+
+    /// Publishes the finished picture of the current frame, if it is in the cache.
+    fn show_cached(&mut self, occasion: Occasion) -> JobOutcome {
+        let published = self.publisher.published();
+        if published.cache().is_empty() {
+            return JobOutcome::NotCached(occasion);
+        }
+        let state = published.state();
+        let commands = Arc::clone(&self.commands);
+        self.find_key(state.frame, Signals { cancelled: commands.interrupt(), ..Signals::none() });
+        let mut cache = self.publisher.published().cache();
+        let is_unknown = cache.key(state.frame) == FrameKey::Unknown;
+        let picture = cache.picture(state.frame).cloned();
+        drop(cache);
+        match picture {
+            Some(picture) => {
+                self.publisher.publish_cached(&state, picture);
+                JobOutcome::Done
+            }
+            None if is_unknown => JobOutcome::Interrupted,
+            None => JobOutcome::NotCached(occasion),
+        }
+    }
+
+    /// Finds the fingerprint of a frame at the requested quality, unless it is known. It stays unknown if the search is cancelled.
+    fn find_key(&mut self, frame: u32, signals: Signals<'_>) {
+        let cache = self.publisher.published().cache();
+        let (key, detail, is_off) = (cache.key(frame), cache.detail(), cache.is_off());
+        drop(cache);
+        if key != FrameKey::Unknown || is_off {
+            return;
+        }
+        let time = self.engine.timeline().time_of(frame);
+        let settings = settings_of(&self.engine, detail);
+        let planned = self.engine.plan(RenderRequest { settings, signals, ..RenderRequest::at(time) });
+        let key = match planned {
+            Ok(report) => report.fingerprint.map_or(FrameKey::Failed, FrameKey::Known),
+            Err(EngineError::Cancelled) => return,
+            Err(_) => FrameKey::Failed,
+        };
+        self.publisher.published().cache().set_key(frame, key);
     }
 
     /// Renders and publishes a coarse picture. A first picture that takes too long is replaced by a cheaper one. A picture between the
@@ -233,7 +314,7 @@ impl Renderer {
         let state = self.publisher.published().state();
         let time = self.engine.timeline().time_of(state.frame);
         let (engine, interrupt) = (&mut self.engine, self.commands.interrupt());
-        let deadline = if role == LevelRole::Between { None } else { level.deadline() };
+        let deadline = if role == LevelRole::First { level.deadline() } else { None };
         let (image, is_late) = with_deadline(interrupt, deadline, |begin| {
             let pause = || {
                 begin();
@@ -319,7 +400,7 @@ impl Renderer {
                 return Break(());
             }
             publisher.published().update(|state| state.progress = progress);
-            let Some(beneath) = publisher.latest().map(|(_, film)| Arc::clone(film)) else {
+            let Some(beneath) = publisher.latest().and_then(|(_, film)| film.cloned()) else {
                 return Continue(());
             };
             let show = || {
@@ -367,16 +448,7 @@ impl Renderer {
         let state = self.publisher.published().state();
         let background = self.background.take();
         let mut background = background.unwrap_or_else(|| RenderInProgress::new(state.frame, Detail::Full));
-        let start = Instant::now();
-        let pause = || {
-            let is_interrupted = self.commands.interrupt().load(Ordering::Relaxed);
-            is_interrupted && start.elapsed() >= MIN_SLICE || Instant::now() >= until
-        };
-        let signals = Signals { cancelled: self.commands.urgent(), pause: &pause };
-        let RenderInProgress { frame, detail, job, .. } = &mut background;
-        let film = render(&mut self.engine, *frame, *detail, job, signals, &mut |_| Break(()));
-        background.traced += self.engine.report().trace;
-        match film {
+        match self.continue_in_background(&mut background, MIN_SLICE, Some(until)) {
             Ok(None) => {
                 self.background = Some(background);
                 return false;
@@ -390,6 +462,84 @@ impl Renderer {
             Err(error) => self.publisher.emit(Event::Failed(error)),
         }
         true
+    }
+
+    /// Continues a picture until it is finished, another picture is requested after at least `slice`, or `until`.
+    fn continue_in_background(
+        &mut self,
+        picture: &mut RenderInProgress,
+        slice: Duration,
+        until: Option<Instant>,
+    ) -> Result<Option<Film>, EngineError> {
+        let start = Instant::now();
+        let pause = || {
+            let is_interrupted = self.commands.interrupt().load(Ordering::Relaxed);
+            is_interrupted && start.elapsed() >= slice || until.is_some_and(|until| Instant::now() >= until)
+        };
+        let signals = Signals { cancelled: self.commands.urgent(), pause: &pause };
+        let RenderInProgress { frame, detail, job, .. } = picture;
+        let film = render(&mut self.engine, *frame, *detail, job, signals, &mut |_| Break(()));
+        picture.traced += self.engine.report().trace;
+        film
+    }
+
+    /// Returns whether a picture can be added to the cache.
+    pub(super) fn can_fill_cache(&self) -> bool {
+        let published = self.publisher.published();
+        self.filling.is_some() || published.cache().next_missing(published.state().frame).is_some()
+    }
+
+    /// Finds the fingerprint of a frame that has no picture in the cache, or continues the picture until it is finished, `until`, or a
+    /// command. During playback the work is continued for a while in spite of requests of frames.
+    pub(super) fn fill_cache(&mut self, is_playing: bool, until: Option<Instant>) {
+        let published = self.publisher.published();
+        let state = published.state();
+        let (next, detail) = {
+            let cache = published.cache();
+            (cache.next_missing(state.frame), cache.detail())
+        };
+        let mut filling = match (self.filling.take(), next) {
+            (Some(filling), _) => filling,
+            (None, Some(frame)) => RenderInProgress::new(frame, detail),
+            (None, None) => return,
+        };
+        let frame = filling.frame;
+        if published.cache().key(frame) == FrameKey::Unknown {
+            let commands = Arc::clone(&self.commands);
+            self.find_key(frame, Signals { cancelled: commands.urgent(), ..Signals::none() });
+            return self.report_cache();
+        }
+        let slice = if is_playing { MIN_SLICE } else { Duration::ZERO };
+        let is_kept = match self.continue_in_background(&mut filling, slice, until) {
+            Ok(None) => {
+                self.filling = Some(filling);
+                return;
+            }
+            Ok(Some(film)) => {
+                let kind = match detail {
+                    Detail::Full => PictureKind::Full,
+                    Detail::Draft | Detail::Half => PictureKind::Draft { precedes_full: false },
+                };
+                let current = state.frame;
+                let state = State { frame, ..state };
+                let picture = self.rendered(&state, kind, film, filling.traced);
+                self.publisher.keep(&state, &picture, current)
+            }
+            Err(_) => false,
+        };
+        if !is_kept {
+            self.publisher.published().cache().set_key(frame, FrameKey::Failed);
+        }
+        self.report_cache();
+    }
+
+    /// Publishes which frames have pictures, at once if all have them.
+    fn report_cache(&mut self) {
+        let is_due = self.cache_reported.elapsed() >= CACHE_REPORT_INTERVAL || !self.can_fill_cache();
+        if is_due {
+            self.cache_reported = Instant::now();
+        }
+        self.publisher.published().publish_cached_frames(is_due);
     }
 
     /// Measures the cost of an effect or a point of the error curve. Any command ends the measurements.
@@ -451,6 +601,9 @@ impl Renderer {
 
     fn publish(&mut self, state: &State, kind: PictureKind, film: Film, traced: Duration) -> JobOutcome {
         let picture = self.rendered(state, kind, film, traced);
+        if !matches!(kind, PictureKind::Coarse(_)) {
+            self.find_key(state.frame, Signals::none());
+        }
         if self.publisher.publish(state, picture) { JobOutcome::Done } else { JobOutcome::Ended }
     }
 
@@ -496,13 +649,8 @@ fn render(
     visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
 ) -> Result<Option<Film>, EngineError> {
     let time = engine.timeline().time_of(frame);
-    let settings = match detail {
-        Detail::Full => None,
-        Detail::Draft => Some(RenderSettings::draft(engine.effective_settings().film, 1)),
-        Detail::Half => Some(RenderSettings::draft(engine.effective_settings().film, 2)),
-    };
     let request = RenderRequest {
-        settings: settings.map(|settings| settings.or(engine.settings)),
+        settings: settings_of(engine, detail),
         fingerprint: false,
         signals,
         on_pause: Some(visit),
@@ -510,6 +658,17 @@ fn render(
         ..RenderRequest::at(time)
     };
     Ok(unless_cancelled(engine.render(request))?.map(|image| image.film))
+}
+
+/// Returns the settings of pictures of a quality; `None` for those of the engine.
+fn settings_of(engine: &Engine, detail: Detail) -> Option<RenderSettings> {
+    let draft =
+        |divisor| RenderSettings::draft(engine.effective_settings().film, divisor).or(engine.settings);
+    match detail {
+        Detail::Full => None,
+        Detail::Draft => Some(draft(1)),
+        Detail::Half => Some(draft(2)),
+    }
 }
 
 /// Runs `work`, which `interrupt` ends. The deadline counts from the first call of the function passed to `work`; when it passes,

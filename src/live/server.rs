@@ -5,6 +5,7 @@
 //! | `GET /state` | the [`State`](super::State), as JSON |
 //! | `GET /events` | the state after each change, as server-sent events |
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
+//! | `GET /frame/1795/2/240` | the finished picture of frame 240 of generation 2 of session 1795, as PNG, if it is kept |
 //! | `POST /view` | changes the view according to a [`ViewChange`], as JSON |
 //! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
 //!
@@ -44,11 +45,12 @@ use super::commands::{ProbeReply, SessionCommand, ViewChange};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 9] = [
+const FILES: [(&str, &str, &str); 10] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
     ("/timeline.js", SCRIPT, include_str!("page/timeline.js")),
+    ("/frames.js", SCRIPT, include_str!("page/frames.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
@@ -164,6 +166,7 @@ fn router(shared: ServerState) -> Router {
         .route("/state", get(state))
         .route("/events", get(events))
         .route("/picture/{session}/{id}", get(picture))
+        .route("/frame/{session}/{generation}/{frame}", get(frame))
         .route("/view", post(view))
         .route("/probe", post(probe))
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
@@ -239,11 +242,22 @@ async fn events(State(shared): State<ServerState>) -> Sse<impl Stream<Item = Res
 }
 
 async fn picture(State(shared): State<ServerState>, Path((session, id)): Path<(u64, u64)>) -> Response {
-    // A browser may hold picture numbers of another session, which can coincide with the numbers of this one.
-    let is_ours = shared.session.state().session == session;
-    match shared.session.picture(id).filter(|_| is_ours) {
-        Some(picture) => {
-            let png = Bytes::from_owner(picture.png);
+    png(&shared, session, shared.session.picture(id).map(|picture| picture.png))
+}
+
+async fn frame(
+    State(shared): State<ServerState>,
+    Path((session, generation, frame)): Path<(u64, u64, u32)>,
+) -> Response {
+    png(&shared, session, shared.session.frame(generation, frame))
+}
+
+/// Responds with a picture of a session. A browser may hold picture numbers of another session, which can coincide with the numbers of this
+/// one.
+fn png(shared: &ServerState, session: u64, picture: Option<Arc<[u8]>>) -> Response {
+    match picture.filter(|_| shared.session.state().session == session) {
+        Some(png) => {
+            let png = Bytes::from_owner(png);
             ([(CONTENT_TYPE, "image/png"), (CACHE_CONTROL, "private, max-age=60")], png).into_response()
         }
         None => (StatusCode::NOT_FOUND, "this picture is out of date\n").into_response(),

@@ -34,9 +34,15 @@ pub struct SessionSettings {
     pub frame: u32,
     /// Method of detecting file changes.
     pub watching: Watching,
-    /// True if a full picture follows every edit even while drafts are requested.
+    /// True if a full picture follows every edit even while drafts are requested. Pictures from the cache are then shown during playback
+    /// only, since they have no [film](super::Shown::film).
     pub finish: bool,
+    /// Maximum size in bytes of the finished pictures that are kept for playback and for edits that are undone; 0 keeps none.
+    pub cache: usize,
 }
+
+/// The default of [`SessionSettings::cache`]: 512 MiB. PNG files of 1280x720 pixels have 0.5 to 2 MB.
+pub const DEFAULT_CACHE: usize = 512 << 20;
 
 /// A scene that is read again after every edit, or an engine, shown by a separate thread until the session is dropped.
 ///
@@ -64,9 +70,10 @@ impl Session {
         Self::spawn(
             &name.display().to_string(),
             settings.frame,
+            settings.cache,
             emit,
             move |commands, published, publisher| {
-                let SessionSettings { scene, overrides, without, allowed, frame, watching, finish } =
+                let SessionSettings { scene, overrides, without, allowed, frame, watching, finish, .. } =
                     settings;
                 let queue = Arc::clone(&commands);
                 let watcher = Watcher::start(watching, move || queue.send(SessionCommand::Reload));
@@ -93,7 +100,7 @@ impl Session {
     /// ```
     #[must_use]
     pub fn of_engine(name: &str, engine: Engine, emit: impl FnMut(Event) + Send + 'static) -> Self {
-        Self::spawn(name, 0, emit, move |commands, published, publisher| {
+        Self::spawn(name, 0, DEFAULT_CACHE, emit, move |commands, published, publisher| {
             let without = engine.settings.without;
             let renderer = Renderer::new(engine, without, Vec::new(), Arc::clone(&commands), publisher);
             Worker::new(None, renderer, commands, published, 0, false)
@@ -104,6 +111,7 @@ impl Session {
     fn spawn(
         name: &str,
         frame: u32,
+        cache: usize,
         emit: impl FnMut(Event) + Send + 'static,
         worker: impl FnOnce(Arc<CommandQueue>, Arc<Published>, Publisher) -> Worker + Send + 'static,
     ) -> Self {
@@ -115,7 +123,7 @@ impl Session {
             rate: 1.0,
             ..State::default()
         };
-        let handle = Handle { commands: Arc::default(), published: Arc::new(Published::new(state)) };
+        let handle = Handle { commands: Arc::default(), published: Arc::new(Published::new(state, cache)) };
         let Handle { commands, published } = handle.clone();
         let thread = thread::spawn(move || {
             let publisher = Publisher::new(Arc::clone(&published), Box::new(emit));
@@ -164,6 +172,13 @@ impl Handle {
     #[must_use]
     pub fn picture(&self, id: u64) -> Option<Picture> {
         self.published.picture(id)
+    }
+
+    /// Returns the finished picture of a frame as a PNG file, if it is kept; see [`State::cached`].
+    #[doc(hidden)]
+    #[must_use]
+    pub fn frame(&self, generation: u64, frame: u32) -> Option<Arc<[u8]>> {
+        self.published.frame(generation, frame)
     }
 }
 

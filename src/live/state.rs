@@ -33,6 +33,8 @@ pub struct State {
     pub picture: Option<PictureInfo>,
     /// The last picture before the last edit; a picture that is not coarse, if there is one.
     pub before: Option<PictureInfo>,
+    /// The frames whose finished pictures are kept.
+    pub cached: CachedFrames,
     /// True while a better picture is being rendered.
     pub rendering: bool,
     /// Finished fraction of the better picture, 0 to 1.
@@ -72,6 +74,15 @@ pub struct PictureInfo {
     pub full: bool,
     /// True if the picture is coarse or unfinished for lack of time.
     pub coarse: bool,
+}
+
+/// The frames whose finished pictures are kept.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct CachedFrames {
+    /// Number by which the pictures can be requested. It changes with the scene and the requested quality.
+    pub generation: u64,
+    /// Ranges of frames, with both ends, ascending.
+    pub ranges: Vec<(u32, u32)>,
 }
 
 /// Mistakes in a scene or a frame.

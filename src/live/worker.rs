@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::commands::{CommandQueue, Detail, ProbeReply, SessionCommand, ViewChange};
 use super::publish::{Event, Published};
-use super::renderer::{JobOutcome, LevelRole, PreviewJob, Renderer};
+use super::renderer::{JobOutcome, LevelRole, Occasion, PreviewJob, Renderer};
 use super::state::{Mistakes, Times};
 use super::watcher::{Stamp, Watcher};
 use crate::engine::EngineError;
@@ -24,6 +24,11 @@ const PLAYBACK_SHARE: f64 = 0.5;
 /// Expected render time, in milliseconds, above which a coarse picture comes first: a picture within 40 ms follows a dragged playhead at 25
 /// frames per second.
 const COARSE_FIRST_ABOVE_MS: f64 = 40.0;
+/// Maximum divisor of the film's width and height during playback: fewer frames are shown rather than pictures that cannot be read.
+const PLAYBACK_DIVISOR: u32 = 4;
+/// Time without commands after which pictures are rendered for the cache. Until then the world stays at the displayed frame, so that a
+/// sequence of edits or a dragged playhead is not slowed down.
+const FILL_DELAY: Duration = Duration::from_millis(250);
 /// Minimum time without a frame request after which playback counts as over. A busy browser may pause for some frames.
 const IDLE_TIMEOUT: Duration = Duration::from_millis(500);
 /// The same time in frame intervals, for low frame rates. The longer one applies.
@@ -36,6 +41,8 @@ enum Task {
     Run(PreviewJob),
     /// Nothing until the given time, since the next frame of playback may be requested. After that time, a better picture.
     Wait(Instant),
+    /// To fill the cache from the given time on.
+    Fill(Instant),
 }
 
 /// The state of the session's thread.
@@ -114,7 +121,10 @@ impl Worker {
         match (self.failure(), self.next) {
             (Some(failure), _) => Some(failure.check_at),
             (None, Task::Idle) => None,
-            (None, Task::Wait(until)) if !self.is_full_due() => Some(until),
+            (None, Task::Wait(until)) if !self.is_full_due() && !self.renderer.can_fill_cache() => {
+                Some(until)
+            }
+            (None, Task::Fill(from)) => Some(from),
             (None, Task::Wait(_) | Task::Run(_)) => Some(Instant::now()),
         }
     }
@@ -135,7 +145,7 @@ impl Worker {
     /// Begins with the first picture of a new scene.
     fn begin(&mut self) {
         self.lacks_full = true;
-        self.next = self.first_preview();
+        self.next = self.first_task(Occasion::Edit);
     }
 
     fn report_mistakes(&mut self) {
@@ -178,9 +188,14 @@ impl Worker {
         if frame != before.frame {
             self.renderer.discard_unfinished();
         }
+        if detail != before.detail {
+            self.renderer.begin_cache(detail);
+        }
         self.next = match view {
-            ViewChange::Seek { playing, .. } => self.frame_task(playing),
-            ViewChange::Detail(detail) => self.picture(detail),
+            ViewChange::Seek { playing: true, .. } => self.first_task(Occasion::Playback),
+            ViewChange::Seek { playing: false, .. } | ViewChange::Detail(_) => {
+                self.first_task(Occasion::Request)
+            }
             ViewChange::Finish => self.picture(Detail::Full),
             ViewChange::Measure => Task::Run(PreviewJob::Measurement(0)),
         };
@@ -191,6 +206,10 @@ impl Worker {
             self.fail(error);
             None
         }));
+        // The colour of a pixel is that of the film, which a picture from the cache lacks.
+        if matches!(self.next, Task::Idle | Task::Fill(_)) && self.renderer.shows_cached_picture() {
+            self.next = self.picture(self.detail);
+        }
     }
 
     fn fail(&mut self, error: EngineError) {
@@ -206,23 +225,35 @@ impl Worker {
                 Err(error) => self.fail(error),
             },
             Task::Wait(until) => self.wait(until),
+            Task::Fill(from) if Instant::now() < from => {}
+            Task::Fill(_) if self.renderer.can_fill_cache() => self.renderer.fill_cache(false, None),
+            Task::Fill(_) => self.next = Task::Idle,
         }
     }
 
     /// Returns the task after a job.
     fn following(&mut self, job: PreviewJob, outcome: JobOutcome) -> Task {
         let is_over = matches!(outcome, JobOutcome::Done | JobOutcome::Ended);
-        if is_over && matches!(job, PreviewJob::Picture { detail: Detail::Full, .. }) {
+        let is_full = match job {
+            PreviewJob::Picture { detail, .. } => detail == Detail::Full,
+            PreviewJob::Cached(occasion) => self.detail == Detail::Full && occasion != Occasion::Playback,
+            PreviewJob::Preview(..) | PreviewJob::Measurement(_) => false,
+        };
+        if is_over && is_full {
             self.lacks_full = false;
         }
         match (outcome, job) {
-            (JobOutcome::Ended, _) => Task::Idle,
+            (JobOutcome::Ended, _) => self.rest(),
+            (JobOutcome::NotCached(occasion), _) => self.frame_task(occasion),
             (JobOutcome::Needs(level, role), _) => Task::Run(PreviewJob::Preview(level, role)),
             (JobOutcome::Interrupted | JobOutcome::Done, PreviewJob::Preview(_, LevelRole::Between))
             | (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::First)) => self.after_preview(),
             (JobOutcome::Interrupted, _) => Task::Run(job),
-            (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::Playback)) => self.wait_for_next_frame(),
-            (JobOutcome::Done, PreviewJob::Picture { .. }) => self.after_picture(),
+            (
+                JobOutcome::Done,
+                PreviewJob::Preview(_, LevelRole::Playback) | PreviewJob::Cached(Occasion::Playback),
+            ) => self.wait_for_next_frame(),
+            (JobOutcome::Done, PreviewJob::Picture { .. } | PreviewJob::Cached(_)) => self.after_picture(),
             (JobOutcome::Done, PreviewJob::Measurement(index)) => {
                 Task::Run(PreviewJob::Measurement(index + 1))
             }
@@ -233,7 +264,9 @@ impl Worker {
     /// the last picture.
     fn wait(&mut self, until: Instant) {
         if Instant::now() < until {
-            if self.is_full_due() && self.renderer.render_in_background(until) {
+            if !self.is_full_due() {
+                self.renderer.fill_cache(true, Some(until));
+            } else if self.renderer.render_in_background(until) {
                 self.lacks_full = false;
             }
             return;
@@ -241,20 +274,30 @@ impl Worker {
         self.is_playing = false;
         self.next =
             if self.renderer.shows_coarse_picture() { self.after_preview() } else { self.after_picture() };
-        let is_over = self.next == Task::Idle;
+        let is_over = matches!(self.next, Task::Idle | Task::Fill(_));
         self.published.update(|state| state.rendering = !is_over);
     }
 
-    /// Returns the best task for the requested frame that fits into the available time.
-    fn frame_task(&self, playing: bool) -> Task {
-        let time = if playing { self.interval() } else { COARSE_FIRST_ABOVE_MS };
-        if self.renderer.is_expected_within(time, self.detail) {
-            self.picture(self.detail)
-        } else if playing {
-            let level = self.renderer.level_within(PLAYBACK_SHARE * self.interval());
-            Task::Run(PreviewJob::Preview(level, LevelRole::Playback))
-        } else {
-            self.first_preview()
+    /// Returns the first task for a frame. With `finish`, the film of every frame is needed, except during playback.
+    fn first_task(&self, occasion: Occasion) -> Task {
+        match occasion {
+            Occasion::Edit | Occasion::Request if self.finish => self.frame_task(occasion),
+            _ => Task::Run(PreviewJob::Cached(occasion)),
+        }
+    }
+
+    /// Returns the best task that fits into the available time, for a frame whose picture is not taken from the cache.
+    fn frame_task(&self, occasion: Occasion) -> Task {
+        let fits = |time| self.renderer.is_expected_within(time, self.detail);
+        match occasion {
+            Occasion::Playback if fits(self.interval()) => self.picture(self.detail),
+            Occasion::Playback => {
+                let level = self.renderer.level_within(PLAYBACK_SHARE * self.interval());
+                let level = level.at_least(PLAYBACK_DIVISOR);
+                Task::Run(PreviewJob::Preview(level, LevelRole::Playback))
+            }
+            Occasion::Request if fits(COARSE_FIRST_ABOVE_MS) => self.picture(self.detail),
+            Occasion::Request | Occasion::Edit => self.first_preview(),
         }
     }
 
@@ -276,10 +319,15 @@ impl Worker {
     /// Returns the task after the requested picture: the full picture if it is due.
     fn after_picture(&self) -> Task {
         match (self.is_full_due(), self.is_playing) {
-            (false, _) => Task::Idle,
+            (false, _) => self.rest(),
             (true, false) => self.picture(Detail::Full),
             (true, true) => self.wait_for_next_frame(),
         }
+    }
+
+    /// Returns the task when nothing is requested.
+    fn rest(&self) -> Task {
+        Task::Fill(Instant::now() + FILL_DELAY)
     }
 
     /// Returns whether the full picture due after the last edit is still missing.

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use browser::Browser;
 use http::request;
 use rayreel::EffectSet;
-use rayreel::live::{Server, Session, SessionSettings, Watching};
+use rayreel::live::{DEFAULT_CACHE, Server, Session, SessionSettings, Watching};
 use serde_json::json;
 use tempfile::TempDir;
 
@@ -89,6 +89,7 @@ fn session(folder: &TempDir, allowed: Vec<&'static str>) -> Session {
             frame: 0,
             watching: Watching::Events,
             finish: false,
+            cache: DEFAULT_CACHE,
         },
         |_| {},
     )
@@ -112,6 +113,43 @@ fn until(browser: &Browser, expression: &str) {
         assert!(start.elapsed() < AT_MOST, "{expression}\n{}", browser.evaluate("document.body.innerText"));
         sleep(Duration::from_millis(10));
     }
+}
+
+#[test]
+fn kept_frames_play_at_full_rate() {
+    let preview = Preview::of(&SCENE.replace("fps: 10, duration: 2", "fps: 24, duration: 2"));
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "state !== null && state.cached.ranges.length === 1 && state.cached.ranges[0][1] === 47");
+    let bar = browser.evaluate("getComputedStyle(at('kept')).backgroundImage + at('kept').title");
+    assert!(bar.as_str().unwrap().contains("48 of 48 frames are finished"), "{bar}");
+    // Every picture that is displayed during two rounds.
+    browser.evaluate(
+        "(window.seen = [], window.real = display, display = (image, picture) => {
+            if (playing) seen.push([performance.now(), picture.frame, picture.full, image.naturalWidth]);
+            real(image, picture);
+        }, true)",
+    );
+    browser.press(' ');
+    until(&browser, "seen.length >= 97");
+    browser.press(' ');
+    let seen = browser.evaluate("seen.slice(1, 97)");
+    let seen: Vec<(f64, u32, bool, u32)> = serde_json::from_value(seen).unwrap();
+    assert!(seen.iter().all(|(_, _, full, width)| *full && *width == 160));
+    let steps = seen.windows(2).filter(|pair| (pair[0].1 + 1) % 48 == pair[1].1).count();
+    // A busy machine may drop frames, but not most of them.
+    assert!(steps > 47, "{seen:?}");
+    until(&browser, "playing === null && shown.full && shown.frame === view.frame && requested === null");
+
+    // An edit of the second half keeps the first.
+    let edited = "(1, (0, 0.25, 0)), (2, (0, 1, 0))";
+    let text =
+        SCENE.replace("fps: 10, duration: 2", "fps: 24, duration: 2").replace("(2, (0, 0.5, 0))", edited);
+    preview.save(&text);
+    until(
+        &browser,
+        "state.reloads === 2 && state.cached.ranges.length === 1 && state.cached.ranges[0][1] === 47",
+    );
+    assert_eq!(browser.console(), json!([]));
 }
 
 #[test]
@@ -308,6 +346,7 @@ fn another_scene_begins_with_its_own_frame() {
         frame: 5,
         watching: Watching::Events,
         finish: false,
+        cache: DEFAULT_CACHE,
     };
     preview.session = Session::start(settings, |_| {});
     preview.server = Some(Server::start(preview.port, preview.session.handle()).unwrap());

@@ -6,6 +6,7 @@
 
 use std::time::Duration;
 
+mod cache;
 mod command;
 mod drafts;
 mod editors;

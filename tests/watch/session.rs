@@ -48,6 +48,11 @@ impl Stage {
 
     /// Starts a session, which renders a full picture after every edit if `finish` is set.
     pub(crate) fn with(text: Option<&str>, finish: bool) -> Self {
+        Self::caching(text, finish, 0)
+    }
+
+    /// Starts a session that keeps finished frames of up to `cache` bytes.
+    pub(crate) fn caching(text: Option<&str>, finish: bool, cache: usize) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ball.ron");
         if let Some(text) = text {
@@ -62,6 +67,7 @@ impl Stage {
             frame: 0,
             watching: Watching::Events,
             finish,
+            cache,
         };
         let session = Session::start(settings, move |event| {
             let _ = sender.send(event);

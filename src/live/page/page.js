@@ -20,7 +20,7 @@ let shown = null;      // the picture on the screen
 let loading = null;    // the picture that is being fetched
 let compared = null;   // the picture from before the edit that is loaded
 let requested = null;  // the requested frame that has not arrived yet
-let playing = null;    // { since, from }
+let playing = null;    // { since, from, local }: local while finished frames are shown without the session
 
 const post = (path, body) => fetch(path, { method: "POST", body: JSON.stringify(body) });
 // Requests are sent one after the other, so that the last one takes effect.
@@ -99,6 +99,7 @@ function draw() {
   at("scene").title = state.scene;
   drawStatus();
   drawTransport();
+  drawKept();
   drawComparison();
   drawMistakes(wrong);
   drawWarnings(wrong);

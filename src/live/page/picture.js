@@ -7,6 +7,7 @@ async function fetchPicture() {
   const { picture, session } = state;
   // Hidden pages leave the connections and the time to visible ones.
   if (!picture || document.hidden || loading !== null || (shown && shown.id === picture.id)) return;
+  if (playing?.local) { arrive(picture.frame); return; }
   loading = picture.id;
   const image = new Image();
   image.fetchPriority = "high";
@@ -16,19 +17,24 @@ async function fetchPicture() {
   if (session !== state.session) return;
   loading = null;
   arrive(picture.frame);
-  if (good && !(shown && shown.id > picture.id)) {
-    Object.assign(image, { id: "now", draggable: false, alt: `Frame ${picture.frame}` });
-    at("now").replaceWith(image);
-    // For measurements; only the latest pictures, because playback has many.
-    if (playing || !shown || shown.reloads !== picture.reloads) performance.clearMarks("picture");
-    performance.mark("picture", { detail: picture });
-    shown = picture;
-    layout();
+  if (good && !(shown && shown.id > picture.id) && !playing?.local) {
+    display(image, picture);
     if (!picture.coarse && view.spot) probe(view.spot);
   }
   follow();
   draw();
   if (state.picture && state.picture.id !== picture.id) fetchPicture();
+}
+
+function display(image, picture) {
+  Object.assign(image, { id: "now", draggable: false, alt: `Frame ${picture.frame}` });
+  at("now").replaceWith(image);
+  // For measurements; only the latest pictures, because playback has many.
+  if (playing || !shown || shown.reloads !== picture.reloads) performance.clearMarks("picture");
+  performance.mark("picture", { detail: picture });
+  const resized = !shown || String(shown.film) !== String(picture.film) || shown.full !== picture.full;
+  shown = picture;
+  if (resized) layout();
 }
 
 // Width and height of the film of the picture.

@@ -32,7 +32,7 @@ function arrive(frame) {
 function play() {
   if (!state || state.frames < 2) return;
   const from = view.frame >= state.frames - 1 ? 0 : view.frame;
-  playing = { since: performance.now(), from };
+  playing = { since: performance.now(), from, local: false };
   draw();
   requestAnimationFrame(advance);
 }
@@ -40,6 +40,7 @@ function play() {
 function pause() {
   if (!playing) return;
   playing = null;
+  ahead.clear();
   // The frame at which playback stops gets a full picture.
   requested = null;
   seek(view.frame);
@@ -53,7 +54,11 @@ function advance(now) {
     if (!view.loop) { view.frame = state.frames - 1; pause(); return; }
     frame %= state.frames;
   }
-  if (frame !== view.frame && requested === null) seek(frame);
+  decodeAhead(frame);
+  if (frame !== view.frame) {
+    playing.local = showDecoded(frame);
+    if (!playing.local && requested === null) seek(frame);
+  }
   requestAnimationFrame(advance);
 }
 
@@ -61,7 +66,7 @@ function advance(now) {
 function setSpeed(speed) {
   view.speed = speed;
   keep();
-  if (playing) playing = { since: performance.now(), from: view.frame };
+  if (playing) playing = { ...playing, since: performance.now(), from: view.frame };
   draw();
 }
 
