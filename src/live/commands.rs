@@ -7,7 +7,9 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::camera_view::CameraView;
 use super::pixel_info::PixelInfo;
+use crate::scene::WrittenValue;
 
 /// A command to a session.
 #[derive(Debug)]
@@ -17,7 +19,13 @@ pub enum SessionCommand {
     /// Changes the view.
     ViewChange(ViewChange),
     /// Describes a pixel of the film, given by column and row.
-    Probe((u32, u32), ProbeReply),
+    Probe((u32, u32), Reply<Option<PixelInfo>>),
+    /// Changes values of the scene.
+    Edit(SceneEdit, Reply<Result<(), String>>),
+    /// Lists the values in a part of the scene, given by its path.
+    Values(String, Reply<Vec<WrittenValue>>),
+    /// Describes the camera of the current frame.
+    Camera(Reply<Option<CameraView>>),
     /// Ends the session.
     Stop,
 }
@@ -55,12 +63,26 @@ pub enum Detail {
     Half,
 }
 
-/// A callback that receives the result of a probe.
-pub struct ProbeReply(pub Box<dyn FnOnce(Option<PixelInfo>) + Send>);
+/// A change of values of the scene.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SceneEdit {
+    /// Overrides values, as in `camera.fov=40`, and leaves the files as they are. Values that are already overridden keep their override.
+    Try(Vec<String>),
+    /// Writes the overriding values into the files.
+    Keep,
+    /// Ends the overrides.
+    Drop,
+    /// Takes back the last change of the files.
+    Undo,
+}
 
-impl fmt::Debug for ProbeReply {
+/// A callback that receives the result of a command.
+pub struct Reply<T>(pub Box<dyn FnOnce(T) + Send>);
+
+impl<T> fmt::Debug for Reply<T> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("ProbeReply")
+        formatter.write_str("Reply")
     }
 }
 

@@ -14,8 +14,10 @@
 //! | `worker` | reading of the files, and the choice of the next job |
 //! | `renderer` | the engine; coarse pictures, the requested one, and the full one |
 //! | `progressive` | levels and times of the pictures before and during a picture that takes long |
+//! | `jobs` | the kinds of work, and their results |
 //! | `cache` | finished pictures, for playback and for edits that are undone |
 //! | `measure`, `pixel_info` | costs of effects, the error curve, and single pixels |
+//! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
 //! | `warnings` | warnings about the scene and its full pictures |
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
 //! | `server`, `page` | the HTTP server for browsers on the same machine, and its page |
@@ -25,7 +27,10 @@
 //! needed.
 
 mod cache;
+mod camera_view;
 mod commands;
+mod edits;
+mod jobs;
 mod measure;
 mod pixel_info;
 mod progressive;
@@ -48,7 +53,9 @@ pub use watcher::{QUIET_PERIOD, Watcher, Watching};
 // Used by the server and by tests; not part of the public API.
 #[doc(hidden)]
 pub use {
-    commands::{Detail, ProbeReply, SessionCommand, ViewChange},
+    camera_view::CameraView,
+    commands::{Detail, Reply, SceneEdit, SessionCommand, ViewChange},
+    edits::EditState,
     pixel_info::{PixelInfo, SurfaceInfo},
     publish::Picture,
     state::{CachedFrames, Planned, State},

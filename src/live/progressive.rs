@@ -6,7 +6,9 @@
 //!
 //! The requested picture is visited while it is rendered. A visit records its speed and, now and then, shows it as it is.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::components::{FilmSettings, Quality};
@@ -283,6 +285,43 @@ impl RefreshTimer {
 
 fn whole_milliseconds(time: Duration) -> u64 {
     u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}
+
+/// Runs `work`, which `interrupt` ends. The deadline counts from the first call of the function passed to `work`; when it passes,
+/// `interrupt` becomes true without a command, and stays so until commands are taken. Returns the result, and whether the deadline passed.
+pub(super) fn with_deadline<T>(
+    interrupt: &AtomicBool,
+    deadline: Option<Duration>,
+    work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
+) -> (T, bool) {
+    let Some(deadline) = deadline else { return (work(&|| ()), false) };
+    let (started, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
+    let result = thread::scope(|scope| {
+        let clock = scope.spawn(|| {
+            while !done.load(Ordering::Acquire) {
+                let Some(started) = started.get() else {
+                    thread::park();
+                    continue;
+                };
+                let rest = deadline.saturating_sub(Instant::elapsed(started));
+                if rest.is_zero() {
+                    late.store(true, Ordering::Relaxed);
+                    interrupt.store(true, Ordering::Relaxed);
+                    return;
+                }
+                thread::park_timeout(rest);
+            }
+        });
+        let result = work(&|| {
+            if started.set(Instant::now()).is_ok() {
+                clock.thread().unpark();
+            }
+        });
+        done.store(true, Ordering::Release);
+        clock.thread().unpark();
+        result
+    });
+    (result, late.into_inner())
 }
 
 /// Returns the finished fraction of an unfinished picture, at most 0.99. With adaptive sampling, the remaining work is unknown until the

@@ -1,18 +1,19 @@
 //! Rendering of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
 
-use std::ops::ControlFlow::{self, Break, Continue};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
-use std::thread;
+use std::ops::ControlFlow::{Break, Continue};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use super::cache::FrameKey;
+use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail};
+use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob, render, settings_of};
 use super::measure;
 use super::pixel_info::PixelInfo;
 use super::progressive::{
     Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RefreshTimer, RequestedPicture, Timings,
-    share_of_unfinished,
+    share_of_unfinished, with_deadline,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
@@ -32,60 +33,6 @@ const MIN_SLICE: Duration = Duration::from_millis(20);
 const CACHE_REPORT_INTERVAL: Duration = Duration::from_millis(100);
 /// Maximum time of a curve point other than the scene's own, in milliseconds, so that the curve of a slow frame ends.
 const LONGEST_POINT: f64 = 2000.0;
-
-/// A piece of work. All pictures are of the current frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum PreviewJob {
-    /// The finished picture, if it is in the cache.
-    Cached(Occasion),
-    /// A coarse picture.
-    Preview(PreviewLevel, LevelRole),
-    /// The requested picture, or the full one.
-    Picture {
-        detail: Detail,
-        /// True if a full picture follows.
-        precedes_full: bool,
-    },
-    /// A measurement of the cost of the effect with this index or, after all effects, of a point of the error curve.
-    Measurement(usize),
-}
-
-/// The reason why a frame is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Occasion {
-    /// The scene has changed, or is new.
-    Edit,
-    /// The frame or the quality is requested.
-    Request,
-    /// Playback has reached the frame.
-    Playback,
-}
-
-/// The role of a coarse picture among the pictures of its frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LevelRole {
-    /// The first picture, which cannot wait.
-    First,
-    /// A picture between the first and the requested one.
-    Between,
-    /// The only picture of its frame during playback.
-    Playback,
-}
-
-/// The result of a job.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum JobOutcome {
-    /// The result is published.
-    Done,
-    /// The result is published, or could not be, and no job follows.
-    Ended,
-    /// A command interrupted the job, which can be continued.
-    Interrupted,
-    /// A coarse picture should come first.
-    Needs(PreviewLevel, LevelRole),
-    /// The cache has no picture of the frame.
-    NotCached(Occasion),
-}
 
 /// A picture while it is being rendered.
 struct RenderInProgress {
@@ -253,6 +200,13 @@ impl Renderer {
     /// Returns whether the current frame is shown by a finished picture from the cache, which has no film.
     pub(super) fn shows_cached_picture(&self) -> bool {
         self.publisher.latest().is_some_and(|(_, film)| film.is_none())
+    }
+
+    /// Describes the camera of the current frame. `None` before a scene is read, and for a camera that cannot be moved.
+    pub(super) fn camera(&mut self) -> Result<Option<CameraView>, EngineError> {
+        let state = self.publisher.published().state();
+        let time = self.engine.timeline().time_of(state.frame);
+        if state.reloads == 0 { Ok(None) } else { CameraView::of(&mut self.engine, time) }
     }
 
     /// Runs a job until it is finished or a command interrupts it.
@@ -637,73 +591,4 @@ impl Renderer {
         let report = if is_last { self.engine.report() } else { self.engine.plan(request)? };
         Ok(report.plan.as_ref().map(Planned::all).unwrap_or_default())
     }
-}
-
-/// Renders a frame until it is finished or stopped; see [`Engine::render`].
-fn render(
-    engine: &mut Engine,
-    frame: u32,
-    detail: Detail,
-    job: &mut Option<RenderJob>,
-    signals: Signals<'_>,
-    visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
-) -> Result<Option<Film>, EngineError> {
-    let time = engine.timeline().time_of(frame);
-    let request = RenderRequest {
-        settings: settings_of(engine, detail),
-        fingerprint: false,
-        signals,
-        on_pause: Some(visit),
-        resume: Some(job),
-        ..RenderRequest::at(time)
-    };
-    Ok(unless_cancelled(engine.render(request))?.map(|image| image.film))
-}
-
-/// Returns the settings of pictures of a quality; `None` for those of the engine.
-fn settings_of(engine: &Engine, detail: Detail) -> Option<RenderSettings> {
-    let draft =
-        |divisor| RenderSettings::draft(engine.effective_settings().film, divisor).or(engine.settings);
-    match detail {
-        Detail::Full => None,
-        Detail::Draft => Some(draft(1)),
-        Detail::Half => Some(draft(2)),
-    }
-}
-
-/// Runs `work`, which `interrupt` ends. The deadline counts from the first call of the function passed to `work`; when it passes,
-/// `interrupt` becomes true without a command, and stays so until commands are taken. Returns the result, and whether the deadline passed.
-fn with_deadline<T>(
-    interrupt: &AtomicBool,
-    deadline: Option<Duration>,
-    work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
-) -> (T, bool) {
-    let Some(deadline) = deadline else { return (work(&|| ()), false) };
-    let (started, done, late) = (OnceLock::new(), AtomicBool::new(false), AtomicBool::new(false));
-    let result = thread::scope(|scope| {
-        let clock = scope.spawn(|| {
-            while !done.load(Ordering::Acquire) {
-                let Some(started) = started.get() else {
-                    thread::park();
-                    continue;
-                };
-                let rest = deadline.saturating_sub(Instant::elapsed(started));
-                if rest.is_zero() {
-                    late.store(true, Ordering::Relaxed);
-                    interrupt.store(true, Ordering::Relaxed);
-                    return;
-                }
-                thread::park_timeout(rest);
-            }
-        });
-        let result = work(&|| {
-            if started.set(Instant::now()).is_ok() {
-                clock.thread().unpark();
-            }
-        });
-        done.store(true, Ordering::Release);
-        clock.thread().unpark();
-        result
-    });
-    (result, late.into_inner())
 }

@@ -7,6 +7,9 @@
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
 //! | `GET /frame/1795/2/240` | the finished picture of frame 240 of generation 2 of session 1795, as PNG, if it is kept |
 //! | `POST /view` | changes the view according to a [`ViewChange`], as JSON |
+//! | `POST /edit` | changes values of the scene according to a [`SceneEdit`], as JSON; 409 and the reason if that is not possible |
+//! | `POST /values` | the values in the part of the scene at a path, such as `"entities.ball"`, as JSON |
+//! | `POST /camera` | the camera of the current frame, or null, as JSON |
 //! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
 //!
 //! A page of another origin can make a browser send requests to this server. It can hide neither its origin (`Origin`, `Sec-Fetch-Site`)
@@ -41,11 +44,11 @@ use tokio::runtime::Builder;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
 
-use super::commands::{ProbeReply, SessionCommand, ViewChange};
+use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 10] = [
+const FILES: [(&str, &str, &str); 11] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
@@ -54,6 +57,7 @@ const FILES: [(&str, &str, &str); 10] = [
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
+    ("/edit.js", SCRIPT, include_str!("page/edit.js")),
     ("/input.js", SCRIPT, include_str!("page/input.js")),
     ("/stream.js", SCRIPT, include_str!("page/stream.js")),
 ];
@@ -169,6 +173,9 @@ fn router(shared: ServerState) -> Router {
         .route("/frame/{session}/{generation}/{frame}", get(frame))
         .route("/view", post(view))
         .route("/probe", post(probe))
+        .route("/edit", post(edit))
+        .route("/values", post(values))
+        .route("/camera", post(camera))
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
         .with_state(shared)
 }
@@ -279,15 +286,44 @@ async fn probe(State(shared): State<ServerState>, body: Bytes) -> Response {
         Ok(pixel) => pixel,
         Err(error) => return refused(&error),
     };
-    let (sender, reply) = oneshot::channel();
-    let send = move |info| {
-        let _ = sender.send(info);
+    answer(&shared, |reply| SessionCommand::Probe(pixel, reply), |info| json(&info)).await
+}
+
+async fn edit(State(shared): State<ServerState>, body: Bytes) -> Response {
+    let edit = match serde_json::from_slice::<SceneEdit>(&body) {
+        Ok(edit) => edit,
+        Err(error) => return refused(&error),
     };
-    shared.session.send(SessionCommand::Probe(pixel, ProbeReply(Box::new(send))));
-    match reply.await {
-        Ok(info) => json(&info),
-        Err(_) => StatusCode::SERVICE_UNAVAILABLE.into_response(),
+    let respond = |edited: Result<(), String>| match edited {
+        Ok(()) => StatusCode::NO_CONTENT.into_response(),
+        Err(why) => (StatusCode::CONFLICT, why).into_response(),
+    };
+    answer(&shared, |reply| SessionCommand::Edit(edit, reply), respond).await
+}
+
+async fn values(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<String>(&body) {
+        Ok(path) => answer(&shared, |reply| SessionCommand::Values(path, reply), |list| json(&list)).await,
+        Err(error) => refused(&error),
     }
+}
+
+async fn camera(State(shared): State<ServerState>) -> Response {
+    answer(&shared, SessionCommand::Camera, |camera| json(&camera)).await
+}
+
+/// Sends a command to the session, and responds with its result.
+async fn answer<T: Send + 'static>(
+    shared: &ServerState,
+    command: impl FnOnce(Reply<T>) -> SessionCommand,
+    respond: impl FnOnce(T) -> Response,
+) -> Response {
+    let (sender, reply) = oneshot::channel();
+    let send = move |result| {
+        let _ = sender.send(result);
+    };
+    shared.session.send(command(Reply(Box::new(send))));
+    reply.await.map_or_else(|_| StatusCode::SERVICE_UNAVAILABLE.into_response(), respond)
 }
 
 fn json(value: &impl serde::Serialize) -> Response {

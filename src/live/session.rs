@@ -15,7 +15,7 @@ use super::state::State;
 use super::watcher::{Watcher, Watching};
 use super::worker::{SceneFiles, Worker};
 use crate::engine::Engine;
-use crate::scene::{Override, Reader};
+use crate::scene::Override;
 use crate::systems::EffectSet;
 
 /// The settings of a session.
@@ -77,7 +77,7 @@ impl Session {
                     settings;
                 let queue = Arc::clone(&commands);
                 let watcher = Watcher::start(watching, move || queue.send(SessionCommand::Reload));
-                let files = SceneFiles::new(scene, Reader::overriding(overrides), watcher);
+                let files = SceneFiles::new(scene, overrides, watcher);
                 let nothing = Engine::new(World::new());
                 let renderer = Renderer::new(nothing, without, allowed, Arc::clone(&commands), publisher);
                 Worker::new(Some(files), renderer, commands, published, frame, finish)

@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::commands::Detail;
+use super::edits::EditState;
 use super::warnings::PictureWarnings;
 use crate::engine::{EngineError, FrameReport};
 use crate::scene::{LoadError, ScriptMistake, SourcePosition};
@@ -33,6 +34,8 @@ pub struct State {
     pub picture: Option<PictureInfo>,
     /// The last picture before the last edit; a picture that is not coarse, if there is one.
     pub before: Option<PictureInfo>,
+    /// The values that are changed by hand.
+    pub edits: EditState,
     /// The frames whose finished pictures are kept.
     pub cached: CachedFrames,
     /// True while a better picture is being rendered.

@@ -5,13 +5,17 @@ use std::slice;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
-use super::commands::{CommandQueue, Detail, ProbeReply, SessionCommand, ViewChange};
+use super::camera_view::CameraView;
+use super::commands::{CommandQueue, Detail, Reply, SceneEdit, SessionCommand, ViewChange};
+use super::edits::{EditState, Edits};
+use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
+use super::pixel_info::PixelInfo;
 use super::publish::{Event, Published};
-use super::renderer::{JobOutcome, LevelRole, Occasion, PreviewJob, Renderer};
+use super::renderer::Renderer;
 use super::state::{Mistakes, Times};
 use super::watcher::{Stamp, Watcher};
 use crate::engine::EngineError;
-use crate::scene::{LoadError, Reader, Scene, Sources};
+use crate::scene::{LoadError, Override, Reader, Scene, Sources, WrittenValue, written_value};
 
 /// Time for which files must be unchanged before mistakes in them are reported. Slow writers leave files incomplete for a while: with 30 ms,
 /// 275 saves in place in 5 s gave "the file is empty" twice.
@@ -88,6 +92,7 @@ impl Worker {
     }
 
     pub(super) fn run(mut self) {
+        self.publish_edits(None);
         if self.files.is_some() {
             self.reload();
         } else {
@@ -98,9 +103,15 @@ impl Worker {
             let mut reload = false;
             for command in self.commands.take(self.wait_until()) {
                 match command {
-                    SessionCommand::Reload => reload = true,
+                    SessionCommand::Reload => {
+                        self.yield_to_files();
+                        reload = true;
+                    }
                     SessionCommand::ViewChange(view) => self.view(view),
                     SessionCommand::Probe(pixel, reply) => self.probe(pixel, reply),
+                    SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(edit)),
+                    SessionCommand::Values(path, Reply(reply)) => reply(self.values(&path)),
+                    SessionCommand::Camera(Reply(reply)) => reply(self.camera()),
                     SessionCommand::Stop => return,
                 }
             }
@@ -201,7 +212,89 @@ impl Worker {
         };
     }
 
-    fn probe(&mut self, pixel: (u32, u32), ProbeReply(reply): ProbeReply) {
+    /// Changes values of the scene. Returns the reason why that is not possible.
+    fn edit(&mut self, edit: SceneEdit) -> Result<(), String> {
+        let Some(files) = &mut self.files else {
+            return Err("this world is built by a program: its values are changed there".to_owned());
+        };
+        let before = match edit {
+            SceneEdit::Try(values) => {
+                let values = values.iter().map(|value| value.parse::<Override>());
+                let values = values.collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
+                Some(files.edits.try_values(values, &files.paths))
+            }
+            SceneEdit::Drop => {
+                files.edits.drop_tried();
+                None
+            }
+            SceneEdit::Keep => {
+                files.edits.keep(&files.paths).map_err(|error| error.to_string())?;
+                None
+            }
+            SceneEdit::Undo => {
+                files.edits.drop_tried();
+                let undone = files.edits.undo().map_err(|error| error.to_string());
+                self.publish_edits(None);
+                undone?;
+                None
+            }
+        };
+        let refused = self.reload_edited();
+        if let (Some(before), Some(files), Err(_)) = (before, &mut self.files, &refused) {
+            files.edits.restore(before);
+            let _ = self.reload_edited();
+        }
+        self.publish_edits(None);
+        refused
+    }
+
+    /// Reads the files with the current overrides. Returns the mistakes.
+    fn reload_edited(&mut self) -> Result<(), String> {
+        if let Some(files) = &mut self.files {
+            files.reader.set_overrides(files.edits.overrides());
+        }
+        self.reload();
+        self.failure().map_or(Ok(()), |failure| Err(failure.error.render(false)))
+    }
+
+    /// Ends overrides of values that a program has changed in the files.
+    fn yield_to_files(&mut self) {
+        let Some(files) = &mut self.files else { return };
+        if files.edits.yield_to(&files.paths) {
+            files.reader.set_overrides(files.edits.overrides());
+            let notice = "the file was changed meanwhile: what is written there is shown".to_owned();
+            self.publish_edits(Some(notice));
+        }
+    }
+
+    fn publish_edits(&self, notice: Option<String>) {
+        let edits = self.files.as_ref().map_or_else(EditState::default, |files| files.edits.state(notice));
+        self.published.update(|state| state.edits = edits);
+    }
+
+    /// Returns the values in a part of the scene. The path is one of an override, without its value.
+    fn values(&self, path: &str) -> Vec<WrittenValue> {
+        let path = format!("{path}=0").parse::<Override>();
+        let Some((files, path)) = self.files.as_ref().zip(path.ok()) else { return Vec::new() };
+        // The index of an unnamed entity counts those of all files.
+        let has_index = path.path().get(1).is_some_and(|step| step.parse::<usize>().is_ok());
+        if has_index && files.paths.len() > 1 {
+            Vec::new()
+        } else {
+            WrittenValue::all(path.path(), &files.paths)
+        }
+    }
+
+    /// Describes the camera of the current frame, with its path in the files. `None` if it cannot be moved.
+    fn camera(&mut self) -> Option<CameraView> {
+        let paths = &self.files.as_ref()?.paths;
+        let is_single = written_value(&["camera".to_owned()], paths).is_some();
+        let camera = self.renderer.camera().ok().flatten()?;
+        let path = if is_single { "camera".to_owned() } else { format!("cameras.\"{}\"", camera.path) };
+        Some(CameraView { path, ..camera })
+    }
+
+    fn probe(&mut self, pixel: (u32, u32), Reply(reply): Reply<Option<PixelInfo>>) {
         reply(self.renderer.probe(pixel).unwrap_or_else(|error| {
             self.fail(error);
             None
@@ -355,6 +448,9 @@ pub(super) struct SceneFiles {
     reader: Reader,
     watcher: Watcher,
     failure: Option<LoadFailure>,
+    edits: Edits,
+    /// The files of the last scene without mistakes.
+    paths: Vec<PathBuf>,
 }
 
 /// Mistakes that are not reported yet.
@@ -379,9 +475,10 @@ enum FailureAction {
 }
 
 impl SceneFiles {
-    pub(super) fn new(scene: PathBuf, reader: Reader, watcher: Watcher) -> Self {
+    pub(super) fn new(scene: PathBuf, overrides: Vec<Override>, watcher: Watcher) -> Self {
         watcher.follow(slice::from_ref(&scene), SystemTime::now());
-        Self { scene, reader, watcher, failure: None }
+        let reader = Reader::overriding(overrides.clone());
+        Self { scene, reader, watcher, failure: None, edits: Edits::new(overrides), paths: Vec::new() }
     }
 
     /// Reads the files. Returns their scene and the time taken in milliseconds, or keeps the mistakes to be reported later.
@@ -392,6 +489,7 @@ impl SceneFiles {
             Ok((scene, sources)) => {
                 let read = Times::milliseconds(start.elapsed());
                 self.watcher.follow(&scene.files, since);
+                self.paths.clone_from(&scene.files);
                 self.failure = None;
                 Some((scene, sources, read))
             }

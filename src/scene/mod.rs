@@ -58,7 +58,9 @@ pub use error::{Inclusion, InclusionKind, LoadError, Mistake};
 #[doc(hidden)]
 pub use escape::{Printable, is_printable};
 pub use load::{Scene, TEMPLATE};
-pub use overrides::{Override, OverrideError};
+pub use overrides::{
+    Override, OverrideError, TextChange, WriteBackError, WrittenKind, WrittenValue, written_value,
+};
 pub use owner::Owner;
 pub use reader::Reader;
 pub use script_sources::ScriptMistake;

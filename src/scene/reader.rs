@@ -49,6 +49,11 @@ impl Reader {
         Self { overrides, ..Self::default() }
     }
 
+    /// Applies other overrides from the next load on.
+    pub fn set_overrides(&mut self, overrides: Vec<Override>) {
+        self.overrides = overrides;
+    }
+
     /// Loads a scene file and its includes. Also returns the sources, for looking up locations.
     ///
     /// # Errors

@@ -92,6 +92,19 @@ impl Browser {
         self.ask_session(&format!("element/{element}/click"), &json!({}));
     }
 
+    /// Drags the middle of an element by some pixels to the right and down.
+    pub(crate) fn drag(&self, selector: &str, (right, down): (i32, i32)) {
+        let origin = json!({ "element-6066-11e4-a52e-4f735466cecf": self.element(selector) });
+        let to = |x: i32, y: i32| json!({ "type": "pointerMove", "duration": 50, "x": x, "y": y, "origin": origin });
+        let (press, release) =
+            (json!({ "type": "pointerDown", "button": 0 }), json!({ "type": "pointerUp", "button": 0 }));
+        // The view is asked for at the first movement, and follows the next ones.
+        let pause = json!({ "type": "pause", "duration": 200 });
+        let actions = [to(0, 0), press, to(right / 2, down / 2), pause, to(right, down), release];
+        let pointer = json!({ "type": "pointer", "id": "mouse", "parameters": { "pointerType": "mouse" }, "actions": actions });
+        self.ask_session("actions", &json!({ "actions": [pointer] }));
+    }
+
     /// Presses a key. Special keys are characters in WebDriver's private use area.
     pub(crate) fn press(&self, key: char) {
         let keys = json!([{ "type": "keyDown", "value": key }, { "type": "keyUp", "value": key }]);

@@ -153,6 +153,67 @@ fn kept_frames_play_at_full_rate() {
 }
 
 #[test]
+fn values_and_views_are_changed_by_hand() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    let file = || fs::read_to_string(preview.folder.path().join("ball.ron")).unwrap();
+    until(&browser, "shown !== null && shown.full");
+
+    // A drag turns the camera, and `Keep` writes the view.
+    browser.drag("#film", (60, 25));
+    until(
+        &browser,
+        "!at('unsaved').hidden && state.edits.tried.length === 2 && shown.full && shown.reloads > 1",
+    );
+    assert_eq!(file(), SCENE);
+    browser.click("#keep");
+    until(&browser, "at('unsaved').hidden && state.edits.undoable === 1 && shown.full");
+    let kept = file();
+    let position = kept.split("position: (").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
+    let position: Vec<f64> = position.split(", ").map(|number| number.parse().unwrap()).collect();
+    let distance = position.iter().map(|number| number * number).sum::<f64>().sqrt();
+    assert!((distance - 5.0).abs() < 1e-5 && position[0].abs() > 0.5 && position[1] > 0.2, "{position:?}");
+    assert_eq!(kept.split("target:").nth(1), SCENE.split("target:").nth(1));
+    assert_eq!(browser.evaluate("view.spot"), json!(null), "a drag is not a click");
+
+    // A click lists the values of the thing and of its material; sliders try them, and their release writes them.
+    browser.click("#film");
+    until(&browser, "document.querySelectorAll('#values .value').length >= 4");
+    let set = |label: &str, text: &str, event: &str| {
+        let found = format!(
+            "[...document.querySelectorAll('#values input')].find(input => input.getAttribute('aria-label').endsWith('{label}'))"
+        );
+        browser.evaluate(&format!("(() => {{ const input = {found}; input.value = '{text}'; input.dispatchEvent(new Event('{event}')); return true; }})()"));
+    };
+    set("shape.radius", "1.5", "input");
+    until(&browser, "state.edits.tried.length === 1 && shown.full");
+    assert_eq!(file(), kept);
+    set("shape.radius", "1.5", "change");
+    until(&browser, "state.edits.tried.length === 0 && state.edits.undoable === 2 && shown.full");
+    assert_eq!(file(), kept.replace("radius: 1)", "radius: 1.5)"));
+    until(&browser, "[...document.querySelectorAll('#values input')].some(input => input.type === 'color')");
+    set("color", "#00ff00", "input");
+    set("color", "#00ff00", "change");
+    until(&browser, "state.edits.undoable === 3 && shown.full && trying === null");
+    let colored = kept.replace("radius: 1)", "radius: 1.5)").replace("(255, 120, 60)", "(0, 255, 0)");
+    assert_eq!(file(), colored);
+
+    // Discarding leaves the file, and undoing restores it to the byte.
+    browser.drag("#film", (-40, 10));
+    until(&browser, "!at('unsaved').hidden && shown.full");
+    browser.click("#drop");
+    until(&browser, "at('unsaved').hidden");
+    assert_eq!(file(), colored);
+    for left in (0..3).rev() {
+        browser.click("#undo");
+        until(&browser, &format!("state.edits.undoable === {left} && shown.full"));
+    }
+    assert_eq!(file(), SCENE);
+    until(&browser, "at('undo').disabled");
+    assert_eq!(browser.console(), json!([]));
+}
+
+#[test]
 fn page_shows_scrubs_plays_and_recovers() {
     let mut preview = Preview::new();
     let Some(browser) = open(&preview) else { return };

@@ -13,6 +13,7 @@ mod scene_to_world;
 mod schema;
 #[path = "../random/splitmix.rs"]
 mod splitmix;
+mod write_back;
 
 use std::fs;
 use std::path::{Path, PathBuf};

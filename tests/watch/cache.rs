@@ -5,7 +5,7 @@ use std::sync::mpsc::channel;
 use std::time::Instant;
 
 use rayreel::Engine;
-use rayreel::live::{Detail, Event, Handle, ProbeReply, SessionCommand, State, ViewChange};
+use rayreel::live::{Detail, Event, Handle, Reply, SessionCommand, State, ViewChange};
 use rayreel::output::encode_quickly;
 
 use crate::AT_MOST;
@@ -107,7 +107,7 @@ fn kept_frames_are_shown_at_once_and_described_exactly() {
     let probe = || {
         let (sender, reply) = channel();
         let send = move |info| sender.send(info).unwrap();
-        stage.session().handle().send(SessionCommand::Probe((32, 18), ProbeReply(Box::new(send))));
+        stage.session().handle().send(SessionCommand::Probe((32, 18), Reply(Box::new(send))));
         reply.recv_timeout(AT_MOST).unwrap().unwrap()
     };
     probe();

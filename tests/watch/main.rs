@@ -10,6 +10,7 @@ mod cache;
 mod command;
 mod drafts;
 mod editors;
+mod edits;
 #[cfg(unix)]
 #[path = "../signals/ignored.rs"]
 mod ignored;

@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rayreel::live::{
-    Event, PixelInfo, ProbeReply, Session, SessionCommand, SessionSettings, Shown, ViewChange, Watching,
+    Event, PixelInfo, Reply, Session, SessionCommand, SessionSettings, Shown, ViewChange, Watching,
 };
 use rayreel::output::encode_quickly;
 use rayreel::scene::LoadError;
@@ -145,7 +145,7 @@ impl Stage {
     pub(crate) fn probe(&self, pixel: (u32, u32)) -> Option<PixelInfo> {
         let (sender, answer) = channel();
         let send = move |spot| sender.send(spot).unwrap();
-        self.session.handle().send(SessionCommand::Probe(pixel, ProbeReply(Box::new(send))));
+        self.session.handle().send(SessionCommand::Probe(pixel, Reply(Box::new(send))));
         answer.recv_timeout(AT_MOST).unwrap()
     }
 

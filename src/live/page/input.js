@@ -51,17 +51,19 @@ at("film").onpointerdown = event => {
 };
 at("film").onpointermove = event => { if (wiping) moveWipe(event); };
 at("film").onpointerup = at("film").onlostpointercapture = () => { wiping = false; };
-at("film").onclick = event => { if (!wiped && state && shown) probe(pixelOf(event)); wiped = false; };
+at("film").onclick = event => { if (!wiped && !moved && state && shown) probe(pixelOf(event)); wiped = moved = false; };
 
 const keys = {
   " ": toggle, ArrowLeft: event => step(event.shiftKey ? -10 : -1), ArrowRight: event => step(event.shiftKey ? 10 : 1),
   Home: () => step(-Infinity), End: () => step(Infinity), l: setLoop, "[": () => faster(-1), "]": () => faster(1),
   f: () => zoom(0), 1: () => zoom(1), "+": () => zoomBy(2), "=": () => zoomBy(2), "-": () => zoomBy(1 / 2),
-  w: setWipe, b: setSwap, ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: finish, m: measure, "?": () => at("keys").showModal(),
+  w: setWipe, b: setSwap, ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: finish, m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
 };
 const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 document.onkeydown = event => {
-  if (!state || event.ctrlKey || event.metaKey || at("keys").open) return;
+  if (!state || at("keys").open) return;
+  if ((event.ctrlKey || event.metaKey) && event.key === "z" && event.target.tagName !== "INPUT") { undo(); event.preventDefault(); }
+  if (event.ctrlKey || event.metaKey) return;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, tag = event.target.tagName;
   if (event.altKey) {
     if (!marks[key]) return;
@@ -70,7 +72,7 @@ document.onkeydown = event => {
     return;
   }
   // Lists, buttons and text fields handle their own keys.
-  if (tag === "SELECT" || (key === " " && ["BUTTON", "SUMMARY"].includes(tag)) || (tag === "PRE" && key.length > 1)) return;
+  if (tag === "SELECT" || (tag === "INPUT" && event.target.id !== "scrubber") || (key === " " && ["BUTTON", "SUMMARY"].includes(tag)) || (tag === "PRE" && key.length > 1)) return;
   if (!keys[key]) return;
   keys[key](event);
   event.preventDefault();

@@ -100,6 +100,7 @@ function draw() {
   drawStatus();
   drawTransport();
   drawKept();
+  drawEdits();
   drawComparison();
   drawMistakes(wrong);
   drawWarnings(wrong);

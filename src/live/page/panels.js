@@ -57,6 +57,7 @@ async function probe(pixel) {
   const parts = [element("h2", "Pixel"), table];
   if (spot && spot.all !== 1) parts.push(element("small", describeSamples(spot)));
   at("spot").replaceChildren(...parts);
+  drawValues(spot?.surface);
 }
 
 function drawMistakes(wrong) {

@@ -1,16 +1,21 @@
 //! Overrides of values in a scene's files: `camera.fov=40` changes a value without an edit of the file.
 //!
 //! A value is inserted into the text before parsing, so that it passes the same checks and produces the same error messages as the file.
-//! `set_value` finds its position in a file; `unplaced` finds the file.
+//! `set_value` finds its position in a file; `unplaced` finds the file. `write_back` puts values into the files themselves, and `written` lists
+//! those that are there.
 
 mod set_value;
 mod unplaced;
+mod write_back;
+mod written;
 
 use std::fmt;
 use std::str::FromStr;
 
 use super::spans::is_one_value;
 pub(super) use unplaced::Unplaced;
+pub use write_back::{TextChange, WriteBackError, written_value};
+pub use written::{WrittenKind, WrittenValue};
 
 /// An override of a value in the scene's files, identified by its path.
 ///

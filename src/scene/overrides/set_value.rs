@@ -55,8 +55,7 @@ pub(super) struct Edit {
     pub(super) text: String,
 }
 
-/// Returns the edit that puts the overriding value at its path in the text of a scene. Newlines of the replaced value are kept, so that the
-/// following text stays on its line. `None` for a text that is not a scene.
+/// Returns the edit that puts the overriding value at its path in the text of a scene. `None` for a text that is not a scene.
 pub(super) fn edit_for(text: &str, overriding: &Override) -> Result<Option<Edit>, PathError> {
     let Override { path, value } = overriding;
     if let Some(step) = path.first().filter(|step| ["extends", "without"].contains(&step.as_str())) {
@@ -85,9 +84,33 @@ pub(super) fn edit_for(text: &str, overriding: &Override) -> Result<Option<Edit>
             None => return Err(parts.unknown(text, &path[..=depth], kind)),
         };
     }
-    let lines = |text: &str| text.matches('\n').count();
-    let kept = "\n".repeat(lines(&text[place.clone()]).saturating_sub(lines(value)));
-    Ok(Some(Edit { range: place, text: [value.as_str(), &kept].concat() }))
+    Ok(Some(Edit { range: place, text: value.clone() }))
+}
+
+/// Returns the span of the value at a path in the text of a scene.
+pub(super) fn value_at(text: &str, path: &[String]) -> Option<Range<usize>> {
+    let mut place = root(text)..text.len();
+    for (depth, step) in path.iter().enumerate() {
+        place = bracket(text, place.start)?.find(text, step, depth == 1 && named_kind(path).is_some())?;
+    }
+    Some(place)
+}
+
+/// Returns whether a path has the index of an entity of a scene that extends another: the index then counts the entities of both.
+pub(super) fn counts_other_files(text: &str, path: &[String]) -> bool {
+    let has_index =
+        named_kind(path).is_some() && path.get(1).is_some_and(|step| step.parse::<usize>().is_ok());
+    let scene = || bracket(text, root(text));
+    has_index && scene().is_some_and(|scene| scene.find(text, "extends", false).is_some())
+}
+
+impl Edit {
+    /// Returns the edit with as many newlines as the replaced text of a scene, so that the following text stays on its line.
+    pub(super) fn on_its_lines(self, scene: &str) -> Self {
+        let lines = |text: &str| text.matches('\n').count();
+        let missing = lines(&scene[self.range.clone()]).saturating_sub(lines(&self.text));
+        Self { text: [self.text.as_str(), &"\n".repeat(missing)].concat(), ..self }
+    }
 }
 
 impl Bracket {
@@ -201,7 +224,8 @@ Scene( // a scene
 
     fn put(text: &str, overriding: &Override) -> Result<String, PathError> {
         let mut text = text.to_owned();
-        if let Some(Edit { range, text: with }) = edit_for(&text, overriding)? {
+        if let Some(edit) = edit_for(&text, overriding)? {
+            let Edit { range, text: with } = edit.on_its_lines(&text);
             text.replace_range(range, &with);
         }
         Ok(text)

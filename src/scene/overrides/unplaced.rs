@@ -28,7 +28,7 @@ impl Unplaced {
             }
             match edit_for(source.text(), value) {
                 Ok(edit) => {
-                    if let Some(Edit { range, text }) = edit {
+                    if let Some(Edit { range, text }) = edit.map(|edit| edit.on_its_lines(source.text())) {
                         source.replace(range, &text);
                     }
                     placed.push(value.to_string());

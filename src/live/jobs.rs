@@ -1,0 +1,95 @@
+//! The jobs of the renderer, their results, and the rendering of one picture.
+
+use std::ops::ControlFlow;
+
+use super::commands::Detail;
+use super::progressive::PreviewLevel;
+use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
+use crate::systems::RenderSettings;
+use crate::trace::{Film, RenderJob, Signals};
+
+/// A piece of work. All pictures are of the current frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum PreviewJob {
+    /// The finished picture, if it is in the cache.
+    Cached(Occasion),
+    /// A coarse picture.
+    Preview(PreviewLevel, LevelRole),
+    /// The requested picture, or the full one.
+    Picture {
+        detail: Detail,
+        /// True if a full picture follows.
+        precedes_full: bool,
+    },
+    /// A measurement of the cost of the effect with this index or, after all effects, of a point of the error curve.
+    Measurement(usize),
+}
+
+/// The reason why a frame is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Occasion {
+    /// The scene has changed, or is new.
+    Edit,
+    /// The frame or the quality is requested.
+    Request,
+    /// Playback has reached the frame.
+    Playback,
+}
+
+/// The role of a coarse picture among the pictures of its frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LevelRole {
+    /// The first picture, which cannot wait.
+    First,
+    /// A picture between the first and the requested one.
+    Between,
+    /// The only picture of its frame during playback.
+    Playback,
+}
+
+/// The result of a job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum JobOutcome {
+    /// The result is published.
+    Done,
+    /// The result is published, or could not be, and no job follows.
+    Ended,
+    /// A command interrupted the job, which can be continued.
+    Interrupted,
+    /// A coarse picture should come first.
+    Needs(PreviewLevel, LevelRole),
+    /// The cache has no picture of the frame.
+    NotCached(Occasion),
+}
+
+/// Renders a frame until it is finished or stopped; see [`Engine::render`].
+pub(super) fn render(
+    engine: &mut Engine,
+    frame: u32,
+    detail: Detail,
+    job: &mut Option<RenderJob>,
+    signals: Signals<'_>,
+    visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
+) -> Result<Option<Film>, EngineError> {
+    let time = engine.timeline().time_of(frame);
+    let request = RenderRequest {
+        settings: settings_of(engine, detail),
+        fingerprint: false,
+        signals,
+        on_pause: Some(visit),
+        resume: Some(job),
+        ..RenderRequest::at(time)
+    };
+    Ok(unless_cancelled(engine.render(request))?.map(|image| image.film))
+}
+
+/// Returns the settings of pictures of a quality; `None` for those of the engine.
+pub(super) fn settings_of(engine: &Engine, detail: Detail) -> Option<RenderSettings> {
+    let draft =
+        |divisor| RenderSettings::draft(engine.effective_settings().film, divisor).or(engine.settings);
+    match detail {
+        Detail::Full => None,
+        Detail::Draft => Some(draft(1)),
+        Detail::Half => Some(draft(2)),
+    }
+}

@@ -1,0 +1,151 @@
+//! The values that are written in a part of a scene, with what they may be.
+
+use std::fs;
+use std::ops::Range;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::Override;
+use super::set_value::{counts_other_files, value_at};
+use crate::scene::assist::describe;
+use crate::scene::format::{NumberLimits, SceneFormat, ValueForm};
+use crate::scene::spans::{BracketMember, bracket, literal_text};
+
+/// A value in the text of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WrittenValue {
+    /// The path, as an [`Override`] has it before its `=`.
+    pub path: String,
+    /// The text of the value.
+    pub text: String,
+    /// The kind of value.
+    pub kind: WrittenKind,
+    /// The meaning, unit, range and default, from the reference.
+    pub about: String,
+    /// The least valid number, if the value is a number with one.
+    pub least: Option<f64>,
+    /// The greatest valid number, if the value is a number with one.
+    pub most: Option<f64>,
+}
+
+/// The kind of a written value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WrittenKind {
+    /// A number.
+    Number,
+    /// A whole number.
+    Whole,
+    /// Two or three numbers in parentheses.
+    Vector,
+    /// An RGB colour from 0 to 255: three numbers in parentheses, or a string such as `"#ffcc00"`.
+    Color,
+    /// `true` or `false`.
+    Flag,
+}
+
+impl WrittenValue {
+    /// Returns the values in the part of the scene that a path leads to, in the order of the text, in the first file that has the path. Lists,
+    /// such as keys of tracks, words and names are left out.
+    #[must_use]
+    pub fn all(path: &[String], files: &[PathBuf]) -> Vec<Self> {
+        for file in files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "ron")) {
+            let Ok(text) = fs::read_to_string(file) else { continue };
+            if counts_other_files(&text, path) {
+                return Vec::new();
+            }
+            if let Some(span) = value_at(&text, path) {
+                let mut values = Vec::new();
+                collect(&text, span, path, &mut values);
+                return values;
+            }
+        }
+        Vec::new()
+    }
+}
+
+/// Adds the values in a span to a list.
+fn collect(text: &str, span: Range<usize>, path: &[String], values: &mut Vec<WrittenValue>) {
+    let Some(found) = bracket(text, span.start) else { return };
+    if found.opening != b'(' {
+        return;
+    }
+    for BracketMember { name, value } in found.members {
+        let Some(name) = name else { return };
+        let path = [path, &[text[name.clone()].to_owned()]].concat();
+        match kind(text, &text[name.clone()], &value) {
+            Some(kind) => values.push(written(text, &path, name, value, kind)),
+            None => collect(text, value, &path, values),
+        }
+    }
+}
+
+/// Returns the kind of a field's value; `None` for fields with other content.
+fn kind(text: &str, name: &str, span: &Range<usize>) -> Option<WrittenKind> {
+    let value = &text[span.clone()];
+    let is_color = name.contains("color");
+    if let Some(color) = literal_text(value) {
+        return (is_color && color.starts_with('#')).then_some(WrittenKind::Color);
+    }
+    if matches!(value, "true" | "false") {
+        return Some(WrittenKind::Flag);
+    }
+    let is_number = |value: &str| ron::from_str::<f64>(value).is_ok();
+    let Some(found) = bracket(text, span.start) else {
+        return is_number(value).then_some(WrittenKind::Number);
+    };
+    let is_vector = value.starts_with('(')
+        && matches!(found.members.len(), 2 | 3)
+        && found.members.iter().all(|member| member.name.is_none() && is_number(&text[member.value.clone()]));
+    is_vector.then_some(if is_color { WrittenKind::Color } else { WrittenKind::Vector })
+}
+
+fn written(
+    text: &str,
+    path: &[String],
+    name: Range<usize>,
+    value: Range<usize>,
+    kind: WrittenKind,
+) -> WrittenValue {
+    let described = describe(text, name.start);
+    let limits = described.as_ref().and_then(|described| limits(&described.title));
+    let kind = match (kind, &limits) {
+        (WrittenKind::Number, Some(FieldLimits { is_whole: true, .. })) => WrittenKind::Whole,
+        _ => kind,
+    };
+    let whole = Override { path: path.to_vec(), value: String::new() }.to_string();
+    WrittenValue {
+        path: whole.trim_end_matches('=').to_owned(),
+        text: text[value].to_owned(),
+        kind,
+        about: described.map(|described| described.about).unwrap_or_default(),
+        least: limits.as_ref().and_then(|limits| limits.least),
+        most: limits.as_ref().and_then(|limits| limits.most),
+    }
+}
+
+/// The ends of a field's range.
+struct FieldLimits {
+    least: Option<f64>,
+    most: Option<f64>,
+    is_whole: bool,
+}
+
+/// Returns the ends of the range of a field, which is given as in `k_d of Material`.
+fn limits(title: &str) -> Option<FieldLimits> {
+    let (name, of) = title.split_once(" of ")?;
+    let form = &SceneFormat::get().types.get(of)?.form;
+    let ValueForm::Fields(fields) = form else { return None };
+    match &fields.iter().find(|field| field.name == name)?.form {
+        ValueForm::Whole(least, most) => {
+            Some(FieldLimits { least: Some(*least as f64), most: Some(*most as f64), is_whole: true })
+        }
+        ValueForm::Number(NumberLimits { least, most, .. }) => Some(FieldLimits {
+            least: least.map(|end| end.value),
+            most: most.map(|end| end.value),
+            is_whole: false,
+        }),
+        _ => None,
+    }
+}

@@ -1,0 +1,182 @@
+//! Tests of values that are changed by hand: tried, written into the files, and taken back.
+
+use std::fs;
+use std::sync::mpsc::channel;
+use std::time::Instant;
+
+use rayreel::live::{EditState, Reply, SceneEdit, SessionCommand};
+use rayreel::scene::WrittenValue;
+
+use crate::AT_MOST;
+use crate::session::{Stage, scene};
+
+fn ask<T: Send + 'static>(stage: &Stage, command: impl FnOnce(Reply<T>) -> SessionCommand) -> T {
+    let (sender, reply) = channel();
+    let send = move |result| sender.send(result).unwrap();
+    stage.session().handle().send(command(Reply(Box::new(send))));
+    reply.recv_timeout(AT_MOST).unwrap()
+}
+
+fn edit(stage: &Stage, edit: SceneEdit) -> Result<(), String> {
+    ask(stage, |reply| SessionCommand::Edit(edit, reply))
+}
+
+fn attempt(stage: &Stage, values: &[&str]) -> Result<(), String> {
+    edit(stage, SceneEdit::Try(values.iter().map(|value| (*value).to_owned()).collect()))
+}
+
+fn values(stage: &Stage, path: &str) -> Vec<WrittenValue> {
+    ask(stage, |reply| SessionCommand::Values(path.to_owned(), reply))
+}
+
+fn edits(stage: &Stage) -> EditState {
+    stage.session().handle().state().edits
+}
+
+fn text(stage: &Stage) -> String {
+    fs::read_to_string(stage.path("ball.ron")).unwrap()
+}
+
+#[test]
+fn tried_values_are_shown_and_kept_ones_written() {
+    let before = scene(1.0, "// the end");
+    let stage = Stage::new(Some(&before));
+    let first = stage.matches_a_cold_start();
+    for radius in ["1.2", "1.4"] {
+        attempt(&stage, &[&format!("entities.ball.shape.radius={radius}")]).unwrap();
+    }
+    assert_eq!(edits(&stage).tried, ["entities.ball.shape.radius=1.4"]);
+    assert_eq!(text(&stage), before, "nothing is written");
+    attempt(&stage, &["camera.fov=30", "materials.clay.k_d=0.25"]).unwrap();
+    edit(&stage, SceneEdit::Keep).unwrap();
+    let edited = before
+        .replace("radius: 1.0", "radius: 1.4")
+        .replace("target: (0, 0, 0))", "target: (0, 0, 0), fov: 30)")
+        .replace("k_d: 0.5", "k_d: 0.25");
+    assert_eq!(text(&stage), edited);
+    assert_eq!((edits(&stage).tried.len(), edits(&stage).undoable), (0, 1));
+    let start = Instant::now();
+    while stage.matches_a_cold_start().info.reloads < 4 {
+        assert!(start.elapsed() < AT_MOST);
+    }
+    edit(&stage, SceneEdit::Undo).unwrap();
+    assert_eq!((text(&stage), edits(&stage).undoable), (before, 0));
+    let undone = stage.converges_to_a_cold_start();
+    assert!(undone.info.reloads > first.info.reloads);
+}
+
+#[test]
+fn invalid_values_are_refused_and_change_nothing() {
+    let before = scene(1.0, "");
+    let stage = Stage::new(Some(&before));
+    stage.matches_a_cold_start();
+    attempt(&stage, &["entities.ball.shape.radius=2"]).unwrap();
+    for (value, reason) in [
+        ("entities.ball.shape.radius=-1", "radius"),
+        ("entities.ball.shape.radius=(", "is not one value"),
+        ("entities.bal.shape.radius=1", "did you mean `ball`?"),
+        ("camera", "as in camera.fov=40"),
+    ] {
+        let error = attempt(&stage, &[value]).unwrap_err();
+        assert!(error.contains(reason), "{value}: {error}");
+        assert_eq!(edits(&stage).tried, ["entities.ball.shape.radius=2"], "{value}");
+        assert_eq!(stage.session().handle().state().mistakes, None, "{value}");
+    }
+    edit(&stage, SceneEdit::Drop).unwrap();
+    assert_eq!((edits(&stage).tried.len(), text(&stage)), (0, before));
+}
+
+#[test]
+fn file_that_changed_meanwhile_wins() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.matches_a_cold_start();
+    // Another value of the file: the try stays, and both are kept.
+    attempt(&stage, &["entities.ball.shape.radius=2"]).unwrap();
+    let dimmed = scene(1.0, "").replace("k_d: 0.5", "k_d: 0.1");
+    stage.save(&dimmed);
+    let waits = |what: &str, condition: &dyn Fn(&EditState) -> bool| {
+        let start = Instant::now();
+        while !condition(&edits(&stage)) {
+            assert!(start.elapsed() < AT_MOST, "{what}: {:?}", edits(&stage));
+        }
+    };
+    edit(&stage, SceneEdit::Keep).unwrap();
+    assert_eq!(text(&stage), dimmed.replace("radius: 1.0", "radius: 2"));
+    // The same value: the file stays.
+    attempt(&stage, &["entities.ball.shape.radius=3"]).unwrap();
+    let other = scene(0.5, "");
+    stage.save(&other);
+    waits("the override ends", &|state| state.tried.is_empty() && state.notice.is_some());
+    edit(&stage, SceneEdit::Keep).unwrap();
+    assert_eq!(text(&stage), other);
+    // What was written before the other program's change is not taken back over it.
+    let error = edit(&stage, SceneEdit::Undo).unwrap_err();
+    assert!(error.contains("was changed meanwhile: it stays as it is"), "{error}");
+    assert_eq!((text(&stage), edits(&stage).undoable), (other, 0));
+}
+
+#[test]
+fn cameras_that_can_be_moved_are_described() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.matches_a_cold_start();
+    let camera = || ask(&stage, SessionCommand::Camera);
+    let view = camera().unwrap();
+    assert_eq!((view.path.as_str(), view.position, view.target), ("camera", [0.0, 0.0, -5.0], [0.0; 3]));
+    assert!(!view.has_direction && !view.right_handed);
+    let save = |camera: &str, more: &str| {
+        let text = scene(1.0, "").replace("camera: (position: (0, 0, -5), target: (0, 0, 0))", camera);
+        stage.save(&text.replace("animate: [", &format!("animate: [{more}")));
+        stage.matches_a_cold_start();
+    };
+    // The pivot of a camera with a direction is the visible point in the middle.
+    save("cameras: {\"near 1.5\": (position: (0, 0, -4), view: (0, 0, 2))}, space: RightHanded", "");
+    let view = camera().unwrap();
+    assert_eq!((view.path.as_str(), view.target), ("cameras.\"near 1.5\"", [0.0, 0.0, -1.0]));
+    assert!(view.has_direction && view.right_handed);
+    save("camera: (position: (0, 0, -5), look_at: \"ball\")", "");
+    assert_eq!(camera(), None);
+    save(
+        "camera: (position: (0, 0, -5), target: (0, 0, 0))",
+        "(target: \"camera\", channel: Position, track: Keys([(0, (0, 0, -5)), (2, (0, 0, -6))])),",
+    );
+    assert_eq!(camera(), None);
+    // The path of a camera whose name has a dot.
+    save("cameras: {\"near 1.5\": (position: (0, 0, -4), view: (0, 0, 2))}", "");
+    attempt(&stage, &["cameras.\"near 1.5\".view=(0.1, 0, 2)"]).unwrap();
+    edit(&stage, SceneEdit::Keep).unwrap();
+    assert!(text(&stage).contains("position: (0, 0, -4), view: (0.1, 0, 2)"));
+}
+
+#[test]
+fn written_values_have_kinds_and_limits() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.matches_a_cold_start();
+    let listed = |path: &str| -> Vec<(String, String)> {
+        let shown = |value: &WrittenValue| {
+            let range = format!("{:?} {:?}..{:?}", value.kind, value.least, value.most);
+            (format!("{}={}", value.path, value.text), range)
+        };
+        values(&stage, path).iter().map(shown).collect()
+    };
+    let of = |text: &str, range: &str| (text.to_owned(), range.to_owned());
+    assert_eq!(
+        listed("materials.clay"),
+        [
+            of("materials.clay.k_a=1", "Number Some(0.0)..Some(1.0)"),
+            of("materials.clay.k_d=0.5", "Number Some(0.0)..Some(1.0)"),
+            of("materials.clay.color=(255, 120, 60)", "Color None..None"),
+        ]
+    );
+    assert_eq!(listed("entities.ball").len(), 1);
+    assert_eq!(
+        listed("camera"),
+        [
+            of("camera.position=(0, 0, -5)", "Vector None..None"),
+            of("camera.target=(0, 0, 0)", "Vector None..None")
+        ]
+    );
+    assert_eq!(listed("film")[0], of("film.width=64", "Whole Some(1.0)..Some(32768.0)"));
+    assert!(values(&stage, "entities.none").is_empty() && values(&stage, "..").is_empty());
+    let about = &values(&stage, "materials.clay")[1].about;
+    assert_eq!(about, "diffuse reflection coefficient, 0 to 1");
+}
