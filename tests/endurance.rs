@@ -56,6 +56,7 @@ fn long_sessions_do_not_leak_and_stay_correct() {
             watching: Watching::Events,
             finish: false,
             cache: DEFAULT_CACHE,
+            editor: None,
         },
         move |event| sender.send(event).unwrap(),
     );

@@ -45,6 +45,7 @@ fn main() {
         watching: Watching::Events,
         finish: false,
         cache: 0,
+        editor: None,
     };
     let session = Session::start(settings, |_| ());
     let server = Server::start(0, session.handle()).unwrap();

@@ -10,7 +10,7 @@ use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use rayreel::live::HostName;
+use rayreel::live::{EditorCommand, HostName};
 use rayreel::output::FrameNames;
 use rayreel::sequence::{RenderOrder, Shard};
 use rayreel::time::FrameList;
@@ -328,6 +328,9 @@ pub(super) struct WatchArguments {
     /// Keep finished frames of up to this size in all, in MiB, for playback and for edits that are undone; 0 keeps none [default: 512]
     #[arg(long, value_name = "MIB")]
     pub(super) cache: Option<u16>,
+    /// Open places in the files by this command when they are clicked, as 'code -g {file}:{line}:{column}'
+    #[arg(long, value_name = "COMMAND")]
+    pub(super) editor: Option<EditorCommand>,
     #[command(flatten)]
     pub(super) allowed: AllowArguments,
     #[command(flatten)]

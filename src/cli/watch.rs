@@ -39,6 +39,7 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         frame: arguments.frame.unwrap_or(0),
         watching: if arguments.poll { Watching::Polling } else { Watching::Events },
         finish: arguments.out.is_some(),
+        editor: arguments.editor.clone(),
         cache: arguments.cache.map_or(DEFAULT_CACHE, |mebibytes| usize::from(mebibytes) << 20),
     };
     let mut reported = 0;

@@ -24,6 +24,8 @@ pub enum SessionCommand {
     Edit(SceneEdit, Reply<Result<(), String>>),
     /// Lists the values in a part of the scene, given by its path.
     Values(String, Reply<Vec<WrittenValue>>),
+    /// Opens a file of the scene in an editor, at a place such as `ball.ron:12`.
+    Open(String, Reply<Result<(), String>>),
     /// Describes the camera of the current frame.
     Camera(Reply<Option<CameraView>>),
     /// Ends the session.

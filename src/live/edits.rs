@@ -25,6 +25,8 @@ pub(super) struct Edits {
 pub struct EditState {
     /// True if there are files to be edited.
     pub possible: bool,
+    /// True if an editor can be opened.
+    pub opens: bool,
     /// The overrides that are not written yet.
     pub tried: Vec<String>,
     /// Number of changes of the files that can be taken back.
@@ -46,6 +48,7 @@ impl Edits {
     pub(super) fn state(&self, notice: Option<String>) -> EditState {
         EditState {
             possible: true,
+            opens: false,
             tried: self.tried.iter().map(|(value, _)| value.to_string()).collect(),
             undoable: self.written.len(),
             notice,

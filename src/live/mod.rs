@@ -17,6 +17,7 @@
 //! | `jobs` | the kinds of work, and their results |
 //! | `cache` | finished pictures, for playback and for edits that are undone |
 //! | `measure`, `pixel_info` | costs of effects, the error curve, and single pixels |
+//! | `editor` | the command that opens a file in an editor |
 //! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
 //! | `warnings` | warnings about the scene and its full pictures |
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
@@ -29,6 +30,7 @@
 mod cache;
 mod camera_view;
 mod commands;
+mod editor;
 mod edits;
 mod jobs;
 mod measure;
@@ -43,6 +45,7 @@ mod warnings;
 mod watcher;
 mod worker;
 
+pub use editor::{EditorCommand, NoEditorCommand};
 pub use publish::{Event, Shown};
 pub use server::{HostName, NoHostName, Server};
 pub use session::{DEFAULT_CACHE, Handle, Session, SessionSettings};

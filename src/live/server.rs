@@ -10,6 +10,7 @@
 //! | `POST /edit` | changes values of the scene according to a [`SceneEdit`], as JSON; 409 and the reason if that is not possible |
 //! | `POST /values` | the values in the part of the scene at a path, such as `"entities.ball"`, as JSON |
 //! | `POST /camera` | the camera of the current frame, or null, as JSON |
+//! | `POST /open` | opens the editor at a place such as `"ball.ron:12"`, as JSON; 409 and the reason if that is not possible |
 //! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
 //!
 //! A page of another origin can make a browser send requests to this server. It can hide neither its origin (`Origin`, `Sec-Fetch-Site`)
@@ -176,6 +177,7 @@ fn router(shared: ServerState) -> Router {
         .route("/edit", post(edit))
         .route("/values", post(values))
         .route("/camera", post(camera))
+        .route("/open", post(open))
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
         .with_state(shared)
 }
@@ -290,15 +292,25 @@ async fn probe(State(shared): State<ServerState>, body: Bytes) -> Response {
 }
 
 async fn edit(State(shared): State<ServerState>, body: Bytes) -> Response {
-    let edit = match serde_json::from_slice::<SceneEdit>(&body) {
-        Ok(edit) => edit,
-        Err(error) => return refused(&error),
-    };
-    let respond = |edited: Result<(), String>| match edited {
+    match serde_json::from_slice::<SceneEdit>(&body) {
+        Ok(edit) => answer(&shared, |reply| SessionCommand::Edit(edit, reply), done).await,
+        Err(error) => refused(&error),
+    }
+}
+
+async fn open(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<String>(&body) {
+        Ok(place) => answer(&shared, |reply| SessionCommand::Open(place, reply), done).await,
+        Err(error) => refused(&error),
+    }
+}
+
+/// Responds with the reason why something could not be done, if there is one.
+fn done(result: Result<(), String>) -> Response {
+    match result {
         Ok(()) => StatusCode::NO_CONTENT.into_response(),
         Err(why) => (StatusCode::CONFLICT, why).into_response(),
-    };
-    answer(&shared, |reply| SessionCommand::Edit(edit, reply), respond).await
+    }
 }
 
 async fn values(State(shared): State<ServerState>, body: Bytes) -> Response {

@@ -9,6 +9,7 @@ use hecs::World;
 use tokio::sync::watch;
 
 use super::commands::{CommandQueue, SessionCommand};
+use super::editor::EditorCommand;
 use super::publish::{Event, Picture, Published, Publisher};
 use super::renderer::Renderer;
 use super::state::State;
@@ -39,6 +40,8 @@ pub struct SessionSettings {
     pub finish: bool,
     /// Maximum size in bytes of the finished pictures that are kept for playback and for edits that are undone; 0 keeps none.
     pub cache: usize,
+    /// Command that opens a file at a line, for links on the page. Without it, there are none.
+    pub editor: Option<EditorCommand>,
 }
 
 /// The default of [`SessionSettings::cache`]: 512 MiB. PNG files of 1280x720 pixels have 0.5 to 2 MB.
@@ -73,11 +76,20 @@ impl Session {
             settings.cache,
             emit,
             move |commands, published, publisher| {
-                let SessionSettings { scene, overrides, without, allowed, frame, watching, finish, .. } =
-                    settings;
+                let SessionSettings {
+                    scene,
+                    overrides,
+                    without,
+                    allowed,
+                    frame,
+                    watching,
+                    finish,
+                    editor,
+                    ..
+                } = settings;
                 let queue = Arc::clone(&commands);
                 let watcher = Watcher::start(watching, move || queue.send(SessionCommand::Reload));
-                let files = SceneFiles::new(scene, overrides, watcher);
+                let files = SceneFiles::new(scene, overrides, watcher, editor);
                 let nothing = Engine::new(World::new());
                 let renderer = Renderer::new(nothing, without, allowed, Arc::clone(&commands), publisher);
                 Worker::new(Some(files), renderer, commands, published, frame, finish)

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail, Reply, SceneEdit, SessionCommand, ViewChange};
+use super::editor::{EditorCommand, Place};
 use super::edits::{EditState, Edits};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
 use super::pixel_info::PixelInfo;
@@ -111,6 +112,7 @@ impl Worker {
                     SessionCommand::Probe(pixel, reply) => self.probe(pixel, reply),
                     SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(edit)),
                     SessionCommand::Values(path, Reply(reply)) => reply(self.values(&path)),
+                    SessionCommand::Open(place, Reply(reply)) => reply(self.open(&place)),
                     SessionCommand::Camera(Reply(reply)) => reply(self.camera()),
                     SessionCommand::Stop => return,
                 }
@@ -268,7 +270,9 @@ impl Worker {
     }
 
     fn publish_edits(&self, notice: Option<String>) {
-        let edits = self.files.as_ref().map_or_else(EditState::default, |files| files.edits.state(notice));
+        let state =
+            |files: &SceneFiles| EditState { opens: files.editor.is_some(), ..files.edits.state(notice) };
+        let edits = self.files.as_ref().map_or_else(EditState::default, state);
         self.published.update(|state| state.edits = edits);
     }
 
@@ -283,6 +287,20 @@ impl Worker {
         } else {
             WrittenValue::all(path.path(), &files.paths)
         }
+    }
+
+    /// Opens an editor at a place. Only files of the scene and the place of a mistake are opened.
+    fn open(&self, place: &str) -> Result<(), String> {
+        let files = self.files.as_ref().and_then(|files| Some((files, files.editor.as_ref()?)));
+        let Some((files, editor)) = files else { return Err("`--editor` names the editor".to_owned()) };
+        // The place of a particle has its frame in a data file, too.
+        let place = place.split(", ").next().unwrap_or_default();
+        let mistake = self.published.state().mistakes.and_then(|mistakes| mistakes.place);
+        let is_named = |path: &PathBuf| path.as_os_str() == Place::parse(place).file;
+        if mistake.as_deref() != Some(place) && !files.paths.iter().any(is_named) {
+            return Err(format!("`{place}` is not in a file of the scene"));
+        }
+        editor.open(&Place::parse(place))
     }
 
     /// Describes the camera of the current frame, with its path in the files. `None` if it cannot be moved.
@@ -451,6 +469,7 @@ pub(super) struct SceneFiles {
     edits: Edits,
     /// The files of the last scene without mistakes.
     paths: Vec<PathBuf>,
+    editor: Option<EditorCommand>,
 }
 
 /// Mistakes that are not reported yet.
@@ -475,10 +494,16 @@ enum FailureAction {
 }
 
 impl SceneFiles {
-    pub(super) fn new(scene: PathBuf, overrides: Vec<Override>, watcher: Watcher) -> Self {
+    pub(super) fn new(
+        scene: PathBuf,
+        overrides: Vec<Override>,
+        watcher: Watcher,
+        editor: Option<EditorCommand>,
+    ) -> Self {
         watcher.follow(slice::from_ref(&scene), SystemTime::now());
         let reader = Reader::overriding(overrides.clone());
-        Self { scene, reader, watcher, failure: None, edits: Edits::new(overrides), paths: Vec::new() }
+        let edits = Edits::new(overrides);
+        Self { scene, reader, watcher, failure: None, edits, paths: Vec::new(), editor }
     }
 
     /// Reads the files. Returns their scene and the time taken in milliseconds, or keeps the mistakes to be reported later.

@@ -90,6 +90,7 @@ fn session(folder: &TempDir, allowed: Vec<&'static str>) -> Session {
             watching: Watching::Events,
             finish: false,
             cache: DEFAULT_CACHE,
+            editor: None,
         },
         |_| {},
     )
@@ -408,6 +409,7 @@ fn another_scene_begins_with_its_own_frame() {
         watching: Watching::Events,
         finish: false,
         cache: DEFAULT_CACHE,
+        editor: None,
     };
     preview.session = Session::start(settings, |_| {});
     preview.server = Some(Server::start(preview.port, preview.session.handle()).unwrap());

@@ -178,3 +178,34 @@ fn invalid_ports_and_outputs_are_errors_at_start() {
     let stderr = refused(&folder, &["ball.ron", "--allow-host", "http://desk/"]);
     assert!(stderr.contains("http://desk/") && stderr.contains("localhost:9000"), "{stderr}");
 }
+
+#[cfg(unix)]
+#[test]
+fn editor_is_opened_at_places_of_the_scene_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("ball.ron"), scene(1.0, "")).unwrap();
+    let mut child =
+        watch(path, &["ball.ron", "--editor", "cp {file} {file}.{line}.{column}"]).spawn().unwrap();
+    let address = address(&mut child);
+    let open = |place: &str| {
+        let body = format!("{place:?}");
+        let mut stream = TcpStream::connect(&address).unwrap();
+        let head = format!("POST /open HTTP/1.1\r\nHost: {address}\r\nConnection: close");
+        write!(stream, "{head}\r\nContent-Length: {}\r\n\r\n{body}", body.len()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    };
+    until("the scene is read", || open("ball.ron:12:3").contains(" 204 "));
+    until("the editor has run", || path.join("ball.ron.12.3").exists());
+    for place in ["/etc/passwd:1", "../ball.ron:1", "", "ball.ron.12.3:1"] {
+        let answer = open(place);
+        assert!(answer.contains(" 409 ") && answer.contains("is not in a file of the scene"), "{answer}");
+    }
+    assert!(open("ball.ron:7, frame 3").contains(" 204 "));
+    until("the editor has run", || path.join("ball.ron.7.1").exists());
+    interrupt(child);
+    let refused = watch(path, &["ball.ron", "--editor", "code"]).output().unwrap();
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("write a command with {file}"));
+}

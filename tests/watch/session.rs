@@ -68,6 +68,7 @@ impl Stage {
             watching: Watching::Events,
             finish,
             cache,
+            editor: None,
         };
         let session = Session::start(settings, move |event| {
             let _ = sender.send(event);

@@ -146,14 +146,18 @@ async function drawValues(surface) {
   const parts = [];
   if (surface && state.edits.possible) {
     const entity = surface.entity.startsWith("#") ? surface.entity.slice(1) : quoted(surface.entity.split("/").pop());
-    parts.push([`entity ${surface.entity}`, await valuesAt(`entities.${entity}`)]);
-    if (surface.material) parts.push([`material ${surface.material}`, await valuesAt(`materials.${quoted(surface.material)}`)]);
+    parts.push([`entity ${surface.entity}`, `entities.${entity}`]);
+    if (surface.material) parts.push([`material ${surface.material}`, `materials.${quoted(surface.material)}`]);
+    for (const part of parts) part.push(await valuesAt(part[1]));
   }
-  const sections = parts.filter(([, values]) => values.length > 0).map(([title, values]) => {
-    const section = element("section"), names = namesOf(values);
+  const sections = parts.filter(([, , values]) => values.length > 0).map(([title, path, values]) => {
+    const section = element("section"), names = namesOf(path, values);
     section.append(element("h3", title), ...values.map((value, index) => valueRow(value, names[index])));
     return section;
   });
+  if (sections.length === 0 && surface?.entity.startsWith("#") && state.edits.possible) {
+    sections.push(element("p", "With a name in the file, its values can be changed here.", { className: "faint" }));
+  }
   // A slider that is being dragged stays; afterwards, the keyboard's place is kept.
   if (trying !== null || state.edits.tried.length > 0 && at("values").contains(document.activeElement)) return;
   const label = at("values").contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
@@ -162,9 +166,9 @@ async function drawValues(surface) {
   if (label) [...at("values").querySelectorAll("input")].find(input => input.getAttribute("aria-label") === label && input.type === type)?.focus();
 }
 
-// The last step of each path or, where several values have it, the last two.
-function namesOf(values) {
-  const last = ({ path }, steps) => path.split(".").slice(-steps).join(".");
+// The last step of each path or, where several values of the part have it, the last two.
+function namesOf(part, values) {
+  const last = ({ path }, steps) => path.slice(part.length + 1).split(".").slice(-steps).join(".");
   return values.map(value => last(value, values.filter(other => last(other, 1) === last(value, 1)).length > 1 ? 2 : 1));
 }
 

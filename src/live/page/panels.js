@@ -22,6 +22,17 @@ function describeSamples({ samples, all }) {
   return `The colour is the mean of ${all ?? "several"} samples; the place is what the first of them sees.`;
 }
 
+// A place in a file, which opens the editor if there is one.
+function placeLink(text, place) {
+  if (!state.edits.opens) return text;
+  const link = element("button", text, { className: "place", title: `Open ${place}` });
+  link.onclick = async () => {
+    const answer = await post("open", place).catch(() => null);
+    write(at("refused"), answer?.ok ? "" : await answer?.text() ?? "the server is away");
+  };
+  return link;
+}
+
 async function probe(pixel) {
   view.spot = pixel;
   keep();
@@ -47,7 +58,9 @@ async function probe(pixel) {
   const table = element("table");
   for (const [name, value, title = ""] of rows) {
     const row = table.insertRow();
-    row.append(element("th", name), element("td", value, { title }));
+    const cell = element("td", undefined, { title });
+    cell.append(name === "written in" ? placeLink(value, title) : value);
+    row.append(element("th", name), cell);
     if (name === "bytes") {
       const swatch = element("span", undefined, { className: "swatch" });
       swatch.style.background = `rgb(${value})`;
@@ -64,7 +77,8 @@ function drawMistakes(wrong) {
   at("wrong").hidden = !wrong;
   if (!wrong) return;
   const count = wrong.count === 1 ? "1 mistake" : `${wrong.count} mistakes`;
-  write(at("wrong").querySelector("h2"), wrong.place ? `${count}, first at ${wrong.place}` : count);
+  const title = wrong.place ? `${count}, first at ${wrong.place}` : count, heading = at("wrong").querySelector("h2");
+  if (heading.textContent !== title) heading.replaceChildren(...wrong.place ? [`${count}, first at `, placeLink(wrong.place, wrong.place)] : [count]);
   if (wrongText === wrong.text) return;
   wrongText = wrong.text;
   at("messages").replaceChildren(...messages(wrong.text));
@@ -103,7 +117,8 @@ function drawWarnings(wrong) {
   at("warned").textContent = at("warnings").querySelector("h2").textContent = title;
   const items = list.map(({ name, message, help, place }) => {
     const item = element("li", message), where = element("small", undefined, { title: place ?? "" });
-    where.append([place?.split(/[\\/]/).pop(), name].filter(Boolean).join(" · "));
+    if (place) where.append(placeLink(place.split(/[\\/]/).pop(), place), " · ");
+    where.append(name);
     item.append(element("small", help), where);
     return item;
   });
