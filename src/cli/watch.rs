@@ -70,11 +70,13 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
     Err(interruption.failure())
 }
 
-/// Returns whether to report an event. Only the first full picture after each reload is reported; the other pictures appear only on the
-/// page. `reported` holds the reload count of the last reported picture.
+/// Returns whether to report an event. Only the first full picture after each reload is reported; the other pictures, and values that are
+/// tried there, appear only on the page. `reported` holds the reload count of the last reported picture.
 fn should_report(event: &Event, reported: &mut u64) -> bool {
     let Event::Shown(shown) = event else { return true };
-    shown.info.full && std::mem::replace(reported, shown.info.reloads.max(*reported)) < shown.info.reloads
+    shown.info.full
+        && !shown.tried
+        && std::mem::replace(reported, shown.info.reloads.max(*reported)) < shown.info.reloads
 }
 
 /// Reports events and writes the current frame to a file.

@@ -23,7 +23,7 @@ const HISTORY: usize = 8;
 /// An event of a session, passed to the callback of [`Session::start`](super::Session::start).
 #[derive(Debug)]
 pub enum Event {
-    /// The scene was read.
+    /// The scene was read from its files.
     Reloaded(Times),
     /// The files contain mistakes. The last good scene stays.
     Broken(LoadError),
@@ -50,6 +50,8 @@ pub struct Shown {
     pub rays: u64,
     /// Warnings about the scene and the picture. Only full pictures are checked for them.
     pub warnings: PictureWarnings,
+    /// True if the picture shows values that are tried on the page and not in the files.
+    pub tried: bool,
 }
 
 /// A published picture.
@@ -80,6 +82,11 @@ impl Published {
     pub(super) fn new(state: State, cache: usize) -> Self {
         let cache = Mutex::new(FrameCache::new(cache));
         Self { state: watch::Sender::new(state), pictures: Mutex::default(), cache }
+    }
+
+    /// Returns whether the scene has values that are tried on the page.
+    pub(super) fn shows_tried_values(&self) -> bool {
+        !self.state.borrow().edits.tried.is_empty()
     }
 
     /// Returns the finished pictures of frames.
@@ -299,7 +306,8 @@ impl Publisher {
         self.published.add(Picture { info, png });
         self.published.publish_cached_frames(false);
         self.published.update(|state| state.show(info, times, rays, kind, &warnings, plan));
-        self.emit(Event::Shown(Shown { info, film, transfer, times, rays, warnings }));
+        let tried = self.published.shows_tried_values();
+        self.emit(Event::Shown(Shown { info, film, transfer, times, rays, warnings, tried }));
         true
     }
 
@@ -312,7 +320,8 @@ impl Publisher {
                 state.warnings.clone_from(&warnings);
             }
         });
-        self.emit(Event::Shown(Shown { info, film: Arc::new(film), transfer, times, rays, warnings }));
+        let (film, tried) = (Arc::new(film), self.published.shows_tried_values());
+        self.emit(Event::Shown(Shown { info, film, transfer, times, rays, warnings, tried }));
     }
 
     /// Reports that the frame cannot be rendered.

@@ -135,7 +135,9 @@ impl Renderer {
                 ..std::mem::take(state)
             };
         });
-        self.publisher.emit(Event::Reloaded(times));
+        if !self.publisher.published().shows_tried_values() {
+            self.publisher.emit(Event::Reloaded(times));
+        }
     }
 
     /// Forgets which frames have finished pictures, after a change of the scene or of the requested quality.

@@ -216,6 +216,7 @@ impl Worker {
 
     /// Changes values of the scene. Returns the reason why that is not possible.
     fn edit(&mut self, edit: SceneEdit) -> Result<(), String> {
+        let is_broken = self.failure().is_some() || self.published.state().mistakes.is_some();
         let Some(files) = &mut self.files else {
             return Err("this world is built by a program: its values are changed there".to_owned());
         };
@@ -229,6 +230,9 @@ impl Worker {
                 files.edits.drop_tried();
                 None
             }
+            SceneEdit::Keep if is_broken => {
+                return Err("the file has mistakes: correct them first".to_owned());
+            }
             SceneEdit::Keep => {
                 files.edits.keep(&files.paths).map_err(|error| error.to_string())?;
                 None
@@ -241,12 +245,13 @@ impl Worker {
                 None
             }
         };
+        self.publish_edits(None);
         let refused = self.reload_edited();
         if let (Some(before), Some(files), Err(_)) = (before, &mut self.files, &refused) {
             files.edits.restore(before);
+            self.publish_edits(None);
             let _ = self.reload_edited();
         }
-        self.publish_edits(None);
         refused
     }
 
