@@ -71,7 +71,7 @@ const POLICY: &str = "default-src 'none'; img-src 'self' data:; connect-src 'sel
 /// Time within which a request must arrive completely. Slower requests are dropped, so that they do not hold connections. Requests of this
 /// machine arrive within milliseconds, even when it is busy rendering.
 const REQUEST_TIMEOUT: Duration = Duration::from_secs(5);
-/// Maximum size of a request's body in bytes. Valid ones have less than a hundred.
+/// Maximum size of a request's body in bytes. Valid ones have some hundred.
 const LARGEST_BODY: usize = 1 << 12;
 /// Delay before accepting connections again after a failure, when there is no room for another connection. Without it, the thread would
 /// be busy until there is room.

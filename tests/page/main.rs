@@ -215,6 +215,23 @@ fn values_and_views_are_changed_by_hand() {
 }
 
 #[test]
+fn values_of_included_files_are_not_changed() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    let list = "(async () => { await probe([80, 45]); await new Promise(done => setTimeout(done, 300)); return at('values').innerText; })()";
+    let text = browser.evaluate(list);
+    assert!(text.as_str().unwrap().contains("entity ball"), "{text}");
+    // A ball of the same name in an included file hides the scene's own.
+    let part = r#"(entities: [(name: "ball", shape: Sphere(radius: 0.9), transform: (translation: (0, 0, -2)), color: (0, 0, 255))])"#;
+    fs::write(preview.folder.path().join("part.ron"), part).unwrap();
+    preview.save(&SCENE.replacen("Scene(", "Scene(include: [(file: \"part.ron\", name: \"front\")],", 1));
+    until(&browser, "state.reloads === 2 && shown.full && shown.reloads === 2");
+    let text = browser.evaluate(list);
+    assert_eq!(text, json!("Its values are changed in its own file."));
+}
+
+#[test]
 fn page_shows_scrubs_plays_and_recovers() {
     let mut preview = Preview::new();
     let Some(browser) = open(&preview) else { return };

@@ -142,10 +142,16 @@ async function valuesAt(path) {
 
 const quoted = name => `"${name}"`;
 
+// Names are unique in the scene's own file only: other files may have the same ones.
+function isInSceneFile(place) {
+  const file = place?.replace(/(:\d+)+(, .*)?$/, "").replace(/^\.[\\/]/, "");
+  return Boolean(file) && state.scene.endsWith(file);
+}
+
 async function drawValues(surface) {
   const parts = [];
-  if (surface && state.edits.possible) {
-    const entity = surface.entity.startsWith("#") ? surface.entity.slice(1) : quoted(surface.entity.split("/").pop());
+  if (surface && state.edits.possible && isInSceneFile(surface.place)) {
+    const entity = surface.entity.startsWith("#") ? surface.entity.slice(1) : quoted(surface.entity);
     parts.push([`entity ${surface.entity}`, `entities.${entity}`]);
     if (surface.material) parts.push([`material ${surface.material}`, `materials.${quoted(surface.material)}`]);
     for (const part of parts) part.push(await valuesAt(part[1]));
@@ -155,8 +161,9 @@ async function drawValues(surface) {
     section.append(element("h3", title), ...values.map((value, index) => valueRow(value, names[index])));
     return section;
   });
-  if (sections.length === 0 && surface?.entity.startsWith("#") && state.edits.possible) {
-    sections.push(element("p", "With a name in the file, its values can be changed here.", { className: "faint" }));
+  if (sections.length === 0 && surface?.place && state.edits.possible) {
+    const advice = isInSceneFile(surface.place) ? "With a name, its values can be changed here." : "Its values are changed in its own file.";
+    sections.push(element("p", advice, { className: "faint" }));
   }
   // A slider that is being dragged stays; afterwards, the keyboard's place is kept.
   if (trying !== null || state.edits.tried.length > 0 && at("values").contains(document.activeElement)) return;
