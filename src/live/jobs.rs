@@ -1,9 +1,10 @@
 //! The jobs of the renderer, their results, and the rendering of one picture.
 
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 use super::commands::Detail;
-use super::progressive::PreviewLevel;
+use super::progressive::{PreviewLevel, RefreshTimer};
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::systems::RenderSettings;
 use crate::trace::{Film, RenderJob, Signals};
@@ -28,10 +29,10 @@ pub(super) enum PreviewJob {
 /// The reason why a frame is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Occasion {
-    /// The scene has changed, or is new.
-    Edit,
     /// The frame or the quality is requested.
     Request,
+    /// The first coarse picture is shown.
+    AfterCoarse,
     /// Playback has reached the frame.
     Playback,
 }
@@ -60,6 +61,23 @@ pub(super) enum JobOutcome {
     Needs(PreviewLevel, LevelRole),
     /// The cache has no picture of the frame.
     NotCached(Occasion),
+}
+
+/// A picture while it is being rendered.
+pub(super) struct RenderInProgress {
+    pub(super) frame: u32,
+    pub(super) detail: Detail,
+    pub(super) job: Option<RenderJob>,
+    pub(super) traced: Duration,
+    /// True if any part of the picture has been shown.
+    pub(super) is_shown: bool,
+    pub(super) timer: RefreshTimer,
+}
+
+impl RenderInProgress {
+    pub(super) fn new(frame: u32, detail: Detail) -> Self {
+        Self { frame, detail, job: None, traced: Duration::ZERO, is_shown: false, timer: RefreshTimer::new() }
+    }
 }
 
 /// Renders a frame until it is finished or stopped; see [`Engine::render`].

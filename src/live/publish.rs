@@ -167,6 +167,8 @@ pub(super) struct Publisher {
     last_id: u64,
     /// The latest picture, with its film unless it comes from the cache.
     latest: Option<(PictureInfo, Option<Arc<Film>>)>,
+    /// The picture published last and its frame, until it is in the cache.
+    latest_finished: Option<(u32, CachedPicture)>,
 }
 
 /// A picture to be published.
@@ -223,7 +225,7 @@ impl Publisher {
     pub(super) fn new(published: Arc<Published>, emit: Box<dyn FnMut(Event) + Send>) -> Self {
         let encode: Encode =
             |film, transfer| output::encode_quickly(film, transfer).map_err(|error| error.to_string());
-        Self { published, emit, encode, last_id: 0, latest: None }
+        Self { published, emit, encode, last_id: 0, latest: None, latest_finished: None }
     }
 
     pub(super) fn published(&self) -> &Published {
@@ -244,18 +246,27 @@ impl Publisher {
     /// Encodes a finished picture, which is not the displayed one, and adds it to the cache. Returns whether it could be encoded.
     pub(super) fn keep(&mut self, state: &State, picture: &RenderedPicture, current: u32) -> bool {
         let Ok(png) = (self.encode)(&picture.film, picture.transfer) else { return false };
-        self.add_to_cache(state.frame, picture, png.into(), current);
+        if let Some(finished) = self.finished(picture, png.into()) {
+            self.published.cache().add(state.frame, finished, current);
+        }
         true
     }
 
-    /// Adds a finished picture to the cache, if it has the quality of the others.
-    fn add_to_cache(&self, frame: u32, picture: &RenderedPicture, png: Arc<[u8]>, current: u32) {
-        let mut cache = self.published.cache();
-        let is_full = cache.detail() == Detail::Full;
-        if matches!(picture.kind, PictureKind::Coarse(_)) || (picture.kind == PictureKind::Full) != is_full {
-            return;
+    /// Adds the picture published last to the cache, if it is finished and the fingerprint of its frame is known.
+    pub(super) fn keep_latest(&mut self) {
+        if let Some((frame, finished)) = self.latest_finished.take() {
+            self.published.cache().add(frame, finished, frame);
+            self.published.publish_cached_frames(true);
         }
-        let cached = CachedPicture {
+    }
+
+    /// Returns a picture for the cache; `None` if it is not finished, or has another quality than those there.
+    fn finished(&self, picture: &RenderedPicture, png: Arc<[u8]>) -> Option<CachedPicture> {
+        let is_full = self.published.cache().detail() == Detail::Full;
+        if matches!(picture.kind, PictureKind::Coarse(_)) || (picture.kind == PictureKind::Full) != is_full {
+            return None;
+        }
+        Some(CachedPicture {
             png,
             width: picture.film.width(),
             height: picture.film.height(),
@@ -264,8 +275,7 @@ impl Publisher {
             plan: picture.plan.clone().unwrap_or_default(),
             warnings: picture.warnings.clone(),
             used: 0,
-        };
-        cache.add(frame, cached, current);
+        })
     }
 
     /// Publishes a picture of the frame of `state` from the cache.
@@ -297,14 +307,14 @@ impl Publisher {
             }
         };
         let png: Arc<[u8]> = png.into();
-        self.add_to_cache(state.frame, &picture, Arc::clone(&png), state.frame);
+        self.latest_finished =
+            self.finished(&picture, Arc::clone(&png)).map(|finished| (state.frame, finished));
         let RenderedPicture { film, transfer, kind, mut times, rays, plan, warnings } = picture;
         times.encode = Times::milliseconds(start.elapsed());
         let info = self.info(state, (film.width(), film.height()), kind);
         let film = Arc::new(film);
         self.latest = Some((info, Some(Arc::clone(&film))));
         self.published.add(Picture { info, png });
-        self.published.publish_cached_frames(false);
         self.published.update(|state| state.show(info, times, rays, kind, &warnings, plan));
         let tried = self.published.shows_tried_values();
         self.emit(Event::Shown(Shown { info, film, transfer, times, rays, warnings, tried }));

@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 use super::cache::FrameKey;
 use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail};
-use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob, render, settings_of};
+use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob, RenderInProgress, render, settings_of};
 use super::measure;
 use super::pixel_info::PixelInfo;
 use super::progressive::{
-    Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RefreshTimer, RequestedPicture, Timings,
-    share_of_unfinished, with_deadline,
+    Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RequestedPicture, Timings, share_of_unfinished,
+    with_deadline,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
@@ -34,17 +34,6 @@ const CACHE_REPORT_INTERVAL: Duration = Duration::from_millis(100);
 /// Maximum time of a curve point other than the scene's own, in milliseconds, so that the curve of a slow frame ends.
 const LONGEST_POINT: f64 = 2000.0;
 
-/// A picture while it is being rendered.
-struct RenderInProgress {
-    frame: u32,
-    detail: Detail,
-    job: Option<RenderJob>,
-    traced: Duration,
-    /// True if any part of the picture has been shown.
-    is_shown: bool,
-    timer: RefreshTimer,
-}
-
 /// The engine of the displayed scene, and the pictures of its current frame.
 pub(super) struct Renderer {
     engine: Engine,
@@ -63,12 +52,6 @@ pub(super) struct Renderer {
     /// The picture that is rendered for the cache.
     filling: Option<RenderInProgress>,
     cache_reported: Instant,
-}
-
-impl RenderInProgress {
-    fn new(frame: u32, detail: Detail) -> Self {
-        Self { frame, detail, job: None, traced: Duration::ZERO, is_shown: false, timer: RefreshTimer::new() }
-    }
 }
 
 impl Renderer {
@@ -221,13 +204,18 @@ impl Renderer {
         }
     }
 
-    /// Publishes the finished picture of the current frame, if it is in the cache.
+    /// Publishes the finished picture of the current frame, if it is in the cache. The fingerprint of the frame, which may need as much time
+    /// as several coarse pictures, is found only after one.
     fn show_cached(&mut self, occasion: Occasion) -> JobOutcome {
         let published = self.publisher.published();
-        if published.cache().is_empty() {
+        let state = published.state();
+        let (is_empty, key) = {
+            let cache = published.cache();
+            (cache.is_empty(), cache.key(state.frame))
+        };
+        if is_empty || key == FrameKey::Unknown && occasion != Occasion::AfterCoarse {
             return JobOutcome::NotCached(occasion);
         }
-        let state = published.state();
         let commands = Arc::clone(&self.commands);
         self.find_key(state.frame, Signals { cancelled: commands.interrupt(), ..Signals::none() });
         let mut cache = self.publisher.published().cache();
@@ -557,10 +545,15 @@ impl Renderer {
 
     fn publish(&mut self, state: &State, kind: PictureKind, film: Film, traced: Duration) -> JobOutcome {
         let picture = self.rendered(state, kind, film, traced);
-        if !matches!(kind, PictureKind::Coarse(_)) {
-            self.find_key(state.frame, Signals::none());
+        if !self.publisher.publish(state, picture) {
+            return JobOutcome::Ended;
         }
-        if self.publisher.publish(state, picture) { JobOutcome::Done } else { JobOutcome::Ended }
+        if !matches!(kind, PictureKind::Coarse(_)) {
+            let commands = Arc::clone(&self.commands);
+            self.find_key(state.frame, Signals { cancelled: commands.interrupt(), ..Signals::none() });
+            self.publisher.keep_latest();
+        }
+        JobOutcome::Done
     }
 
     /// Returns the last picture with its description.

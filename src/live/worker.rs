@@ -158,7 +158,7 @@ impl Worker {
     /// Begins with the first picture of a new scene.
     fn begin(&mut self) {
         self.lacks_full = true;
-        self.next = self.first_task(Occasion::Edit);
+        self.next = self.first_preview();
     }
 
     fn report_mistakes(&mut self) {
@@ -205,9 +205,9 @@ impl Worker {
             self.renderer.begin_cache(detail);
         }
         self.next = match view {
-            ViewChange::Seek { playing: true, .. } => self.first_task(Occasion::Playback),
+            ViewChange::Seek { playing: true, .. } => self.cached_or_frame_task(Occasion::Playback),
             ViewChange::Seek { playing: false, .. } | ViewChange::Detail(_) => {
-                self.first_task(Occasion::Request)
+                self.cached_or_frame_task(Occasion::Request)
             }
             ViewChange::Finish => self.picture(Detail::Full),
             ViewChange::Measure => Task::Run(PreviewJob::Measurement(0)),
@@ -362,8 +362,12 @@ impl Worker {
             (JobOutcome::Ended, _) => self.rest(),
             (JobOutcome::NotCached(occasion), _) => self.frame_task(occasion),
             (JobOutcome::Needs(level, role), _) => Task::Run(PreviewJob::Preview(level, role)),
-            (JobOutcome::Interrupted | JobOutcome::Done, PreviewJob::Preview(_, LevelRole::Between))
-            | (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::First)) => self.after_preview(),
+            (JobOutcome::Interrupted | JobOutcome::Done, PreviewJob::Preview(_, LevelRole::Between)) => {
+                self.after_preview()
+            }
+            (JobOutcome::Done, PreviewJob::Preview(_, LevelRole::First)) => {
+                self.cached_or_frame_task(Occasion::AfterCoarse)
+            }
             (JobOutcome::Interrupted, _) => Task::Run(job),
             (
                 JobOutcome::Done,
@@ -394,10 +398,10 @@ impl Worker {
         self.published.update(|state| state.rendering = !is_over);
     }
 
-    /// Returns the first task for a frame. With `finish`, the film of every frame is needed, except during playback.
-    fn first_task(&self, occasion: Occasion) -> Task {
+    /// Returns the task that begins with a look into the cache. With `finish`, the film of every frame is needed, except during playback.
+    fn cached_or_frame_task(&self, occasion: Occasion) -> Task {
         match occasion {
-            Occasion::Edit | Occasion::Request if self.finish => self.frame_task(occasion),
+            Occasion::Request | Occasion::AfterCoarse if self.finish => self.frame_task(occasion),
             _ => Task::Run(PreviewJob::Cached(occasion)),
         }
     }
@@ -413,7 +417,8 @@ impl Worker {
                 Task::Run(PreviewJob::Preview(level, LevelRole::Playback))
             }
             Occasion::Request if fits(COARSE_FIRST_ABOVE_MS) => self.picture(self.detail),
-            Occasion::Request | Occasion::Edit => self.first_preview(),
+            Occasion::Request => self.first_preview(),
+            Occasion::AfterCoarse => self.after_preview(),
         }
     }
 
