@@ -10,9 +10,10 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use rayreel::live::{DEFAULT_CACHE, Event, Server, Session, SessionSettings, Shown, Watching};
+use rayreel::live::{DEFAULT_CACHE, Event, Picture, Server, Session, SessionSettings, Watching};
+use rayreel::output::encode_quickly;
 use rayreel::{EffectSet, Engine, Scene};
 
 #[path = "page/http.rs"]
@@ -79,9 +80,11 @@ fn long_sessions_do_not_leak_and_stay_correct() {
             visit(port, &session);
         }
         if edit % 50 == 0 {
-            let shown = last_full(&events);
+            let shown = last_full(&session);
             let mut cold = Engine::load(&scene).unwrap();
-            assert!(cold.render_frame(shown.info.frame).unwrap() == *shown.film, "edit {edit}");
+            let film = cold.render_frame(shown.info.frame).unwrap();
+            let png = encode_quickly(&film, cold.effective_settings().film.transfer).unwrap();
+            assert!(*shown.png == *png, "edit {edit}");
             held.extend(Held::now());
         }
     }
@@ -137,13 +140,17 @@ fn is_read(events: &Receiver<Event>) -> bool {
     }
 }
 
-fn last_full(events: &Receiver<Event>) -> Shown {
+/// Returns the full picture after the last edit, which may be a kept one, without an event.
+fn last_full(session: &Session) -> Picture {
+    let (start, handle) = (Instant::now(), session.handle());
     loop {
-        if let Event::Shown(shown) = events.recv_timeout(AT_MOST).unwrap()
-            && shown.info.full
-        {
-            return shown;
+        let state = handle.state();
+        let full = state.picture.filter(|info| info.full && info.reloads == state.reloads);
+        if let Some(picture) = full.and_then(|info| handle.picture(info.id)) {
+            return picture;
         }
+        assert!(start.elapsed() < AT_MOST, "{state:?}");
+        thread::sleep(Duration::from_millis(5));
     }
 }
 
