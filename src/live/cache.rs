@@ -7,7 +7,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::commands::Detail;
 use super::state::{CachedFrames, Planned, Times};
 use super::warnings::PictureWarnings;
 use crate::trace::FrameFingerprint;
@@ -19,8 +18,8 @@ pub(super) struct FrameCache {
     limit: usize,
     bytes: usize,
     pictures: HashMap<FrameFingerprint, CachedPicture>,
+    /// Empty if the cache keeps nothing.
     frames: Vec<FrameKey>,
-    detail: Detail,
     /// Number of times that the frames were forgotten.
     generation: u64,
     /// Number of pictures used so far.
@@ -58,15 +57,9 @@ impl FrameCache {
     }
 
     /// Forgets the fingerprints of frames, for another scene of `frames` frames or another quality. The pictures stay.
-    pub(super) fn begin(&mut self, frames: u32, detail: Detail) {
+    pub(super) fn begin(&mut self, frames: u32) {
         self.frames = vec![FrameKey::Unknown; if self.limit == 0 { 0 } else { frames as usize }];
-        self.detail = detail;
         self.generation += 1;
-    }
-
-    /// Returns the quality of the pictures that are added.
-    pub(super) fn detail(&self) -> Detail {
-        self.detail
     }
 
     pub(super) fn generation(&self) -> u64 {
@@ -98,7 +91,7 @@ impl FrameCache {
         Some(picture)
     }
 
-    pub(super) fn holds(&self, frame: u32) -> bool {
+    fn holds(&self, frame: u32) -> bool {
         matches!(self.key(frame), FrameKey::Known(fingerprint) if self.pictures.contains_key(&fingerprint))
     }
 
@@ -160,11 +153,6 @@ impl FrameCache {
 
     pub(super) fn is_empty(&self) -> bool {
         self.pictures.is_empty()
-    }
-
-    /// Returns whether the cache keeps no pictures at all.
-    pub(super) fn is_off(&self) -> bool {
-        self.limit == 0
     }
 
     fn frame_count(&self) -> u32 {
@@ -237,7 +225,7 @@ mod tests {
 
     /// Begins a scene of 8 frames whose fingerprints are `first` and the following numbers.
     fn scene(cache: &mut FrameCache, first: u128) {
-        cache.begin(8, Detail::Full);
+        cache.begin(8);
         (0..8)
             .for_each(|frame| cache.set_key(frame, FrameKey::Known(fingerprint(first + u128::from(frame)))));
     }
@@ -250,7 +238,7 @@ mod tests {
         assert_eq!((cache.ranges(), cache.next_missing(2)), (vec![(0, 3)], Some(4)));
         scene(&mut cache, 0);
         assert_eq!((cache.ranges(), cache.next_missing(2)), (vec![(0, 7)], None));
-        cache.begin(8, Detail::Draft);
+        cache.begin(8);
         assert_eq!((cache.ranges(), cache.next_missing(5)), (vec![], Some(5)));
     }
 
@@ -292,7 +280,7 @@ mod tests {
         let mut cache = filled(0, 8);
         assert!(cache.is_empty() && cache.ranges().is_empty() && cache.picture(0).is_none());
         assert_eq!(cache.next_missing(0), None);
-        cache.begin(0, Detail::Full);
+        cache.begin(0);
         assert_eq!(cache.next_missing(0), None);
     }
 }

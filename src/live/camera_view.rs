@@ -4,8 +4,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::components::{Animated, Camera, Channel, LookAt, Name, Property, Space, View};
-use crate::engine::Ray;
-use crate::engine::{Engine, EngineError};
+use crate::engine::{Engine, EngineError, Ray};
 use crate::systems::active_camera;
 use crate::time::Time;
 
@@ -31,7 +30,8 @@ pub struct CameraView {
 
 impl CameraView {
     /// Describes the camera of a moment. `None` in a world without cameras, and for a camera that is animated or looks at an entity.
-    pub(super) fn of(engine: &mut Engine, time: Time) -> Result<Option<Self>, EngineError> {
+    /// `is_single` is true if the scene has a `camera` in place of `cameras`.
+    pub(super) fn of(engine: &mut Engine, time: Time, is_single: bool) -> Result<Option<Self>, EngineError> {
         engine.seek(time)?;
         let world = engine.world();
         let Some(active) = active_camera(world, time) else { return Ok(None) };
@@ -45,6 +45,7 @@ impl CameraView {
         }
         let Ok(camera) = world.get::<&Camera>(active.entity).map(|camera| *camera) else { return Ok(None) };
         let name = world.get::<&Name>(active.entity).map(|name| name.0.clone()).unwrap_or_default();
+        let path = if is_single { "camera".to_owned() } else { format!("cameras.\"{name}\"") };
         let right_handed = world.query::<&Space>().iter().any(|space| *space == Space::RightHanded);
         let target = match camera.view {
             View::Target(target) => target,
@@ -55,7 +56,7 @@ impl CameraView {
             }
         };
         Ok(Some(Self {
-            path: name,
+            path,
             position: camera.position.to_array(),
             target: target.to_array(),
             has_direction: matches!(camera.view, View::Direction(_)),

@@ -1,10 +1,12 @@
 //! Values of a scene that are changed by hand: tried as overrides, then written into the files.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::scene::{Override, TextChange, WriteBackError, written_value};
+use crate::output;
+use crate::scene::{Override, TextChange, written_value};
 
 /// Maximum number of changes that can be taken back.
 const MAX_UNDO: usize = 1000;
@@ -14,10 +16,17 @@ const MAX_UNDO: usize = 1000;
 pub(super) struct Edits {
     /// Overrides that hold as long as the session.
     own: Vec<Override>,
-    /// Overrides that are not written yet, with the text that they replace in the files.
-    tried: Vec<(Override, Option<String>)>,
+    tried: Vec<TriedValue>,
     /// The changes of the files, each of one or several files, the last one at the end.
     written: Vec<Vec<TextChange>>,
+}
+
+/// An override that is not written yet.
+#[derive(Clone, Debug)]
+pub(super) struct TriedValue {
+    value: Override,
+    /// The text of the value in the files when it was first tried; `None` for a field that the files omit.
+    replaced: Option<String>,
 }
 
 /// The state of the changes, for pages.
@@ -42,57 +51,60 @@ impl Edits {
 
     /// Returns all overrides, in the order in which they apply.
     pub(super) fn overrides(&self) -> Vec<Override> {
-        self.own.iter().chain(self.tried.iter().map(|(value, _)| value)).cloned().collect()
+        self.own.iter().chain(self.tried.iter().map(|tried| &tried.value)).cloned().collect()
     }
 
-    pub(super) fn state(&self, notice: Option<String>) -> EditState {
+    pub(super) fn state(&self, opens: bool, notice: Option<String>) -> EditState {
         EditState {
             possible: true,
-            opens: false,
-            tried: self.tried.iter().map(|(value, _)| value.to_string()).collect(),
+            opens,
+            tried: self.tried.iter().map(|tried| tried.value.to_string()).collect(),
             undoable: self.written.len(),
             notice,
         }
     }
 
     /// Adds overrides, each in place of an earlier one of the same path. Returns the former ones, for [`restore`](Self::restore).
-    pub(super) fn try_values(&mut self, values: Vec<Override>, files: &[PathBuf]) -> Tried {
+    pub(super) fn try_values(&mut self, values: Vec<Override>, files: &[PathBuf]) -> Vec<TriedValue> {
         let before = self.tried.clone();
         for value in values {
-            match self.tried.iter_mut().find(|(tried, _)| tried.path() == value.path()) {
-                Some((tried, _)) => *tried = value,
+            match self.tried.iter_mut().find(|tried| tried.value.path() == value.path()) {
+                Some(tried) => tried.value = value,
                 None => {
-                    let text = written_value(value.path(), files);
-                    self.tried.push((value, text));
+                    let replaced = written_value(value.path(), files);
+                    self.tried.push(TriedValue { value, replaced });
                 }
             }
         }
-        Tried(before)
+        before
     }
 
-    pub(super) fn restore(&mut self, Tried(before): Tried) {
+    pub(super) fn restore(&mut self, before: Vec<TriedValue>) {
         self.tried = before;
     }
 
-    pub(super) fn drop_tried(&mut self) -> bool {
-        !std::mem::take(&mut self.tried).is_empty()
+    pub(super) fn drop_tried(&mut self) {
+        self.tried.clear();
     }
 
     /// Ends the overrides if a program has changed one of the values that they replace. Returns whether it has.
     pub(super) fn yield_to(&mut self, files: &[PathBuf]) -> bool {
-        let is_changed =
-            |(value, before): &(Override, Option<String>)| written_value(value.path(), files) != *before;
-        self.tried.iter().any(is_changed) && self.drop_tried()
+        let is_changed = |tried: &TriedValue| written_value(tried.value.path(), files) != tried.replaced;
+        let yields = self.tried.iter().any(is_changed);
+        if yields {
+            self.drop_tried();
+        }
+        yields
     }
 
     /// Writes the overrides into the files, as one change. The overrides then end.
-    pub(super) fn keep(&mut self, files: &[PathBuf]) -> Result<(), WriteBackError> {
-        let values: Vec<Override> = self.tried.iter().map(|(value, _)| value.clone()).collect();
-        let changes = TextChange::setting(&values, files)?;
+    pub(super) fn keep(&mut self, files: &[PathBuf]) -> Result<(), String> {
+        let values: Vec<Override> = self.tried.iter().map(|tried| tried.value.clone()).collect();
+        let changes = TextChange::setting(&values, files).map_err(|error| error.to_string())?;
         for (index, change) in changes.iter().enumerate() {
-            if let Err(error) = change.write() {
+            if let Err(error) = write(change) {
                 // All files or none.
-                let _ = changes[..index].iter().try_for_each(TextChange::undo);
+                let _ = changes[..index].iter().try_for_each(take_back);
                 return Err(error);
             }
         }
@@ -107,12 +119,29 @@ impl Edits {
     }
 
     /// Takes back the last change of the files. A change of a file that has been changed since stays, and cannot be taken back later.
-    pub(super) fn undo(&mut self) -> Result<(), WriteBackError> {
+    pub(super) fn undo(&mut self) -> Result<(), String> {
         let changes = self.written.pop().unwrap_or_default();
-        changes.iter().rev().try_for_each(TextChange::undo)
+        changes.iter().rev().try_for_each(take_back)
     }
 }
 
-/// The overrides before a change of them.
-#[derive(Debug)]
-pub(super) struct Tried(Vec<(Override, Option<String>)>);
+fn write(change: &TextChange) -> Result<(), String> {
+    replace(&change.file, &change.before, &change.after)
+}
+
+fn take_back(change: &TextChange) -> Result<(), String> {
+    replace(&change.file, &change.after, &change.before)
+}
+
+/// Replaces the text of a file, at once and with its permissions. Returns the reason why that failed, such as another text in the file.
+fn replace(file: &Path, old: &str, new: &str) -> Result<(), String> {
+    let failed = |error| format!("`{}`: {error}", file.display());
+    if fs::read_to_string(file).map_err(failed)? != old {
+        return Err(format!("`{}` was changed meanwhile: it stays as it is", file.display()));
+    }
+    // Through a link, the file that it leads to is replaced.
+    let target = fs::canonicalize(file).map_err(failed)?;
+    let permissions = fs::metadata(&target).map_err(failed)?.permissions();
+    output::write_bytes(&target, new.as_bytes()).map_err(|error| error.to_string())?;
+    fs::set_permissions(&target, permissions).map_err(failed)
+}

@@ -89,6 +89,11 @@ impl Published {
         !self.state.borrow().edits.tried.is_empty()
     }
 
+    /// Returns the requested quality.
+    pub(super) fn detail(&self) -> Detail {
+        self.state.borrow().detail
+    }
+
     /// Returns the finished pictures of frames.
     pub(super) fn cache(&self) -> MutexGuard<'_, FrameCache> {
         self.cache.lock().unwrap_or_else(PoisonError::into_inner)
@@ -221,6 +226,16 @@ pub(super) enum PictureKind {
     Full,
 }
 
+impl PictureKind {
+    /// Returns the kind of a finished picture of a quality.
+    pub(super) fn finished(detail: Detail) -> Self {
+        match detail {
+            Detail::Full => Self::Full,
+            Detail::Draft | Detail::Half => Self::Draft { precedes_full: false },
+        }
+    }
+}
+
 impl Publisher {
     pub(super) fn new(published: Arc<Published>, emit: Box<dyn FnMut(Event) + Send>) -> Self {
         let encode: Encode =
@@ -262,7 +277,7 @@ impl Publisher {
 
     /// Returns a picture for the cache; `None` if it is not finished, or has another quality than those there.
     fn finished(&self, picture: &RenderedPicture, png: Arc<[u8]>) -> Option<CachedPicture> {
-        let is_full = self.published.cache().detail() == Detail::Full;
+        let is_full = self.published.detail() == Detail::Full;
         if matches!(picture.kind, PictureKind::Coarse(_)) || (picture.kind == PictureKind::Full) != is_full {
             return None;
         }
@@ -281,10 +296,7 @@ impl Publisher {
     /// Publishes a picture of the frame of `state` from the cache.
     pub(super) fn publish_cached(&mut self, state: &State, picture: CachedPicture) {
         let CachedPicture { png, width, height, times, rays, plan, warnings, .. } = picture;
-        let kind = match self.published.cache().detail() {
-            Detail::Full => PictureKind::Full,
-            Detail::Draft | Detail::Half => PictureKind::Draft { precedes_full: false },
-        };
+        let kind = PictureKind::finished(self.published.detail());
         let info = self.info(state, (width, height), kind);
         self.latest = Some((info, None));
         self.published.add(Picture { info, png });

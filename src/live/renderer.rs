@@ -97,7 +97,7 @@ impl Renderer {
     pub(super) fn begin(&mut self, times: Times, wanted_frame: u32) {
         self.discard_unfinished();
         self.background = None;
-        self.begin_cache(self.publisher.published().state().detail);
+        self.begin_cache();
         let (timeline, film) = (self.engine.timeline(), self.engine.effective_settings().film);
         let published = self.publisher.published();
         let before = published.keep_for_comparison();
@@ -124,10 +124,10 @@ impl Renderer {
     }
 
     /// Forgets which frames have finished pictures, after a change of the scene or of the requested quality.
-    pub(super) fn begin_cache(&mut self, detail: Detail) {
+    pub(super) fn begin_cache(&mut self) {
         self.filling = None;
         let published = self.publisher.published();
-        published.cache().begin(self.engine.timeline().frame_count(), detail);
+        published.cache().begin(self.engine.timeline().frame_count());
         published.publish_cached_frames(false);
     }
 
@@ -188,10 +188,10 @@ impl Renderer {
     }
 
     /// Describes the camera of the current frame. `None` before a scene is read, and for a camera that cannot be moved.
-    pub(super) fn camera(&mut self) -> Result<Option<CameraView>, EngineError> {
+    pub(super) fn camera(&mut self, is_single: bool) -> Result<Option<CameraView>, EngineError> {
         let state = self.publisher.published().state();
         let time = self.engine.timeline().time_of(state.frame);
-        if state.reloads == 0 { Ok(None) } else { CameraView::of(&mut self.engine, time) }
+        if state.reloads == 0 { Ok(None) } else { CameraView::of(&mut self.engine, time, is_single) }
     }
 
     /// Runs a job until it is finished or a command interrupts it.
@@ -234,14 +234,12 @@ impl Renderer {
 
     /// Finds the fingerprint of a frame at the requested quality, unless it is known. It stays unknown if the search is cancelled.
     fn find_key(&mut self, frame: u32, signals: Signals<'_>) {
-        let cache = self.publisher.published().cache();
-        let (key, detail, is_off) = (cache.key(frame), cache.detail(), cache.is_off());
-        drop(cache);
-        if key != FrameKey::Unknown || is_off {
+        let published = self.publisher.published();
+        if published.cache().key(frame) != FrameKey::Unknown {
             return;
         }
         let time = self.engine.timeline().time_of(frame);
-        let settings = settings_of(&self.engine, detail);
+        let settings = settings_of(&self.engine, published.detail());
         let planned = self.engine.plan(RenderRequest { settings, signals, ..RenderRequest::at(time) });
         let key = match planned {
             Ok(report) => report.fingerprint.map_or(FrameKey::Failed, FrameKey::Known),
@@ -438,10 +436,7 @@ impl Renderer {
     pub(super) fn fill_cache(&mut self, is_playing: bool, until: Option<Instant>) {
         let published = self.publisher.published();
         let state = published.state();
-        let (next, detail) = {
-            let cache = published.cache();
-            (cache.next_missing(state.frame), cache.detail())
-        };
+        let (next, detail) = (published.cache().next_missing(state.frame), state.detail);
         let mut filling = match (self.filling.take(), next) {
             (Some(filling), _) => filling,
             (None, Some(frame)) => RenderInProgress::new(frame, detail),
@@ -460,10 +455,7 @@ impl Renderer {
                 return;
             }
             Ok(Some(film)) => {
-                let kind = match detail {
-                    Detail::Full => PictureKind::Full,
-                    Detail::Draft | Detail::Half => PictureKind::Draft { precedes_full: false },
-                };
+                let kind = PictureKind::finished(detail);
                 let current = state.frame;
                 let state = State { frame, ..state };
                 let picture = self.rendered(&state, kind, film, filling.traced);
@@ -479,11 +471,10 @@ impl Renderer {
 
     /// Publishes which frames have pictures, at once if all have them.
     fn report_cache(&mut self) {
-        let is_due = self.cache_reported.elapsed() >= CACHE_REPORT_INTERVAL || !self.can_fill_cache();
-        if is_due {
+        if self.cache_reported.elapsed() >= CACHE_REPORT_INTERVAL || !self.can_fill_cache() {
             self.cache_reported = Instant::now();
+            self.publisher.published().publish_cached_frames(true);
         }
-        self.publisher.published().publish_cached_frames(is_due);
     }
 
     /// Measures the cost of an effect or a point of the error curve. Any command ends the measurements.

@@ -49,7 +49,7 @@ use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 11] = [
+const FILES: [(&str, &str, &str); 13] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
@@ -59,6 +59,8 @@ const FILES: [(&str, &str, &str); 11] = [
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
     ("/edit.js", SCRIPT, include_str!("page/edit.js")),
+    ("/camera.js", SCRIPT, include_str!("page/camera.js")),
+    ("/values.js", SCRIPT, include_str!("page/values.js")),
     ("/input.js", SCRIPT, include_str!("page/input.js")),
     ("/stream.js", SCRIPT, include_str!("page/stream.js")),
 ];

@@ -202,7 +202,7 @@ impl Worker {
             self.renderer.discard_unfinished();
         }
         if detail != before.detail {
-            self.renderer.begin_cache(detail);
+            self.renderer.begin_cache();
         }
         self.next = match view {
             ViewChange::Seek { playing: true, .. } => self.cached_or_frame_task(Occasion::Playback),
@@ -234,12 +234,12 @@ impl Worker {
                 return Err("the file has mistakes: correct them first".to_owned());
             }
             SceneEdit::Keep => {
-                files.edits.keep(&files.paths).map_err(|error| error.to_string())?;
+                files.edits.keep(&files.paths)?;
                 None
             }
             SceneEdit::Undo => {
                 files.edits.drop_tried();
-                let undone = files.edits.undo().map_err(|error| error.to_string());
+                let undone = files.edits.undo();
                 self.publish_edits(None);
                 undone?;
                 None
@@ -275,8 +275,7 @@ impl Worker {
     }
 
     fn publish_edits(&self, notice: Option<String>) {
-        let state =
-            |files: &SceneFiles| EditState { opens: files.editor.is_some(), ..files.edits.state(notice) };
+        let state = |files: &SceneFiles| files.edits.state(files.editor.is_some(), notice);
         let edits = self.files.as_ref().map_or_else(EditState::default, state);
         self.published.update(|state| state.edits = edits);
     }
@@ -312,9 +311,7 @@ impl Worker {
     fn camera(&mut self) -> Option<CameraView> {
         let paths = &self.files.as_ref()?.paths;
         let is_single = written_value(&["camera".to_owned()], paths).is_some();
-        let camera = self.renderer.camera().ok().flatten()?;
-        let path = if is_single { "camera".to_owned() } else { format!("cameras.\"{}\"", camera.path) };
-        Some(CameraView { path, ..camera })
+        self.renderer.camera(is_single).ok().flatten()
     }
 
     fn probe(&mut self, pixel: (u32, u32), Reply(reply): Reply<Option<PixelInfo>>) {

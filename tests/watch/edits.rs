@@ -80,6 +80,24 @@ fn tried_values_are_shown_and_kept_ones_written() {
     assert!(undone.info.reloads > first.info.reloads);
 }
 
+#[cfg(unix)]
+#[test]
+fn links_and_permissions_of_files_stay() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+
+    let stage = Stage::new(None);
+    let own = stage.path("own.ron");
+    fs::write(&own, scene(1.0, "")).unwrap();
+    fs::set_permissions(&own, fs::Permissions::from_mode(0o640)).unwrap();
+    symlink(&own, stage.path("ball.ron")).unwrap();
+    stage.converges_to_a_cold_start();
+    attempt(&stage, &["entities.ball.shape.radius=2"]).unwrap();
+    edit(&stage, SceneEdit::Keep).unwrap();
+    assert!(fs::symlink_metadata(stage.path("ball.ron")).unwrap().is_symlink());
+    assert_eq!(fs::metadata(&own).unwrap().permissions().mode() & 0o777, 0o640);
+    assert!(fs::read_to_string(&own).unwrap().contains("radius: 2)"));
+}
+
 #[test]
 fn invalid_values_are_refused_and_change_nothing() {
     let before = scene(1.0, "");

@@ -1,10 +1,10 @@
 "use strict";
 // Finished frames of the session, decoded ahead of playback, which then needs no answer of the session for each frame.
 
-const AHEAD = 12;           // frames that are decoded in advance: half a second at 24 frames per second
+const AHEAD = 12;             // frames that are decoded in advance: half a second at 24 frames per second
 const NOTICE_INTERVAL = 250; // milliseconds between notices of the frame to the session, which other pages show
-const ahead = new Map();    // frame -> { generation, image }; the image is null until it is decoded
-let noticed = 0;            // time of the last notice
+const ahead = new Map();      // frame -> { generation, image }; the image is null until it is decoded
+let noticed = 0;              // time of the last notice
 
 const isKept = frame => state.cached.ranges.some(([first, last]) => first <= frame && frame <= last);
 

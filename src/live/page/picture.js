@@ -1,13 +1,19 @@
 "use strict";
 // The picture on the screen, and the one before the edit.
 
+let described = null;  // the picture of local playback whose pixel is described
+
 const address = picture => `picture/${state.session}/${picture.id}`;
 
 async function fetchPicture() {
   const { picture, session } = state;
   // Hidden pages leave the connections and the time to visible ones.
   if (!picture || document.hidden || loading !== null || (shown && shown.id === picture.id)) return;
-  if (playing?.local) { arrive(picture.frame); return; }
+  if (playing?.local) {
+    arrive(picture.frame);
+    if (view.spot && !picture.coarse && described !== picture.id) { described = picture.id; probe(view.spot); }
+    return;
+  }
   loading = picture.id;
   const image = new Image();
   image.fetchPriority = "high";

@@ -1,4 +1,4 @@
-//! Values that are written into the files of a scene.
+//! Changes of the texts of a scene's files by which values are set.
 
 use std::fs;
 use std::io;
@@ -18,10 +18,10 @@ pub struct TextChange {
     pub after: String,
 }
 
-/// An error in writing values into files.
+/// An error in setting values in the texts of files.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteBackError {
-    /// A file could not be read or written.
+    /// A file could not be read.
     #[error("`{}`: {error}", file.display())]
     File {
         /// The file.
@@ -29,9 +29,6 @@ pub enum WriteBackError {
         /// The cause.
         error: io::Error,
     },
-    /// A file no longer has the text from which a change was made.
-    #[error("`{}` was changed meanwhile: it stays as it is", .0.display())]
-    Changed(PathBuf),
     /// No file has a place for a value.
     #[error("`{value}`: {cause}")]
     Path {
@@ -55,8 +52,6 @@ impl TextChange {
     /// let values = ["camera.fov=40".parse()?, "film.height=36".parse()?];
     /// let changes = TextChange::setting(&values, &[scene])?;
     /// assert_eq!(changes[0].after, "(camera: (fov: 40 /* wide */), film: (width: 64, height: 36))");
-    /// changes[0].write()?;
-    /// changes[0].undo()?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -73,43 +68,6 @@ impl TextChange {
         texts.retain(|change| change.before != change.after);
         Ok(texts)
     }
-
-    /// Replaces the text before the change by the one after it. The file is replaced at once: no reader sees a part of it.
-    ///
-    /// # Errors
-    ///
-    /// If the file has another text, or cannot be written.
-    pub fn write(&self) -> Result<(), WriteBackError> {
-        self.replace(&self.before, &self.after)
-    }
-
-    /// Replaces the text after the change by the one before it.
-    ///
-    /// # Errors
-    ///
-    /// As [`write`](Self::write).
-    pub fn undo(&self) -> Result<(), WriteBackError> {
-        self.replace(&self.after, &self.before)
-    }
-
-    fn replace(&self, old: &str, new: &str) -> Result<(), WriteBackError> {
-        if read(&self.file)? != old {
-            return Err(WriteBackError::Changed(self.file.clone()));
-        }
-        let failed = |error| WriteBackError::File { file: self.file.clone(), error };
-        // Through a link, the file that it leads to is replaced.
-        let file = fs::canonicalize(&self.file).map_err(failed)?;
-        let mut name = file.file_name().unwrap_or_default().to_owned();
-        name.push(".rayreel");
-        let next = file.with_file_name(name);
-        let written = fs::write(&next, new)
-            .and_then(|()| fs::set_permissions(&next, fs::metadata(&file)?.permissions()))
-            .and_then(|()| fs::rename(&next, &file));
-        written.map_err(|error| {
-            let _ = fs::remove_file(&next);
-            failed(error)
-        })
-    }
 }
 
 /// Returns the text of the value at a path in the first file that has it.
@@ -122,7 +80,8 @@ pub fn written_value(path: &[String], files: &[PathBuf]) -> Option<String> {
     })
 }
 
-fn scene_files(files: &[PathBuf]) -> impl Iterator<Item = &PathBuf> {
+/// Returns the files with scenes, among those of a scene and its scripts.
+pub(super) fn scene_files(files: &[PathBuf]) -> impl Iterator<Item = &PathBuf> {
     files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "ron"))
 }
 

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::Override;
 use super::set_value::{counts_other_files, value_at};
+use super::write_back::scene_files;
 use crate::scene::assist::describe;
 use crate::scene::format::{NumberLimits, SceneFormat, ValueForm};
 use crate::scene::spans::{BracketMember, bracket, literal_text};
@@ -50,7 +51,7 @@ impl WrittenValue {
     /// such as keys of tracks, words and names are left out.
     #[must_use]
     pub fn all(path: &[String], files: &[PathBuf]) -> Vec<Self> {
-        for file in files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "ron")) {
+        for file in scene_files(files) {
             let Ok(text) = fs::read_to_string(file) else { continue };
             if counts_other_files(&text, path) {
                 return Vec::new();
