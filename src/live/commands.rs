@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::camera_view::CameraView;
 use super::pixel_info::PixelInfo;
-use crate::scene::WrittenValue;
+use crate::scene::{KeyChange, WrittenTracks, WrittenValue};
 
 /// A command to a session.
 #[derive(Debug)]
@@ -24,6 +24,8 @@ pub enum SessionCommand {
     Edit(SceneEdit, Reply<Result<(), String>>),
     /// Lists the values in a part of the scene, given by its path.
     Values(String, Reply<Vec<WrittenValue>>),
+    /// Lists the keys of tracks, and the shots.
+    Tracks(Reply<WrittenTracks>),
     /// Opens a file of the scene in an editor, at a place such as `ball.ron:12`.
     Open(String, Reply<Result<(), String>>),
     /// Describes the camera of the current frame.
@@ -66,11 +68,13 @@ pub enum Detail {
 }
 
 /// A change of values of the scene.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SceneEdit {
     /// Overrides values, as in `camera.fov=40`, and leaves the files as they are. Values that are already overridden keep their override.
     Try(Vec<String>),
+    /// Overrides the keys of a track, and leaves the files as they are.
+    TryKey(KeyChange),
     /// Writes the overriding values into the files.
     Keep,
     /// Ends the overrides.

@@ -18,6 +18,7 @@ use super::progressive::{
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
 use super::warnings::PictureWarnings;
+use crate::color::Transfer;
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::scene::{Scene, Sources};
 use crate::systems::{Effect, EffectSet, EffectiveSettings, RenderSettings};
@@ -134,6 +135,11 @@ impl Renderer {
     /// Discards the unfinished pictures of a frame that is no longer displayed.
     pub(super) fn discard_unfinished(&mut self) {
         (self.in_progress, self.last_level) = (None, None);
+    }
+
+    /// Returns the conversion of the scene's colours.
+    pub(super) fn transfer(&self) -> Transfer {
+        self.engine.effective_settings().film.transfer
     }
 
     /// Returns the level of the first coarse picture of a frame.

@@ -9,6 +9,7 @@
 //! | `POST /view` | changes the view according to a [`ViewChange`], as JSON |
 //! | `POST /edit` | changes values of the scene according to a [`SceneEdit`], as JSON; 409 and the reason if that is not possible |
 //! | `POST /values` | the values in the part of the scene at a path, such as `"entities.ball"`, as JSON |
+//! | `POST /tracks` | the keys of tracks, and the shots, as JSON |
 //! | `POST /camera` | the camera of the current frame, or null, as JSON |
 //! | `POST /open` | opens the editor at a place such as `"ball.ron:12"`, as JSON; 409 and the reason if that is not possible |
 //! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
@@ -49,11 +50,12 @@ use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 13] = [
+const FILES: [(&str, &str, &str); 14] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
     ("/timeline.js", SCRIPT, include_str!("page/timeline.js")),
+    ("/lanes.js", SCRIPT, include_str!("page/lanes.js")),
     ("/frames.js", SCRIPT, include_str!("page/frames.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
@@ -178,6 +180,7 @@ fn router(shared: ServerState) -> Router {
         .route("/probe", post(probe))
         .route("/edit", post(edit))
         .route("/values", post(values))
+        .route("/tracks", post(tracks))
         .route("/camera", post(camera))
         .route("/open", post(open))
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
@@ -320,6 +323,10 @@ async fn values(State(shared): State<ServerState>, body: Bytes) -> Response {
         Ok(path) => answer(&shared, |reply| SessionCommand::Values(path, reply), |list| json(&list)).await,
         Err(error) => refused(&error),
     }
+}
+
+async fn tracks(State(shared): State<ServerState>) -> Response {
+    answer(&shared, SessionCommand::Tracks, |tracks| json(&tracks)).await
 }
 
 async fn camera(State(shared): State<ServerState>) -> Response {

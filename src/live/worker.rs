@@ -16,7 +16,7 @@ use super::renderer::Renderer;
 use super::state::{Mistakes, Times};
 use super::watcher::{Stamp, Watcher};
 use crate::engine::EngineError;
-use crate::scene::{LoadError, Override, Reader, Scene, Sources, WrittenValue, written_value};
+use crate::scene::{LoadError, Override, Reader, Scene, Sources, WrittenTracks, WrittenValue, written_value};
 
 /// Time for which files must be unchanged before mistakes in them are reported. Slow writers leave files incomplete for a while: with 30 ms,
 /// 275 saves in place in 5 s gave "the file is empty" twice.
@@ -112,6 +112,7 @@ impl Worker {
                     SessionCommand::Probe(pixel, reply) => self.probe(pixel, reply),
                     SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(edit)),
                     SessionCommand::Values(path, Reply(reply)) => reply(self.values(&path)),
+                    SessionCommand::Tracks(Reply(reply)) => reply(self.tracks()),
                     SessionCommand::Open(place, Reply(reply)) => reply(self.open(&place)),
                     SessionCommand::Camera(Reply(reply)) => reply(self.camera()),
                     SessionCommand::Stop => return,
@@ -226,6 +227,10 @@ impl Worker {
                 let values = values.collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
                 Some(files.edits.try_values(values, &files.paths))
             }
+            SceneEdit::TryKey(change) => {
+                let value = change.to_override(&files.paths, self.renderer.transfer())?;
+                Some(files.edits.try_values(vec![value], &files.paths))
+            }
             SceneEdit::Drop => {
                 files.edits.drop_tried();
                 None
@@ -291,6 +296,10 @@ impl Worker {
         } else {
             WrittenValue::all(path.path(), &files.paths)
         }
+    }
+
+    fn tracks(&self) -> WrittenTracks {
+        self.files.as_ref().map_or_else(WrittenTracks::default, |files| WrittenTracks::of(&files.paths))
     }
 
     /// Opens an editor at a place. Only files of the scene and the place of a mistake are opened.

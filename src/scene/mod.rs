@@ -59,7 +59,8 @@ pub use error::{Inclusion, InclusionKind, LoadError, Mistake};
 pub use escape::{Printable, is_printable};
 pub use load::{Scene, TEMPLATE};
 pub use overrides::{
-    Override, OverrideError, TextChange, WriteBackError, WrittenKind, WrittenValue, written_value,
+    KeyChange, Override, OverrideError, TextChange, WriteBackError, WrittenKey, WrittenKind, WrittenTrack,
+    WrittenTracks, WrittenValue, written_value,
 };
 pub use owner::Owner;
 pub use reader::Reader;

@@ -94,8 +94,13 @@ impl Browser {
 
     /// Drags the middle of an element by some pixels to the right and down.
     pub(crate) fn drag(&self, selector: &str, (right, down): (i32, i32)) {
-        let origin = json!({ "element-6066-11e4-a52e-4f735466cecf": self.element(selector) });
-        let to = |x: i32, y: i32| json!({ "type": "pointerMove", "duration": 50, "x": x, "y": y, "origin": origin });
+        // The element may follow the pointer.
+        let middle = format!(
+            "(({{ left, top, width, height }}) => [left + width / 2, top + height / 2].map(Math.round))(document.querySelector('{selector}').getBoundingClientRect())"
+        );
+        let [left, top]: [i32; 2] = serde_json::from_value(self.evaluate(&middle)).unwrap();
+        let to =
+            |x: i32, y: i32| json!({ "type": "pointerMove", "duration": 50, "x": left + x, "y": top + y });
         let (press, release) =
             (json!({ "type": "pointerDown", "button": 0 }), json!({ "type": "pointerUp", "button": 0 }));
         // The view is asked for at the first movement, and follows the next ones.

@@ -7,6 +7,7 @@ mod browser;
 mod examples;
 mod gallery;
 mod http;
+mod lanes;
 mod warnings;
 
 use std::fs;

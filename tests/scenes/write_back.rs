@@ -1,10 +1,13 @@
-//! Random changes of values in the texts of the shipped scenes. `RAYREEL_CASES` sets their number.
+//! Random changes of values and keys in the texts of the shipped scenes. `RAYREEL_CASES` sets their number.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rayreel::color::Transfer;
 use rayreel::scene::format::RonValue;
-use rayreel::scene::{Override, TextChange, WrittenKind, WrittenValue};
+use rayreel::scene::{
+    KeyChange, Override, TextChange, WrittenKind, WrittenTrack, WrittenTracks, WrittenValue,
+};
 use rayreel::{Engine, RenderRequest, Scene, Time};
 
 use crate::splitmix::Random;
@@ -80,7 +83,8 @@ fn other(value: &WrittenValue, random: &mut Random) -> String {
                 + 1;
             let numbers: Vec<String> =
                 (0..count).map(|_| format!("{:?}", 0.1 + 5.0 * unit(random))).collect();
-            format!("({})", numbers.join(", "))
+            let word = &value.text[..value.text.find('(').unwrap()];
+            format!("{word}({})", numbers.join(", "))
         }
     }
 }
@@ -141,6 +145,132 @@ fn changes_touch_only_the_value() {
     }
     // Random values may contradict others, as the ends of a range; most do not.
     assert!(2 * accepted > changes / COMPARED, "{accepted}");
+}
+
+/// Returns the texts of comments, in order.
+fn comments(text: &str) -> Vec<&str> {
+    text.lines().filter_map(|line| Some(line.split_once("//")?.1)).collect()
+}
+
+/// Returns the times, values and easings of keys.
+fn keys(track: &WrittenTrack) -> Vec<(f64, String, Option<String>)> {
+    track.keys.iter().map(|key| (key.time, key.text.clone(), key.easing.clone())).collect()
+}
+
+#[test]
+fn changes_of_keys_leave_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random(41);
+    let scenes = copied(folder.path());
+    let all: Vec<(PathBuf, WrittenTracks)> = scenes
+        .into_iter()
+        .map(|scene| (scene.clone(), WrittenTracks::of(&[scene])))
+        .filter(|(_, tracks)| !tracks.tracks.is_empty())
+        .collect();
+    assert!(all.len() > 15, "{}", all.len());
+    let changes = std::env::var("RAYREEL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(1000);
+    let (mut made, mut accepted) = ([0; 3], 0);
+    for case in 0..changes {
+        let (scene, tracks) = &all[random.index(all.len())];
+        let track = &tracks.tracks[random.index(tracks.tracks.len())];
+        let (path, index) = (track.path.clone(), random.index(track.keys.len()));
+        let mut expected = keys(track);
+        let time = (100.0 * (track.keys[index].time + 0.37 + unit(&mut random))).round() / 100.0;
+        let change = match case % 3 {
+            0 => KeyChange::Add(path, time),
+            1 => KeyChange::Remove(path, index),
+            _ => KeyChange::Ease(path, index, "EaseIn".to_owned()),
+        };
+        let files = [scene.clone()];
+        let set = match change.to_override(&files, Transfer::Srgb) {
+            Ok(set) => set,
+            Err(why) => {
+                assert!(track.keys.len() == 1 && case % 3 == 1 || why.contains("already"), "{why}");
+                continue;
+            }
+        };
+        let changes = TextChange::setting(std::slice::from_ref(&set), &files).unwrap();
+        let [TextChange { before, after, .. }] = &changes[..] else {
+            assert!(expected[index].2.as_deref() == Some("EaseIn"), "{set}");
+            continue;
+        };
+        assert_eq!(comments(before), comments(after), "{set}");
+        fs::write(scene, after).unwrap();
+        let changed = WrittenTracks::of(&files);
+        fs::write(scene, before).unwrap();
+        let found = keys(changed.tracks.iter().find(|other| other.path == track.path).unwrap());
+        match case % 3 {
+            0 => {
+                let place = expected.partition_point(|key| key.0 < time);
+                assert_eq!(found[place].0, time);
+                expected.insert(place, found[place].clone());
+            }
+            1 => drop(expected.remove(index)),
+            _ => expected[index].2 = Some("EaseIn".to_owned()),
+        }
+        assert_eq!(found, expected, "{set}");
+        made[case % 3] += 1;
+        // An easing is wrong for shots and for flags.
+        if case % COMPARED == 0 {
+            accepted += usize::from(equals_the_overridden(scene, &set, &changes[0]));
+        }
+    }
+    assert!(made.iter().all(|made| 4 * made > changes / 3), "{made:?}");
+    assert!(2 * accepted > changes / COMPARED, "{accepted}");
+}
+
+#[test]
+fn added_keys_have_the_value_that_the_track_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    let text = r##"(
+        film: (transfer: Srgb),
+        shots: [(0, "a"), (2, "b")],
+        animate: [
+            (target: "a", channel: Translation, track: Keys([
+                (0, (0, 0, 1)), // start
+                (2, (4, -2, 1), Hold),
+                (3, (0, 0, 0)),
+            ])),
+            (target: "a", channel: Rotation, offset: 1, speed: 2, track: Keys([(0, Euler(0, 0, 0)), (2, Euler(0, 90, 0))])),
+            (target: "a", channel: Color, track: Keys([(0, "#000000"), (1, (255, 255, 255))])),
+            (target: "camera", channel: Fov, track: Keys([(0, 30), (1, 40)])),
+            (target: "a", channel: Scale, track: Keys([(0, 1, EaseIn), (1, (3, 3, 1))])),
+            (target: "a", channel: Visible, track: Keys([(0, true), (2, false)])),
+            (target: "lamp", channel: Intensity, track: Keys([(0, (0, 0, 0)), (1, (2, 1, 0.5))])),
+            (target: "a", channel: Radius, track: Script("1.0")),
+        ],
+    )"##;
+    fs::write(&scene, text).unwrap();
+    let files = [scene];
+    let tracks = WrittenTracks::of(&files);
+    assert_eq!(tracks.tracks.len(), 8, "{tracks:?}");
+    for (track, time, key) in [
+        ("shots", 3.0, ", (3, \"b\")]"),
+        (
+            "animate.0.track.0",
+            1.0,
+            "\n                (1, (2, -1, 1)),\n                (2, (4, -2, 1), Hold)",
+        ),
+        ("animate.0.track.0", 2.5, " (2.5, (4, -2, 1), Hold),\n                (3, (0, 0, 0))"),
+        ("animate.1.track.0", 1.0, "(1, Euler(0, 45, 0)), (2, "),
+        ("animate.2.track.0", 0.5, "(0.5, (187.52, 187.52, 187.52)), (1, "),
+        ("animate.3.track.0", 0.25, "(0.25, 32.5), (1, 40)"),
+        ("animate.4.track.0", 0.5, "(0.5, (1.5, 1.5, 1), EaseIn), (1, "),
+        ("animate.5.track.0", 1.0, "(1, true), (2, "),
+        ("animate.6.track.0", 4.0, "(1, (2, 1, 0.5)), (4, (2, 1, 0.5))]"),
+    ] {
+        let set = KeyChange::Add(track.to_owned(), time).to_override(&files, Transfer::Srgb).unwrap();
+        let after = &TextChange::setting(std::slice::from_ref(&set), &files).unwrap()[0].after;
+        assert!(after.contains(key), "{key} in {set}");
+    }
+    for (change, why) in [
+        (KeyChange::Add("animate.0.track.0".to_owned(), 2.0), "there is a key at this time already"),
+        (KeyChange::Remove("animate.7.track.0".to_owned(), 0), "the file has no such key any more"),
+        (KeyChange::Remove("animate.0.track.0".to_owned(), 3), "the file has no such key any more"),
+    ] {
+        assert_eq!(change.to_override(&files, Transfer::Srgb).unwrap_err(), why);
+    }
 }
 
 /// Compares the world of a changed text with that of an override. Returns whether the scene is valid.

@@ -4,12 +4,14 @@
 const PATIENCE = 250;  // milliseconds to wait for the picture of a try before the next one
 
 let trying = null;     // the values of the try that waits, or true while one is under way and none waits
+let unsaved = false;   // true after a try, of which the state may not tell yet
 
 async function edit(what) {
   const answer = await post("edit", what).catch(() => null);
   const refused = answer === null ? "the server is away" : answer.ok ? "" : await answer.text();
   write(at("refused"), refused.split("\n")[0]);
   at("refused").title = refused;
+  if (refused === "") unsaved = typeof what === "object";
   return refused === "";
 }
 
@@ -34,12 +36,12 @@ async function settled() {
 // Writes what is tried into the files.
 async function keepEdits() {
   await settled();
-  if (state.edits.tried.length > 0) await edit("keep");
+  if (unsaved || state.edits.tried.length > 0) await edit("keep");
 }
 
 async function dropEdits() {
   await settled();
-  if (state.edits.tried.length > 0) await edit("drop");
+  if (unsaved || state.edits.tried.length > 0) await edit("drop");
 }
 
 const undo = () => { if (!at("undo").disabled) edit("undo"); };

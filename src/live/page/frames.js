@@ -10,10 +10,11 @@ const isKept = frame => state.cached.ranges.some(([first, last]) => first <= fra
 
 // Decodes the next frames, and forgets those that are over.
 function decodeAhead(from) {
-  const { generation } = state.cached, near = new Set();
-  for (let next = 0; next < Math.min(AHEAD, state.frames); next++) {
-    const frame = view.loop ? (from + next) % state.frames : from + next;
-    if (frame < state.frames) near.add(frame);
+  const { generation } = state.cached, near = new Set(), [first, last] = range();
+  for (let next = 0; next < Math.min(AHEAD, last - first + 1); next++) {
+    const frame = from + next;
+    if (frame <= last) near.add(frame);
+    else if (view.loop) near.add(first + (frame - first) % (last - first + 1));
   }
   for (const [frame, decoded] of ahead) if (!near.has(frame) || decoded.generation !== generation) ahead.delete(frame);
   for (const frame of near) if (!ahead.has(frame) && isKept(frame)) decode(frame, generation);

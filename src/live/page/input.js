@@ -6,6 +6,8 @@ const toggle = () => playing ? pause() : play();
 const setLoop = () => { view.loop = !view.loop; keep(); draw(); };
 const setWipe = () => { if (!at("wipe").disabled) compare({ wipe: view.wipe === null ? 0.5 : null, swap: false }); };
 const setSwap = () => { if (!at("swap").disabled) compare({ swap: !view.swap }); };
+const setLanes = () => { if (!at("keyed").hidden) at("keyed").click(); };
+const clearRange = () => { view.range = null; keep(); draw(); };
 const moveEdge = by => { if (view.wipe !== null) compare({ wipe: Math.max(0, Math.min(1, view.wipe + by)) }); };
 // Moves the mark to a pixel relative to the marked one, or to the centre.
 function moveSpot(right, down) {
@@ -55,7 +57,7 @@ at("film").onclick = event => { if (!wiped && !moved && state && shown) probe(pi
 
 const keys = {
   " ": toggle, ArrowLeft: event => step(event.shiftKey ? -10 : -1), ArrowRight: event => step(event.shiftKey ? 10 : 1),
-  Home: () => step(-Infinity), End: () => step(Infinity), l: setLoop, "[": () => faster(-1), "]": () => faster(1),
+  i: () => setRange("first", view.frame), o: () => setRange("last", view.frame), x: clearRange, t: setLanes, Home: () => step(-Infinity), End: () => step(Infinity), l: setLoop, "[": () => faster(-1), "]": () => faster(1),
   f: () => zoom(0), 1: () => zoom(1), "+": () => zoomBy(2), "=": () => zoomBy(2), "-": () => zoomBy(1 / 2),
   w: setWipe, b: setSwap, ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: finish, m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
 };

@@ -29,9 +29,25 @@ function arrive(frame) {
   if (scrubbed === null) view.frame = frame;
 }
 
+// The first and the last frame of playback.
+function range() {
+  const last = state.frames - 1, [first, end] = view.range ?? [0, last];
+  return [Math.min(first, last), Math.min(end, last)];
+}
+
+// Sets the frame from which playback begins, or the one at which it ends.
+function setRange(end, frame) {
+  const [first, last] = range(), all = [0, state.frames - 1];
+  const ends = end === "first" ? [frame, Math.max(frame, last)] : [Math.min(first, frame), frame];
+  view.range = ends.every((frame, index) => frame === all[index]) ? null : ends;
+  keep();
+  draw();
+}
+
 function play() {
   if (!state || state.frames < 2) return;
-  const from = view.frame >= state.frames - 1 ? 0 : view.frame;
+  const [first, last] = range();
+  const from = view.frame >= last || view.frame < first ? first : view.frame;
   playing = { since: performance.now(), from, local: false };
   draw();
   requestAnimationFrame(advance);
@@ -49,10 +65,11 @@ function pause() {
 function advance(now) {
   if (!playing) return;
   const passed = Math.max(0, now - playing.since) / 1000 * state.rate * view.speed;
+  const [first, last] = range();
   let frame = playing.from + Math.floor(passed);
-  if (frame >= state.frames) {
-    if (!view.loop) { view.frame = state.frames - 1; pause(); return; }
-    frame %= state.frames;
+  if (frame > last) {
+    if (!view.loop) { view.frame = last; pause(); return; }
+    frame = first + (frame - first) % (last - first + 1);
   }
   decodeAhead(frame);
   if (frame !== view.frame) {
@@ -79,6 +96,11 @@ function drawTransport() {
   scrubber.setAttribute("aria-valuetext", `frame ${view.frame}, ${seconds.toFixed(3)} seconds`);
   at("moment").textContent = `frame ${view.frame} of 0–${last} · ${seconds.toFixed(3)} s`;
   for (const id of ["back", "play", "forth"]) at(id).disabled = last === 0;
+  const [first, end] = range();
+  at("range").hidden = view.range === null;
+  at("range").style.marginLeft = percentage(first);
+  at("range").style.width = percentage(end - first);
+  drawPlayhead();
   at("play").setAttribute("aria-label", playing ? "Pause" : "Play");
   at("play").setAttribute("aria-pressed", playing !== null);
   at("play").querySelector("path").setAttribute("d", playing ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");

@@ -62,11 +62,13 @@ function valueRow(value, name) {
   } else if (value.kind === "color") {
     row.append(colorInput(value, input));
   } else if (value.kind === "vector") {
-    const parts = value.text.slice(1, -1).split(",").map(part => Number(part));
+    // A word may precede the numbers, as in Euler(0, 90, 0).
+    const start = value.text.indexOf("("), word = value.text.slice(0, start);
+    const parts = value.text.slice(start + 1, -1).split(",").map(part => Number(part));
     row.append(...parts.map((part, axis) => input("number", part, box => {
       if (box.value === "") return null;
       parts[axis] = Number(box.value);
-      return triple(parts);
+      return word + triple(parts);
     }, { step: "any", label: "xyz"[axis] })));
   } else {
     row.append(...numberInputs(value, input));

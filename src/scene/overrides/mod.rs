@@ -1,10 +1,11 @@
 //! Overrides of values in a scene's files: `camera.fov=40` changes a value without an edit of the file.
 //!
 //! A value is inserted into the text before parsing, so that it passes the same checks and produces the same error messages as the file.
-//! `set_value` finds its position in a file; `unplaced` finds the file. `write_back` puts values into the files themselves, and `written` lists
-//! those that are there.
+//! `set_value` finds its position in a file; `unplaced` finds the file. `write_back` puts values into the files themselves. `written` and
+//! `tracks` list the values and the keys that are there.
 
 mod set_value;
+mod tracks;
 mod unplaced;
 mod write_back;
 mod written;
@@ -13,6 +14,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::spans::is_one_value;
+pub use tracks::{KeyChange, WrittenKey, WrittenTrack, WrittenTracks};
 pub(super) use unplaced::Unplaced;
 pub use write_back::{TextChange, WriteBackError, written_value};
 pub use written::{WrittenKind, WrittenValue};

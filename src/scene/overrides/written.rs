@@ -76,14 +76,14 @@ fn collect(text: &str, span: Range<usize>, path: &[String], values: &mut Vec<Wri
         let Some(name) = name else { return };
         let path = [path, &[text[name.clone()].to_owned()]].concat();
         match kind(text, &text[name.clone()], &value) {
-            Some(kind) => values.push(written(text, &path, name, value, kind)),
+            Some(kind) => values.push(described(text, &path, name, value, kind)),
             None => collect(text, value, &path, values),
         }
     }
 }
 
 /// Returns the kind of a field's value; `None` for fields with other content.
-fn kind(text: &str, name: &str, span: &Range<usize>) -> Option<WrittenKind> {
+pub(super) fn kind(text: &str, name: &str, span: &Range<usize>) -> Option<WrittenKind> {
     let value = &text[span.clone()];
     let is_color = name.contains("color");
     if let Some(color) = literal_text(value) {
@@ -96,13 +96,20 @@ fn kind(text: &str, name: &str, span: &Range<usize>) -> Option<WrittenKind> {
     let Some(found) = bracket(text, span.start) else {
         return is_number(value).then_some(WrittenKind::Number);
     };
-    let is_vector = value.starts_with('(')
+    // A word may precede the numbers, as in `Euler(0, 90, 0)`.
+    let is_vector = found.opening == b'('
         && matches!(found.members.len(), 2 | 3)
         && found.members.iter().all(|member| member.name.is_none() && is_number(&text[member.value.clone()]));
     is_vector.then_some(if is_color { WrittenKind::Color } else { WrittenKind::Vector })
 }
 
-fn written(
+/// Returns a value that nothing more is known of.
+pub(super) fn written(path: String, text: String, kind: WrittenKind) -> WrittenValue {
+    WrittenValue { path, text, kind, about: String::new(), least: None, most: None }
+}
+
+/// Returns a field's value with what the reference says of it.
+fn described(
     text: &str,
     path: &[String],
     name: Range<usize>,
@@ -117,12 +124,10 @@ fn written(
     };
     let whole = Override { path: path.to_vec(), value: String::new() }.to_string();
     WrittenValue {
-        path: whole.trim_end_matches('=').to_owned(),
-        text: text[value].to_owned(),
-        kind,
         about: described.map(|described| described.about).unwrap_or_default(),
         least: limits.as_ref().and_then(|limits| limits.least),
         most: limits.as_ref().and_then(|limits| limits.most),
+        ..written(whole.trim_end_matches('=').to_owned(), text[value].to_owned(), kind)
     }
 }
 

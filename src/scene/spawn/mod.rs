@@ -1,6 +1,7 @@
 //! Builds the world of a validated document.
 
 mod entities;
+mod value_text;
 
 use std::f64::consts::PI;
 
@@ -8,6 +9,8 @@ use glam::{DQuat, DVec3, Vec3};
 use hashbrown::{HashMap, HashSet};
 use hecs::{Entity, EntityBuilder, World};
 use rayon::prelude::*;
+
+pub(super) use value_text::{figure, value_text};
 
 use self::entities::{Links, MaterialComponents, surface};
 use super::document::{

@@ -1,0 +1,179 @@
+"use strict";
+// The shots and the keys of tracks below the timeline: a lane for each track, in the order of the file.
+
+const EASINGS = ["Linear", "Hold", "EaseIn", "EaseOut", "EaseInOut", "Cubic", "CatmullRom", "Monotone",
+  ...["Sine", "Quad", "Cubic", "Quart", "Quint", "Expo", "Circ", "Back", "Elastic", "Bounce"].flatMap(curve => ["In", "Out", "InOut"].map(end => end + curve))];
+
+let tracks = null;     // { of, tracks, unlisted, cameras }, as in the file; `of` tells the reload
+let picked = null;     // { path, index }: the key in the panel
+let moving = null;    // { path, index, time } while a key is moved
+
+const lastFrame = () => Math.max(state.frames - 1, 1);
+const frameOf = (track, time) => (track.offset + time / track.speed) * state.rate;
+const keyTime = (track, frame) => (frame / state.rate - track.offset) * track.speed;
+const trackAt = path => tracks?.tracks.find(track => track.path === path);
+const nameOf = track => track.channel ? `${track.target} · ${track.channel}` : track.target;
+const percentage = frame => (100 * Math.max(0, Math.min(1, frame / lastFrame()))).toFixed(4) + "%";
+
+// Fetches the tracks after every change of the file.
+async function fetchTracks() {
+  const of = `${state.session} ${state.reloads}`;
+  if (tracks?.of === of || state.edits.tried.length > 0 || !state.edits.possible) return;
+  tracks = { tracks: [], unlisted: 0, cameras: [], ...tracks, of };
+  const answer = await post("tracks", null).catch(() => null);
+  if (!answer?.ok || tracks.of !== of) return;
+  tracks = { ...await answer.json(), of };
+  if (picked && !trackAt(picked.path)?.keys[picked.index]) picked = null;
+  drawLanes();
+  drawKey();
+}
+
+function drawLanes() {
+  const count = tracks?.tracks.length ?? 0, focused = document.activeElement?.dataset.key;
+  at("keyed").hidden = count === 0 || state.frames < 2;
+  at("keyed").setAttribute("aria-pressed", view.lanes);
+  at("lanes").hidden = at("keyed").hidden || !view.lanes;
+  if (at("lanes").hidden) return;
+  const rows = tracks.tracks.map(track => {
+    const row = element("div", undefined, { className: "lane", title: "Double click for a new key" });
+    // The cameras' names tell that a lane has the shots.
+    row.append(element("span", track.channel ? nameOf(track) : ""), ...track.keys.flatMap((key, index) => keyButton(track, index)));
+    row.ondblclick = event => { if (event.target === row) addKey(track, Math.round(frameAt(event))); };
+    return row;
+  });
+  if (tracks.unlisted > 0) rows.push(element("p", `${tracks.unlisted} tracks with more keys are not shown`, { className: "faint" }));
+  const playhead = element("div", undefined, { id: "playhead" });
+  at("lanes").replaceChildren(playhead, ...rows);
+  // The lanes end where the scrubber does, whatever the width of the scroll bar.
+  at("lanes").style.setProperty("--bar", `${at("lanes").offsetWidth - at("lanes").clientWidth}px`);
+  if (focused) at("lanes").querySelector(`[data-key="${focused}"]`)?.focus();
+  drawPlayhead();
+}
+
+function drawPlayhead() {
+  const playhead = at("playhead"), row = at("lanes").querySelector(".lane");
+  if (!playhead || !row) return;
+  playhead.style.left = row.offsetLeft + row.clientWidth * Math.min(1, view.frame / lastFrame()) + "px";
+  playhead.style.height = at("lanes").scrollHeight + "px";
+}
+
+// The frame under the pointer.
+function frameAt(event) {
+  const box = at("lanes").querySelector(".lane").getBoundingClientRect();
+  return (event.clientX - box.left) / box.width * lastFrame();
+}
+
+// A key and, for a shot, its camera.
+function keyButton(track, index) {
+  const { time, text, easing } = track.keys[index], button = element("button", undefined, { className: "key" });
+  const place = () => {
+    const frame = frameOf(track, moving?.path === track.path && moving.index === index ? moving.time : time);
+    for (const part of parts) part.style.left = percentage(frame);
+    button.classList.toggle("outside", frame < 0 || frame > lastFrame() + 1);
+  };
+  const parts = track.channel ? [button] : [button, element("small", text.slice(1, -1))];
+  button.dataset.key = `${track.path}.${index}`;
+  button.title = `${formatted(time)} s: ${text}${easing ? ", " + easing : ""}`;
+  button.setAttribute("aria-label", `Key of ${nameOf(track)} at ${formatted(time)} seconds`);
+  button.setAttribute("aria-pressed", picked?.path === track.path && picked.index === index);
+  button.onclick = () => pick(track, index);
+  let from = null;
+  button.onpointerdown = event => {
+    if (event.button !== 0 || state.edits.tried.length > 0) return;
+    from = frameAt(event);
+    button.setPointerCapture(event.pointerId);
+  };
+  button.onpointermove = event => {
+    if (from === null) return;
+    const by = Math.round(frameAt(event) - from);
+    if (by === 0 && !moving) return;
+    moveKey(track, index, by);
+    place();
+  };
+  button.onlostpointercapture = () => { from = null; if (moving) dropKey(); };
+  button.onkeydown = event => {
+    const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (by) { moveKey(track, index, by); dropKey(); }
+    else if (event.key === "Delete" || event.key === "Backspace") removeKey(track, index);
+    else return;
+    event.stopPropagation();
+    event.preventDefault();
+  };
+  place();
+  return parts;
+}
+
+// Tries a key some frames later, at a whole frame and between its neighbours.
+function moveKey(track, index, by) {
+  const { keys } = track, frame = Math.round(frameOf(track, keys[index].time) + by), step = Math.abs(track.speed) / state.rate;
+  const low = index > 0 ? keys[index - 1].time + Math.min(step, 0.5 * (keys[index].time - keys[index - 1].time)) : -Infinity;
+  const high = index < keys.length - 1 ? keys[index + 1].time - Math.min(step, 0.5 * (keys[index + 1].time - keys[index].time)) : Infinity;
+  const time = Math.max(low, Math.min(high, keyTime(track, frame)));
+  moving = { path: track.path, index, time };
+  attempt([`${track.path}.${index}.0=${formatted(time)}`]);
+}
+
+async function dropKey() {
+  await keepEdits();
+  moving = null;
+  if (!at("refused").textContent) return;
+  await dropEdits();
+  drawLanes();
+}
+
+async function change(what) {
+  if (await edit({ try_key: what })) await keepEdits();
+}
+
+const addKey = (track, frame) => change({ add: [track.path, keyTime(track, frame)] });
+const removeKey = (track, index) => { picked = null; change({ remove: [track.path, index] }); };
+
+// Shows a key in the panel, and its frame.
+function pick(track, index) {
+  picked = { path: track.path, index };
+  const frame = Math.round(frameOf(track, track.keys[index].time));
+  if (playing) pause();
+  if (frame >= 0 && frame < state.frames) seek(frame);
+  for (const button of at("lanes").querySelectorAll(".key")) button.setAttribute("aria-pressed", button.dataset.key === `${track.path}.${index}`);
+  drawKey();
+}
+
+function drawKey() {
+  const track = picked && trackAt(picked.path), key = track?.keys[picked.index];
+  at("key").hidden = !key;
+  if (!key || trying !== null) return;
+  const focused = at("key").contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
+  const { path, index } = picked, row = (name, input) => {
+    const made = element("label", undefined, { className: "value" });
+    input.setAttribute("aria-label", name);
+    made.append(element("span", name), input);
+    return made;
+  };
+  const options = (names, current, set) => {
+    const select = element("select");
+    select.append(...[...new Set([current, ...names])].map(name => element("option", name, { value: name, selected: name === current })));
+    select.onchange = () => set(select.value);
+    return select;
+  };
+  const time = element("input", undefined, { type: "number", step: "any", value: key.time });
+  time.onchange = async () => { if (time.value !== "") { await attempt([`${path}.${index}.0=${formatted(Number(time.value))}`]); keepEdits(); } };
+  const rows = [element("h3", track.channel ? `key of ${nameOf(track)}` : "shot"), row("time", time)];
+  if (!track.channel) {
+    rows.push(row("camera", options(tracks.cameras, key.text.slice(1, -1), async name => { await attempt([`${path}.${index}.1=${quoted(name)}`]); keepEdits(); })));
+  } else {
+    if (key.value) rows.push(valueRow(key.value, "value"));
+    const easing = options(EASINGS, key.easing ?? "Linear", name => change({ ease: [path, index, name] }));
+    easing.disabled = index === track.keys.length - 1;
+    rows.push(row("easing", easing));
+  }
+  const remove = element("button", "Delete", { title: "Remove this key (delete)" });
+  remove.onclick = () => removeKey(track, index);
+  const add = element("button", track.channel ? "New key here" : "New shot here", { title: "New key at the shown frame, with the value there" });
+  add.onclick = () => addKey(track, view.frame);
+  const foot = element("p");
+  foot.append(remove, " ", add, " ", placeLink(track.place.split(/[\\/]/).pop(), track.place));
+  at("key").replaceChildren(...rows, foot);
+  if (focused) [...at("key").querySelectorAll("input, select")].find(input => input.getAttribute("aria-label") === focused)?.focus();
+}
+
+at("keyed").onclick = () => { view.lanes = !view.lanes; keep(); drawLanes(); };

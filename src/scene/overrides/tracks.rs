@@ -1,0 +1,324 @@
+//! The keys of tracks and the shots that are written in a scene, and changes of them.
+
+use std::fs;
+use std::ops::Range;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::Override;
+use super::set_value::value_at;
+use super::write_back::scene_files;
+use super::written::{WrittenKind, WrittenValue, kind, written};
+use crate::animation::Notation;
+use crate::color::Transfer;
+use crate::components::Property;
+use crate::scene::SourcePosition;
+use crate::scene::document::AnimationDocument;
+use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, literal_text, root};
+use crate::scene::spawn::{figure, value_text};
+
+/// Maximum number of keys that are listed, so that a page can show them. Tracks of programs have many more.
+const MAX_KEYS: usize = 4000;
+/// Minimum interval between keys in seconds: keys that are closer have the same time.
+const SAME_TIME: f64 = 1e-6;
+
+/// The keys of a track, or the shots, in the text of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WrittenTrack {
+    /// The path of the list of keys, as an [`Override`] has it before its `=`. The time of key 3 is at `path.3.0`, its easing, if it is
+    /// written, at `path.3.2`.
+    pub path: String,
+    /// The animated thing, such as `ball` or `material clay`; `shots` for the shots.
+    pub target: String,
+    /// The animated property; empty for the shots.
+    pub channel: String,
+    /// The time of the timeline at which the keys' time is 0, in seconds.
+    pub offset: f64,
+    /// Seconds of the keys per second of the timeline.
+    pub speed: f64,
+    /// True if the keys repeat.
+    pub repeats: bool,
+    /// Position of the track, as `ball.ron:12:3`.
+    pub place: String,
+    /// The keys, ascending.
+    pub keys: Vec<WrittenKey>,
+}
+
+/// A key of a track in the text of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WrittenKey {
+    /// Seconds of the keys' time.
+    pub time: f64,
+    /// The text of the value.
+    pub text: String,
+    /// The value, if it is of a kind that can be listed.
+    pub value: Option<WrittenValue>,
+    /// The text of the easing; `None` for the default.
+    pub easing: Option<String>,
+}
+
+/// The tracks of a scene that have keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct WrittenTracks {
+    /// The shots, if there are any, then the tracks, in the order of the text.
+    pub tracks: Vec<WrittenTrack>,
+    /// Number of tracks that are left out because they have too many keys.
+    pub unlisted: usize,
+    /// Names of the cameras that a shot can have.
+    pub cameras: Vec<String>,
+}
+
+/// A change of the keys of a track, which has the path of its list.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum KeyChange {
+    /// Adds a key at a time of the keys, with the value that the track has then.
+    Add(String, f64),
+    /// Removes a key, given by its index.
+    Remove(String, usize),
+    /// Sets the easing of a key, given by its index.
+    Ease(String, usize, String),
+}
+
+/// A list of keys in the text of a scene.
+struct KeyList<'a> {
+    text: &'a str,
+    span: Range<usize>,
+    keys: Vec<KeySpans>,
+}
+
+/// The spans of a key's parts.
+struct KeySpans {
+    time: f64,
+    whole: Range<usize>,
+    value: Range<usize>,
+    easing: Option<Range<usize>>,
+}
+
+impl WrittenTracks {
+    /// Returns the tracks in the scene file. Those of a scene that extends another are left out, since their indices count those of both.
+    #[must_use]
+    pub fn of(files: &[PathBuf]) -> Self {
+        let mut found = Self::default();
+        let Some((file, text)) = scene_text(files) else { return found };
+        let Some(scene) = scene(&text) else { return found };
+        let place = |at: usize| format!("{}:{}", file.display(), SourcePosition::of(&text, at));
+        if let Some(cameras) = scene.field(&text, "cameras").and_then(|span| bracket(&text, span.start)) {
+            found.cameras = cameras
+                .members
+                .iter()
+                .filter_map(|camera| literal_text(&text[camera.name.clone()?]))
+                .collect();
+        }
+        let shots = scene.field(&text, "shots").and_then(|span| KeyList::at(&text, span));
+        if let Some(shots) = shots.filter(|shots| !shots.keys.is_empty()) {
+            let place = place(shots.span.start);
+            let shots = WrittenTrack {
+                path: "shots".to_owned(),
+                target: "shots".to_owned(),
+                channel: String::new(),
+                offset: 0.0,
+                speed: 1.0,
+                repeats: false,
+                place,
+                keys: shots.written("shots", None),
+            };
+            found.add(shots);
+        }
+        let animate = scene.field(&text, "animate").and_then(|span| bracket(&text, span.start));
+        for (index, animation) in animate.iter().flat_map(|animate| &animate.members).enumerate() {
+            let start = animation.value.start;
+            if let Some(track) = WrittenTrack::of(&text, index, animation, || place(start)) {
+                found.add(track);
+            }
+        }
+        found
+    }
+
+    fn add(&mut self, track: WrittenTrack) {
+        let count: usize = self.tracks.iter().map(|track| track.keys.len()).sum();
+        if count + track.keys.len() <= MAX_KEYS { self.tracks.push(track) } else { self.unlisted += 1 }
+    }
+}
+
+impl WrittenTrack {
+    /// Returns an animation; `None` if it has no keys.
+    fn of(text: &str, index: usize, animation: &BracketMember, place: impl Fn() -> String) -> Option<Self> {
+        let fields = bracket(text, animation.value.start)?;
+        let field = |name: &str| fields.field(text, name);
+        let number =
+            |name: &str, default| field(name).map_or(Some(default), |span| ron::from_str(&text[span]).ok());
+        let name = |name: &str| literal_text(&text[field(name)?]);
+        let list = KeyList::of_track(text, &fields)?;
+        let channel = text[field("channel")?].to_owned();
+        let path = format!("animate.{index}.track.0");
+        let keys = list.written(&path, Property::named(&channel).map(Property::notation));
+        Some(Self {
+            target: name("target").or_else(|| name("material").map(|name| format!("material {name}")))?,
+            offset: number("offset", 0.0)?,
+            speed: number("speed", 1.0)?,
+            repeats: field("repeat").is_some_and(|span| &text[span] != "Clamp"),
+            place: place(),
+            path,
+            channel,
+            keys,
+        })
+    }
+}
+
+impl KeyChange {
+    /// Returns the override that has the effect of the change. The list of keys differs from that in the file only where it must.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such track or key, or the change would leave no key or two of the same time.
+    pub fn to_override(&self, files: &[PathBuf], transfer: Transfer) -> Result<Override, String> {
+        let path = match self {
+            Self::Add(path, _) | Self::Remove(path, _) | Self::Ease(path, ..) => path,
+        };
+        let path = format!("{path}=0").parse::<Override>().map_err(|error| error.to_string())?.path;
+        let missing = || "the file has no such key any more".to_owned();
+        let (_, text) = scene_text(files).ok_or_else(missing)?;
+        let list = value_at(&text, &path).and_then(|span| KeyList::at(&text, span)).ok_or_else(missing)?;
+        let value = match self {
+            Self::Add(_, time) => list.with_key(*time, &list.value(&path, *time, transfer)?)?,
+            Self::Remove(_, key) if *key < list.keys.len() => list.without_key(*key)?,
+            Self::Ease(_, key, easing) if *key < list.keys.len() => list.with_easing(*key, easing),
+            Self::Remove(..) | Self::Ease(..) => return Err(missing()),
+        };
+        Ok(Override { path, value })
+    }
+}
+
+impl<'a> KeyList<'a> {
+    /// Returns the list of keys at a span; `None` if it is not a list of keys.
+    fn at(text: &'a str, span: Range<usize>) -> Option<Self> {
+        let list = bracket(text, span.start).filter(|list| list.opening == b'[')?;
+        let keys = list.members.into_iter().map(|BracketMember { value: whole, .. }| {
+            let parts = bracket(text, whole.start)?.members;
+            let part = |index: usize| parts.get(index).map(|part| part.value.clone());
+            Some(KeySpans {
+                time: ron::from_str(&text[part(0)?]).ok()?,
+                value: part(1)?,
+                easing: part(2),
+                whole,
+            })
+        });
+        Some(Self { text, span, keys: keys.collect::<Option<_>>()? })
+    }
+
+    /// Returns the list in the `track` of an animation.
+    fn of_track(text: &'a str, animation: &Bracket) -> Option<Self> {
+        let track = animation.field(text, "track").filter(|span| text[span.clone()].starts_with("Keys"))?;
+        let list = bracket(text, track.start)?.members.first()?.value.clone();
+        Self::at(text, list)
+    }
+
+    /// Returns the keys of a list at a path, whose values have a notation.
+    fn written(&self, path: &str, notation: Option<Notation>) -> Vec<WrittenKey> {
+        let text = self.text;
+        let keys = self.keys.iter().enumerate().map(|(index, KeySpans { time, value, easing, .. })| {
+            let kind = if notation == Some(Notation::Color) {
+                Some(WrittenKind::Color)
+            } else {
+                kind(text, "", value)
+            };
+            let path = format!("{path}.{index}.1");
+            let value_text = text[value.clone()].to_owned();
+            WrittenKey {
+                time: *time,
+                value: kind.map(|kind| written(path, value_text.clone(), kind)),
+                text: value_text,
+                easing: easing.clone().map(|easing| text[easing].to_owned()),
+            }
+        });
+        keys.collect()
+    }
+
+    /// Returns the text of the value at a time: for shots, the camera.
+    fn value(&self, path: &[String], time: f64, transfer: Transfer) -> Result<String, String> {
+        let unknown = || "the value at this time is not known: write the key in the file".to_owned();
+        if path.len() == 1 {
+            let shot = self.keys.iter().rev().find(|key| key.time <= time).or(self.keys.first());
+            return shot.map(|shot| self.text[shot.value.clone()].to_owned()).ok_or_else(unknown);
+        }
+        let animation = value_at(self.text, &path[..2]).ok_or_else(unknown)?;
+        let options =
+            ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+        let animation: AnimationDocument = options.from_str(&self.text[animation]).map_err(|_| unknown())?;
+        value_text(&animation, transfer, time).ok_or_else(unknown)
+    }
+
+    /// Returns the text of the list with one more key.
+    fn with_key(&self, time: f64, value: &str) -> Result<String, String> {
+        let next = self.keys.partition_point(|key| key.time < time);
+        let is_taken = |key: &KeySpans| (key.time - time).abs() < SAME_TIME;
+        if self.keys.get(next).is_some_and(is_taken) || next > 0 && is_taken(&self.keys[next - 1]) {
+            return Err("there is a key at this time already".to_owned());
+        }
+        let easing = next.checked_sub(1).and_then(|previous| self.keys[previous].easing.clone());
+        let easing = easing.map_or_else(String::new, |easing| format!(", {}", &self.text[easing]));
+        let key = format!("({}, {value}{easing})", figure(time));
+        let space = self.space();
+        let (at, added) = match (self.keys.get(next), self.keys.last()) {
+            (Some(next), _) => (next.whole.start, format!("{key},{space}")),
+            (None, Some(last)) => (last.whole.end, format!(",{space}{key}")),
+            (None, None) => (self.span.start + 1, key),
+        };
+        Ok(self.replaced(at..at, &added))
+    }
+
+    /// Returns the white space before the second key.
+    fn space(&self) -> &'a str {
+        let [first, second, ..] = self.keys.as_slice() else { return " " };
+        let between = &self.text[first.whole.end..second.whole.start];
+        &between[between.trim_end().len()..]
+    }
+
+    /// Returns the text of the list without a key. Comments stay.
+    fn without_key(&self, key: usize) -> Result<String, String> {
+        if self.keys.len() == 1 {
+            return Err("this is the only key: remove the track in the file".to_owned());
+        }
+        let Range { start, end } = self.keys[key].whole;
+        let between = |from: usize, to: usize| self.text[from..to].trim().trim_start_matches(',').is_empty();
+        let span = match (
+            self.keys.get(key + 1),
+            key.checked_sub(1).map(|previous| self.keys[previous].whole.end),
+        ) {
+            (Some(next), _) if between(end, next.whole.start) => start..next.whole.start,
+            (None, Some(previous)) if between(previous, start) => previous..end,
+            _ => {
+                let next = first_item(self.text, end);
+                start..if self.text[next..].starts_with(',') { next + 1 } else { end }
+            }
+        };
+        Ok(self.replaced(span, ""))
+    }
+
+    /// Returns the text of the list with another easing of a key.
+    fn with_easing(&self, key: usize, easing: &str) -> String {
+        let KeySpans { value, easing: written, .. } = &self.keys[key];
+        match written {
+            Some(written) => self.replaced(written.clone(), easing),
+            None => self.replaced(value.end..value.end, &format!(", {easing}")),
+        }
+    }
+
+    /// Returns the text of the list with a part replaced.
+    fn replaced(&self, part: Range<usize>, by: &str) -> String {
+        [&self.text[self.span.start..part.start], by, &self.text[part.end..self.span.end]].concat()
+    }
+}
+
+/// Returns the scene file with its text.
+fn scene_text(files: &[PathBuf]) -> Option<(&PathBuf, String)> {
+    let file = scene_files(files).next()?;
+    Some((file, fs::read_to_string(file).ok()?))
+}
+
+/// Returns the fields of a scene that extends no other.
+fn scene(text: &str) -> Option<Bracket> {
+    bracket(text, root(text)).filter(|scene| scene.field(text, "extends").is_none())
+}
