@@ -8,6 +8,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::camera_view::CameraView;
+use super::film::FilmRequest;
 use super::pixel_info::PixelInfo;
 use crate::scene::{KeyChange, WrittenTracks, WrittenValue};
 
@@ -26,6 +27,10 @@ pub enum SessionCommand {
     Values(String, Reply<Vec<WrittenValue>>),
     /// Lists the keys of tracks, and the shots.
     Tracks(Reply<WrittenTracks>),
+    /// Renders frames into files, on another thread.
+    Film(FilmRequest, Reply<Result<(), String>>),
+    /// Continues what a film has delayed.
+    FilmEnded,
     /// Opens a file of the scene in an editor, at a place such as `ball.ron:12`.
     Open(String, Reply<Result<(), String>>),
     /// Describes the camera of the current frame.

@@ -19,6 +19,7 @@
 //! | `measure`, `pixel_info` | costs of effects, the error curve, and single pixels |
 //! | `editor` | the command that opens a file in an editor |
 //! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
+//! | `film` | rendering of films into files |
 //! | `warnings` | warnings about the scene and its full pictures |
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
 //! | `server`, `page` | the HTTP server for browsers on the same machine, and its page |
@@ -32,6 +33,7 @@ mod camera_view;
 mod commands;
 mod editor;
 mod edits;
+mod film;
 mod jobs;
 mod measure;
 mod pixel_info;
@@ -59,6 +61,7 @@ pub use {
     camera_view::CameraView,
     commands::{Detail, Reply, SceneEdit, SessionCommand, ViewChange},
     edits::EditState,
+    film::{FilmEnd, FilmRequest, FilmState},
     pixel_info::{PixelInfo, SurfaceInfo},
     publish::Picture,
     state::{CachedFrames, Planned, State},

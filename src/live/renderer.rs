@@ -137,6 +137,11 @@ impl Renderer {
         (self.in_progress, self.last_level) = (None, None);
     }
 
+    /// Returns the effects that are disabled.
+    pub(super) fn without(&self) -> EffectSet {
+        self.without
+    }
+
     /// Returns the conversion of the scene's colours.
     pub(super) fn transfer(&self) -> Transfer {
         self.engine.effective_settings().film.transfer
@@ -431,10 +436,11 @@ impl Renderer {
         film
     }
 
-    /// Returns whether a picture can be added to the cache.
+    /// Returns whether a picture can be added to the cache. A film that is rendered into files comes first.
     pub(super) fn can_fill_cache(&self) -> bool {
         let published = self.publisher.published();
-        self.filling.is_some() || published.cache().next_missing(published.state().frame).is_some()
+        !published.film().is_running()
+            && (self.filling.is_some() || published.cache().next_missing(published.state().frame).is_some())
     }
 
     /// Finds the fingerprint of a frame that has no picture in the cache, or continues the picture until it is finished, `until`, or a

@@ -11,6 +11,8 @@
 //! | `POST /values` | the values in the part of the scene at a path, such as `"entities.ball"`, as JSON |
 //! | `POST /tracks` | the keys of tracks, and the shots, as JSON |
 //! | `POST /camera` | the camera of the current frame, or null, as JSON |
+//! | `POST /film` | renders frames into files according to a [`FilmRequest`](super::FilmRequest), or cancels that for null, as JSON; 409 and the reason if that is not possible |
+//! | `GET /movie/1795` | the movie that session 1795 has made last |
 //! | `POST /open` | opens the editor at a place such as `"ball.ron:12"`, as JSON; 409 and the reason if that is not possible |
 //! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
 //!
@@ -18,6 +20,7 @@
 //! nor, if its name resolves to this machine, that name (`Host`). Such requests are rejected; programs on the same machine are admitted.
 
 use std::convert::Infallible;
+use std::fs;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::pin::pin;
@@ -44,17 +47,20 @@ use hyper_util::server::conn::auto;
 use hyper_util::service::TowerToHyperService;
 use tokio::runtime::Builder;
 use tokio::sync::oneshot;
+use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
 use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
+use super::film::{FilmEnd, FilmRequest, FilmState};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 14] = [
+const FILES: [(&str, &str, &str); 15] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
     ("/timeline.js", SCRIPT, include_str!("page/timeline.js")),
+    ("/film.js", SCRIPT, include_str!("page/film.js")),
     ("/lanes.js", SCRIPT, include_str!("page/lanes.js")),
     ("/frames.js", SCRIPT, include_str!("page/frames.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
@@ -181,6 +187,8 @@ fn router(shared: ServerState) -> Router {
         .route("/edit", post(edit))
         .route("/values", post(values))
         .route("/tracks", post(tracks))
+        .route("/film", post(film))
+        .route("/movie/{session}", get(movie))
         .route("/camera", post(camera))
         .route("/open", post(open))
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
@@ -300,6 +308,31 @@ async fn edit(State(shared): State<ServerState>, body: Bytes) -> Response {
     match serde_json::from_slice::<SceneEdit>(&body) {
         Ok(edit) => answer(&shared, |reply| SessionCommand::Edit(edit, reply), done).await,
         Err(error) => refused(&error),
+    }
+}
+
+async fn film(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<Option<FilmRequest>>(&body) {
+        Ok(Some(request)) => answer(&shared, |reply| SessionCommand::Film(request, reply), done).await,
+        Ok(None) => {
+            let session = shared.session.clone();
+            let _ = spawn_blocking(move || session.cancel_film()).await;
+            StatusCode::NO_CONTENT.into_response()
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+async fn movie(State(shared): State<ServerState>, Path(session): Path<u64>) -> Response {
+    let state = shared.session.state();
+    let is_made = |film: &FilmState| film.is_movie && film.end == Some(FilmEnd::Complete);
+    let film = state.film_files.filter(|film| is_made(film) && state.session == session);
+    let Some(FilmState { target, .. }) = film else {
+        return (StatusCode::NOT_FOUND, "no movie was made\n").into_response();
+    };
+    match spawn_blocking(move || fs::read(target)).await {
+        Ok(Ok(bytes)) => ([(CONTENT_TYPE, "application/octet-stream")], bytes).into_response(),
+        _ => (StatusCode::NOT_FOUND, "the movie cannot be read\n").into_response(),
     }
 }
 

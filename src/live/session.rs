@@ -10,6 +10,7 @@ use tokio::sync::watch;
 
 use super::commands::{CommandQueue, SessionCommand};
 use super::editor::EditorCommand;
+use super::film::FilmState;
 use super::publish::{Event, Picture, Published, Publisher};
 use super::renderer::Renderer;
 use super::state::State;
@@ -153,6 +154,7 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
+        self.handle.cancel_film();
         self.handle.send(SessionCommand::Stop);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -165,6 +167,19 @@ impl Handle {
     #[doc(hidden)]
     pub fn send(&self, command: SessionCommand) {
         self.commands.send(command);
+    }
+
+    /// Cancels the film that is being rendered into files, if there is one, and waits for its end.
+    #[doc(hidden)]
+    pub fn cancel_film(&self) {
+        self.published.film().cancel();
+    }
+
+    /// Returns the film that is rendered into files, or was rendered last.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn film(&self) -> Option<FilmState> {
+        self.published.film_state()
     }
 
     /// Returns the current state of the session.

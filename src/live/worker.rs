@@ -9,6 +9,7 @@ use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail, Reply, SceneEdit, SessionCommand, ViewChange};
 use super::editor::{EditorCommand, Place};
 use super::edits::{EditState, Edits};
+use super::film::{self, FilmRequest, FilmScene};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
 use super::pixel_info::PixelInfo;
 use super::publish::{Event, Published};
@@ -113,6 +114,9 @@ impl Worker {
                     SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(edit)),
                     SessionCommand::Values(path, Reply(reply)) => reply(self.values(&path)),
                     SessionCommand::Tracks(Reply(reply)) => reply(self.tracks()),
+                    SessionCommand::Film(request, Reply(reply)) => reply(self.film(request)),
+                    SessionCommand::FilmEnded if self.next == Task::Idle => self.next = self.rest(),
+                    SessionCommand::FilmEnded => {}
                     SessionCommand::Open(place, Reply(reply)) => reply(self.open(&place)),
                     SessionCommand::Camera(Reply(reply)) => reply(self.camera()),
                     SessionCommand::Stop => return,
@@ -300,6 +304,35 @@ impl Worker {
 
     fn tracks(&self) -> WrittenTracks {
         self.files.as_ref().map_or_else(WrittenTracks::default, |files| WrittenTracks::of(&files.paths))
+    }
+
+    /// Starts to render a film of the scene in the files. Returns the reason why that is not possible.
+    fn film(&mut self, request: FilmRequest) -> Result<(), String> {
+        let Some(files) = &self.files else {
+            return Err("this world is built by a program: `Engine::render_to` renders it".to_owned());
+        };
+        if self.failure().is_some() || self.published.state().mistakes.is_some() {
+            return Err("the file has mistakes: correct them first".to_owned());
+        }
+        if self.published.shows_tried_values() {
+            return Err("some values are not in the file yet: keep or discard them first".to_owned());
+        }
+        let frames = self.published.state().frames;
+        if request.last >= frames {
+            return Err(format!("the last frame is {}", frames - 1));
+        }
+        let scene = FilmScene {
+            file: files.scene.clone(),
+            overrides: files.edits.overrides(),
+            without: self.renderer.without(),
+        };
+        let (published, commands) = (Arc::clone(&self.published), Arc::clone(&self.commands));
+        film::start(scene, request, self.published.film(), move |film| {
+            published.update(|state| state.film_files = Some(film.clone()));
+            if film.end.is_some() {
+                commands.send(SessionCommand::FilmEnded);
+            }
+        })
     }
 
     /// Opens an editor at a place. Only files of the scene and the place of a mistake are opened.

@@ -20,10 +20,11 @@ mod verify;
 
 pub use faults::SequenceFault;
 pub use frame_request::FrameRequest;
+pub use movie::render_movie_until;
 pub use order::{RenderOrder, Shard, ShardError};
 pub use render::{
     Existing, SequenceError, SequenceObserver, SequenceProgress, SequenceReport, frame_verdict,
-    render_encoded, render_frames, render_sequence,
+    render_encoded, render_frames, render_sequence, render_sequence_until,
 };
 pub use surplus::{Surplus, SurplusReason, find_surplus};
 pub use verify::{FrameVerdict, SequenceVerdict, VerifyError, verify_sequence};

@@ -1,10 +1,11 @@
 //! Rendering of timelines into movies.
 
+use std::ops::ControlFlow::{self, Continue};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::render::make_folder;
-use super::{FrameRequest, SequenceError, SequenceFault, SequenceReport, render_encoded};
+use super::{FrameRequest, SequenceError, SequenceFault, SequenceProgress, SequenceReport, render_encoded};
 use crate::engine::Engine;
 use crate::output::{MovieWriter, folder_of, movie_format};
 use crate::time::FrameList;
@@ -32,20 +33,47 @@ impl Engine {
     /// As [`Engine::render_frame`]; if the extension is not that of a movie; if ffmpeg is needed and cannot be started, or fails; if frames
     /// differ in size; and if the file system reports an error. No incomplete file is left.
     pub fn render_movie(&mut self, movie: impl AsRef<Path>) -> Result<SequenceReport, SequenceError> {
-        let (movie, timeline, never) = (movie.as_ref(), self.timeline(), AtomicBool::new(false));
-        movie_format(movie)?;
-        make_folder(folder_of(movie))?;
-        let count = timeline.frame_count();
-        let mut writer = MovieWriter::create(movie, count, timeline.rate)?;
-        let mut report = SequenceReport::default();
-        for request in FrameRequest::frames(&FrameList::all(count), timeline) {
-            let Some(film) = render_encoded(self, &request, &never, &mut |_| {})? else { break };
-            report.collect_faults(self, &request);
-            writer.add(film, &never)?;
-            report.written += 1;
-        }
-        writer.finish(&never)?;
-        SequenceFault::remove_passing(&mut report.faults, report.written);
-        Ok(report)
+        let all = FrameList::all(self.timeline().frame_count());
+        render_movie_until(self, &all, movie.as_ref(), &AtomicBool::new(false), |_| Continue(()))
     }
+}
+
+/// Renders frames into a movie like [`Engine::render_movie`], until `cancelled` becomes true or `on_progress`, after a frame,
+/// breaks. Then no file is left, and the report counts no frame.
+///
+/// # Errors
+///
+/// As [`Engine::render_movie`].
+pub fn render_movie_until(
+    engine: &mut Engine,
+    frames: &FrameList,
+    movie: &Path,
+    cancelled: &AtomicBool,
+    mut on_progress: impl FnMut(SequenceProgress) -> ControlFlow<()>,
+) -> Result<SequenceReport, SequenceError> {
+    movie_format(movie)?;
+    make_folder(folder_of(movie))?;
+    let timeline = engine.timeline();
+    let frames = frames.within(timeline.frame_count());
+    let total = frames.count();
+    let mut writer = MovieWriter::create(movie, u32::try_from(total).unwrap_or(u32::MAX), timeline.rate)?;
+    let mut report = SequenceReport::default();
+    for request in FrameRequest::frames(&frames, timeline) {
+        let film = render_encoded(engine, &request, cancelled, &mut |_| {})?;
+        let Some(film) = film else { return Ok(SequenceReport::default()) };
+        report.collect_faults(engine, &request);
+        if !writer.add(film, cancelled)? {
+            return Ok(SequenceReport::default());
+        }
+        report.written += 1;
+        let frame = request.frame.unwrap_or_default();
+        if on_progress(SequenceProgress { frame, kept: false, done: report.written, total }).is_break() {
+            return Ok(SequenceReport::default());
+        }
+    }
+    if !writer.finish(cancelled)? {
+        return Ok(SequenceReport::default());
+    }
+    SequenceFault::remove_passing(&mut report.faults, report.written);
+    Ok(report)
 }

@@ -188,6 +188,21 @@ pub fn render_sequence(
     sequence: &Sequence,
     on_progress: impl FnMut(SequenceProgress) -> ControlFlow<()>,
 ) -> Result<SequenceReport, SequenceError> {
+    render_sequence_until(engine, frames, sequence, &AtomicBool::new(false), on_progress)
+}
+
+/// Renders frames like [`render_sequence`], until `cancelled` becomes true, also in the middle of a frame.
+///
+/// # Errors
+///
+/// As [`render_sequence`].
+pub fn render_sequence_until(
+    engine: &mut Engine,
+    frames: &FrameList,
+    sequence: &Sequence,
+    cancelled: &AtomicBool,
+    on_progress: impl FnMut(SequenceProgress) -> ControlFlow<()>,
+) -> Result<SequenceReport, SequenceError> {
     make_folder(sequence.directory())?;
     let frames = frames.within(engine.timeline().frame_count());
     let mut counted = Counted {
@@ -199,8 +214,7 @@ pub fn render_sequence(
     };
     let timeline = engine.timeline();
     let requests = FrameRequest::frames(&frames, timeline);
-    let never = AtomicBool::new(false);
-    render_frames(engine, requests, sequence, Existing::Keep, &never, &mut counted)?;
+    render_frames(engine, requests, sequence, Existing::Keep, cancelled, &mut counted)?;
     let Counted { mut report, refused, .. } = counted;
     SequenceFault::remove_passing(&mut report.faults, report.written + report.kept);
     refused.map_or(Ok(report), |error| Err(error.into()))

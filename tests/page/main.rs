@@ -5,6 +5,7 @@
 
 mod browser;
 mod examples;
+mod film;
 mod gallery;
 mod http;
 mod lanes;

@@ -11,7 +11,7 @@ use rayreel::scene::WrittenValue;
 use crate::AT_MOST;
 use crate::session::{Stage, scene};
 
-fn ask<T: Send + 'static>(stage: &Stage, command: impl FnOnce(Reply<T>) -> SessionCommand) -> T {
+pub(crate) fn ask<T: Send + 'static>(stage: &Stage, command: impl FnOnce(Reply<T>) -> SessionCommand) -> T {
     let (sender, reply) = channel();
     let send = move |result| sender.send(result).unwrap();
     stage.session().handle().send(command(Reply(Box::new(send))));

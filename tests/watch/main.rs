@@ -11,6 +11,7 @@ mod command;
 mod drafts;
 mod editors;
 mod edits;
+mod film;
 #[cfg(unix)]
 #[path = "../signals/ignored.rs"]
 mod ignored;

@@ -102,6 +102,7 @@ function draw() {
   drawTransport();
   drawKept();
   drawEdits();
+  drawFilm();
   drawComparison();
   drawMistakes(wrong);
   drawWarnings(wrong);

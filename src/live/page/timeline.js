@@ -107,5 +107,6 @@ function drawTransport() {
   at("loop").setAttribute("aria-pressed", view.loop);
   at("speed").value = String(view.speed);
   at("detail").value = state.detail;
+  at("finish").hidden = state.detail === "full";
 }
 
