@@ -7,7 +7,11 @@ mod foreign;
 mod goldens;
 mod includes;
 mod messages;
+#[path = "../engine/reload/model.rs"]
+mod model;
 mod plain_words;
+#[path = "../engine/reload/random.rs"]
+mod random;
 mod remedies;
 mod scene_to_world;
 mod schema;

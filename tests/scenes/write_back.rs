@@ -1,4 +1,4 @@
-//! Random changes of values and keys in the texts of the shipped scenes. `RAYREEL_CASES` sets their number.
+//! Random changes of values and keys in the texts of the shipped scenes and of random ones. `RAYREEL_CASES` sets their number.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,10 +10,13 @@ use rayreel::scene::{
 };
 use rayreel::{Engine, RenderRequest, Scene, Time};
 
+use crate::model::Model;
 use crate::splitmix::Random;
 
 /// Share of the changes that are also compared as worlds.
 const COMPARED: usize = 10;
+/// Number of random scenes.
+const GENERATED: usize = 200;
 /// Maximum number of parts of a scene whose values are changed.
 const MOST_PARTS: usize = 30;
 
@@ -21,7 +24,7 @@ fn unit(random: &mut Random) -> f64 {
     (random.bits() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Copies the scenes with their data, and returns those that are whole films.
+/// Copies the shipped scenes with their data, and writes random ones. Returns those that are whole films.
 fn copied(folder: &Path) -> Vec<PathBuf> {
     fn copy(from: &Path, to: &Path) {
         fs::create_dir_all(to).unwrap();
@@ -35,6 +38,18 @@ fn copied(folder: &Path) -> Vec<PathBuf> {
         }
     }
     copy(Path::new("scenes"), folder);
+    let random = &mut Random(42);
+    for index in 0..GENERATED {
+        let own = folder.join("random").join(index.to_string());
+        fs::create_dir_all(&own).unwrap();
+        let mut model = Model::new(random);
+        (0..6).for_each(|_| model.edit(random));
+        let (text, files) = model.files();
+        fs::write(own.join("scene.ron"), text).unwrap();
+        for (name, text) in files {
+            fs::write(own.join(name), text).unwrap();
+        }
+    }
     let mut scenes: Vec<PathBuf> = ["", "lesson"]
         .iter()
         .flat_map(|part| fs::read_dir(folder.join(part)).unwrap())
@@ -42,6 +57,7 @@ fn copied(folder: &Path) -> Vec<PathBuf> {
         .filter(|path| path.extension().is_some_and(|ending| ending == "ron"))
         .collect();
     scenes.sort();
+    scenes.extend((0..GENERATED).map(|index| folder.join(format!("random/{index}/scene.ron"))));
     scenes
 }
 

@@ -12,12 +12,15 @@ mod drafts;
 mod editors;
 mod edits;
 mod film;
+mod fuzz;
 #[cfg(unix)]
 #[path = "../signals/ignored.rs"]
 mod ignored;
 mod levels;
 mod saves;
 mod session;
+#[path = "../random/splitmix.rs"]
+mod splitmix;
 mod warnings;
 mod watcher;
 
