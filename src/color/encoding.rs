@@ -1,11 +1,13 @@
 //! Encodings of the pixels of a film.
 
+use std::fmt;
+
 use super::Rgb;
 
 /// The encoding of a film's pixels: linear light, or output bytes by a [`Transfer`](super::Transfer).
-pub trait Encoding: Copy + Send + Sync {
+pub trait Encoding: Copy + PartialEq + fmt::Debug + Send + Sync {
     /// An encoded pixel.
-    type Pixel: Copy + PartialEq + Send + Sync;
+    type Pixel: Copy + PartialEq + fmt::Debug + Send + Sync;
 
     /// Returns black pixels without writing to their memory. The system provides zeroed pages to the threads that write to them first.
     fn black(self, count: usize) -> Vec<Self::Pixel>;

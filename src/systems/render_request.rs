@@ -2,11 +2,12 @@
 
 use std::fmt;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use super::RenderSettings;
 use crate::color::{Encoding, Linear};
 use crate::time::Time;
-use crate::trace::{RenderJob, Signals};
+use crate::trace::{RenderJob, ReusablePicture, Signals};
 
 /// A request to render an image.
 ///
@@ -65,6 +66,33 @@ use crate::trace::{RenderJob, Signals};
 /// assert_eq!(engine.render(resumed)?.film, engine.render_frame(0)?);
 /// # Ok::<(), rayreel::EngineError>(())
 /// ```
+///
+/// # Reuse
+///
+/// After an edit, the parts of an image that the edit cannot reach are taken from the former one.
+///
+/// ```
+/// use rayreel::{Engine, RenderRequest, Scene, Time};
+///
+/// let text = |color: &str| {
+///     format!(
+///         r#"(
+///             film: (width: 96, height: 64), camera: (position: (0, 0, -5), target: (0, 0, 0)), ambient: (1, 1, 1),
+///             entities: [(shape: Sphere(radius: 0.3), color: "{color}"), (shape: Sphere(radius: 1), transform: (translation: (0, 0, 2)))],
+///         )"#
+///     )
+/// };
+/// let scene = |color: &str| Scene::from_text("balls.ron", text(color));
+/// let mut engine = Engine::from_scene(scene("#ff0000")?);
+/// let mut former = None;
+/// engine.render(RenderRequest { reuse: Some(&mut former), ..RenderRequest::at(Time::ZERO) })?;
+///
+/// engine.reload(scene("#0000ff")?);
+/// let edited = engine.render(RenderRequest { reuse: Some(&mut former), ..RenderRequest::at(Time::ZERO) })?;
+/// assert!(engine.report().reused > 0.5);
+/// assert_eq!(edited.film, Engine::from_scene(scene("#0000ff")?).render_frame(0)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct RenderRequest<'a, E: Encoding = Linear> {
     /// The moment.
     pub time: Time,
@@ -92,6 +120,10 @@ pub struct RenderRequest<'a, E: Encoding = Linear> {
     pub on_pause: Option<OnPause<'a, E>>,
     /// The samples of the unfinished image, if it was stopped at a pause.
     pub resume: Option<&'a mut Option<RenderJob<E>>>,
+    /// A former image, of which the tiles are reused that no change of the scene can reach; it is replaced by this image. The bits are the same
+    /// as without, and so are the numbers of rays: only the time differs, see [`FrameReport::reused`](super::FrameReport::reused). Images with
+    /// alpha, with an error target or of several instants are rendered in full.
+    pub reuse: Option<&'a mut Option<Arc<ReusablePicture<E>>>>,
 }
 
 /// The function that decides, from the samples so far, whether to continue after a pause.
@@ -121,6 +153,7 @@ impl<E: Encoding> RenderRequest<'_, E> {
             signals: Signals::none(),
             on_pause: None,
             resume: None,
+            reuse: None,
         }
     }
 }

@@ -21,6 +21,8 @@ pub struct FrameReport {
     pub bvh_refits: u32,
     /// The time spent on tracing rays.
     pub trace: Duration,
+    /// The share of the image that was taken from a former one, 0 to 1: see [`RenderRequest::reuse`](super::RenderRequest::reuse).
+    pub reused: f64,
     /// The fingerprint that identifies the image, if it is fully rendered.
     pub fingerprint: Option<FrameFingerprint>,
     /// The number of rays.

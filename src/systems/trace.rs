@@ -4,6 +4,7 @@
 //! thread with a linear scan.
 
 use std::ops::ControlFlow::Continue;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -12,11 +13,11 @@ use super::{
     FrameInstants, FrameReport, Interrupted, NextInstants, OneColor, Preparation, PreparedInstant,
     RenderRequest, Simulation,
 };
-use crate::color::Encoding;
+use crate::color::{Encoding, Linear};
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    Effects, Film, PassPixel, PreparedRay, RayTree, RenderJob, RenderedImage, SampleMemory,
-    SharedRoundPolicy, Signals, round_policy,
+    Effects, Film, FinishedJob, PassPixel, PictureInputs, Precision, PreparedRay, RayTree, RenderJob,
+    RenderedImage, ReusablePicture, SampleMemory, SharedRoundPolicy, Signals, round_policy,
 };
 
 /// Renders a frame, and reports its costs.
@@ -65,15 +66,21 @@ fn trace<E: Encoding>(
     memory: &mut SampleMemory,
     report: &mut FrameReport,
 ) -> Result<RenderedImage<E::Pixel>, Interrupted> {
-    let RenderRequest { encoding, alpha, sample_counts, fingerprint, signals, on_pause, resume, .. } =
-        request;
+    let RenderRequest {
+        encoding, alpha, sample_counts, fingerprint, signals, on_pause, resume, reuse, ..
+    } = request;
     let (mut own_job, mut own_visit) = (None, |_: &RenderJob<E>| Continue(()));
     let job = resume.unwrap_or(&mut own_job);
     let on_pause = on_pause.unwrap_or(&mut own_visit);
-    let mut start_job = |data: &Preparation| {
+    let mut start_job = |instant: PreparedInstant<'_>| {
+        let data = instant.data;
         let plan = frame.sample_plan(data, alpha);
         let job = RenderJob::encoded(encoding, data.camera().resolution(), plan, std::mem::take(memory));
-        job.with_overlay(data.overlay())
+        let job = job.with_overlay(data.overlay());
+        match (&reuse, comparable_inputs(frame, instant)) {
+            (Some(former), Some(inputs)) if !alpha => job.reusing(former.as_ref(), &inputs),
+            _ => job,
+        }
     };
     let mut hashed = fingerprint.then(|| HashedInstants::new(frame));
     let is_fresh = job.is_none();
@@ -85,7 +92,7 @@ fn trace<E: Encoding>(
             if let Some(hashed) = &mut hashed {
                 hashed.note(instant);
             }
-            let job = job.get_or_insert_with(|| start_job(instant.data));
+            let job = job.get_or_insert_with(|| start_job(instant));
             if is_fresh {
                 job.search(instant.data.scene(), instant.data.camera(), signals.cancelled);
             }
@@ -100,7 +107,7 @@ fn trace<E: Encoding>(
         }
         hashing += start.elapsed();
         let PreparedInstant { data, effects, index } = instant;
-        let job = job.get_or_insert_with(|| start_job(data));
+        let job = job.get_or_insert_with(|| start_job(instant));
         let sampling = data.sampling(frame.time);
         let mut start = Instant::now();
         while !job.add(data.scene(), data.camera(), sampling, index, effects, signals) {
@@ -123,7 +130,7 @@ fn trace<E: Encoding>(
     report.trace = traced;
     visited?;
     let job = job.take_if(|_| is_complete).ok_or(Interrupted::Cancelled)?;
-    let mut image = finish(job, memory, report);
+    let mut image = finish(job, memory, report, reuse);
     report.fingerprint = hashed.map(|hashed| match policy {
         Some(_) => hashed.finish().with_rounds(&report.rounds),
         None => hashed.finish(),
@@ -137,15 +144,31 @@ fn finish<E: Encoding>(
     job: RenderJob<E>,
     memory: &mut SampleMemory,
     report: &mut FrameReport,
+    reuse: Option<&mut Option<Arc<ReusablePicture<E>>>>,
 ) -> RenderedImage<E::Pixel> {
     report.rounds = job.rounds().to_vec();
     report.error = job.estimated_error();
+    report.reused = job.reused_share();
     let start = Instant::now();
-    let (image, stats, job_memory) = job.finish();
+    let FinishedJob { image, stats, memory: job_memory, reusable } = job.finish();
+    if let (Some(reuse), Some(reusable)) = (reuse, reusable) {
+        *reuse = Some(Arc::new(reusable));
+    }
     report.trace += start.elapsed();
     (report.rays, report.ends, report.escalations) = (stats.rays, stats.ends, stats.escalations);
     *memory = job_memory;
     image
+}
+
+/// Returns the inputs of a picture whose tiles can be reused; `None` if pixels may depend on other pixels or instants.
+fn comparable_inputs<'a>(frame: &FrameInstants, instant: PreparedInstant<'a>) -> Option<PictureInputs<'a>> {
+    let PreparedInstant { data, effects, .. } = instant;
+    let is_comparable = frame.count() == 1
+        && data.error_target(false).is_none()
+        && data.scene().precision == Precision::Robust
+        && data.scene().geometry().len() <= ReusablePicture::<Linear>::MOST_SHAPES;
+    let (scene, camera, sampling) = (data.scene(), data.camera(), data.sampling(frame.time));
+    is_comparable.then_some(PictureInputs { scene, camera, sampling, effects })
 }
 
 /// Renders a frame by the reference path.
@@ -265,12 +288,19 @@ pub(crate) fn plan<E: Encoding>(
     report: &mut FrameReport,
 ) -> Result<(), Interrupted> {
     let mut hashed = request.fingerprint.then(|| HashedInstants::new(frame));
+    let mut reused = 0.0;
     simulation.visit(frame, frame.identifying_instants(), report, request.signals.cancelled, |instant| {
         if let Some(hashed) = &mut hashed {
             hashed.note(instant);
         }
+        if let (Some(Some(former)), Some(inputs)) =
+            (request.reuse.as_deref(), comparable_inputs(frame, instant))
+        {
+            reused = former.reusable_share(&inputs, instant.data.overlay().as_deref());
+        }
         NextInstants::Continue
     })?;
+    report.reused = reused;
     report.fingerprint = hashed.map(|hashed| match policy {
         // No round has a least gain of 0, so this fingerprint matches no image whose rounds depended on a clock.
         Some(policy) => hashed.finish().with_rounds(round_policy::locked(policy).rounds().unwrap_or(&[0])),

@@ -108,9 +108,11 @@ pub(crate) use render::film_overlay::FilmOverlay;
 pub(crate) use render::fingerprint::{FrameConstants, FrameHasher};
 pub use render::fingerprint::{FrameFingerprint, NotAFingerprint, SEMANTICS};
 pub use render::image::RenderedImage;
+pub(crate) use render::job::{FinishedJob, SampleMemory, SamplePlan};
 pub use render::job::{RenderJob, RenderProgress};
-pub(crate) use render::job::{SampleMemory, SamplePlan};
 pub use render::passes::{Pass, PassPixel, Passes, UnknownPass};
+pub(crate) use render::reuse::PictureInputs;
+pub use render::reuse::ReusablePicture;
 pub use render::tile_work::Signals;
 pub use render_stats::{RayCounts, TreeEnds};
 pub use scene::{

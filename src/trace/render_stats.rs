@@ -26,6 +26,7 @@ pub(crate) struct StageCounts {
     pub(crate) surfaces: u64,
     pub(crate) direct_light: u64,
     pub(crate) shadows: u64,
+    pub(crate) dependencies: u64,
     pub(crate) add_to_pixels: u64,
     pub(crate) next_rays: u64,
 }
@@ -92,6 +93,7 @@ impl AddAssign for StageCounts {
         self.surfaces += other.surfaces;
         self.direct_light += other.direct_light;
         self.shadows += other.shadows;
+        self.dependencies += other.dependencies;
         self.add_to_pixels += other.add_to_pixels;
         self.next_rays += other.next_rays;
     }

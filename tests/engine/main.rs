@@ -23,6 +23,7 @@ mod overlay;
 mod passes;
 mod prepared_changes;
 mod reload;
+mod reuse;
 mod sample_counts;
 mod scripts;
 #[path = "../processor_time/spent.rs"]

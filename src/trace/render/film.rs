@@ -7,7 +7,7 @@ use super::film_overlay::FilmOverlay;
 use crate::color::{Encoding, Linear, Rgb};
 use crate::trace::math::{Colors, LANES, bits16};
 use crate::trace::scene::SIDE;
-use crate::trace::stages::TILE;
+use crate::trace::stages::{TILE, Tile};
 
 /// The pixels of a frame, row by row from the top: in linear light, unless they are [encoded](EncodedFilm). Every value of linear light is
 /// finite and 0 or more.
@@ -118,6 +118,17 @@ impl Film<f32> {
     /// Splits the film into rows of tiles.
     pub(crate) fn bands_mut(&mut self) -> impl IndexedParallelIterator<Item = &mut [f32]> {
         self.pixels.par_chunks_mut((self.width * TILE).max(1) as usize)
+    }
+}
+
+impl<Pixel: Copy> Film<Pixel> {
+    /// Copies a tile of a film of the same size.
+    pub(super) fn copy_tile(&mut self, from: &Self, tile: &Tile) {
+        for row in tile.j..tile.j + tile.height {
+            let start = row as usize * self.width as usize + tile.i as usize;
+            let pixels = start..start + tile.width as usize;
+            self.pixels[pixels.clone()].copy_from_slice(&from.pixels[pixels]);
+        }
     }
 }
 

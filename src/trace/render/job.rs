@@ -18,6 +18,7 @@ use crate::trace::render::adaptive::{
 use crate::trace::render::film::{self, Film};
 use crate::trace::render::film_overlay::FilmOverlay;
 use crate::trace::render::image::RenderedImage;
+use crate::trace::render::reuse::{PictureInputs, ReusablePicture, TileReuse};
 use crate::trace::render::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
 use crate::trace::render::visibility::{self, FeatureScratch};
 use crate::trace::render_stats::RenderStats;
@@ -43,6 +44,18 @@ pub struct RenderJob<E: Encoding = Linear> {
     overlay: Option<Arc<FilmOverlay>>,
     pixels: Pixels<E::Pixel>,
     stats: RenderStats,
+    /// The reuse of tiles, if this picture is recorded for it.
+    reuse: Option<TileReuse<E>>,
+}
+
+/// A finished picture with its by-products.
+pub(crate) struct FinishedJob<E: Encoding> {
+    pub(crate) image: RenderedImage<E::Pixel>,
+    pub(crate) stats: RenderStats,
+    /// The sample memory, for the next picture.
+    pub(crate) memory: SampleMemory,
+    /// The picture for reuse of its tiles, if it was recorded for that.
+    pub(crate) reusable: Option<ReusablePicture<E>>,
 }
 
 /// The progress of a picture.
@@ -177,6 +190,7 @@ impl RenderJob {
             let nearest = u64::from(place) * u64::from(of) / u64::from(count);
             u32::try_from(nearest).unwrap_or(0)
         };
+        self.copy_reused_tiles(&mut film);
         for TileProgress { tile, .. } in self.tiles.iter().filter(|progress| !progress.is_seen) {
             for j in tile.j..tile.j + tile.height {
                 let row = nearest(j, self.height, beneath.height());
@@ -198,7 +212,7 @@ impl<E: Encoding> RenderJob<E> {
         SampleMemory { mut sums, pixels: memory }: SampleMemory,
     ) -> Self {
         let tiles: Vec<TileProgress> = Tile::all((columns, height))
-            .map(|tile| TileProgress { tile, batches: 0, is_seen: false })
+            .map(|tile| TileProgress { tile, batches: 0, is_seen: false, record: None, is_reused: false })
             .collect();
         let pixels = if plan.samples == 1 && !plan.alpha {
             Pixels::Picture(None)
@@ -209,7 +223,40 @@ impl<E: Encoding> RenderJob<E> {
         let adaptive = plan.adaptive((columns, height), memory);
         let (done, stats) = (Vec::new(), RenderStats::default());
         let (width, overlay) = (columns, None);
-        Self { width, height, plan, adaptive, done, instant: 0, tiles, encoding, overlay, pixels, stats }
+        Self {
+            width,
+            height,
+            plan,
+            adaptive,
+            done,
+            instant: 0,
+            tiles,
+            encoding,
+            overlay,
+            pixels,
+            stats,
+            reuse: None,
+        }
+    }
+
+    /// Returns the picture with the tiles of a former one that no difference can reach, recorded so that its own tiles can be reused. The plan
+    /// must have one instant, no target and no alpha.
+    pub(crate) fn reusing(
+        mut self,
+        former: Option<&Arc<ReusablePicture<E>>>,
+        inputs: &PictureInputs<'_>,
+    ) -> Self {
+        let (reuse, mut records) = TileReuse::new(self.encoding, former, inputs, self.overlay.as_deref());
+        records.resize_with(self.tiles.len(), || None);
+        for (progress, record) in self.tiles.iter_mut().zip(records) {
+            if let Some(record) = &record {
+                self.stats += record.stats;
+                (progress.is_seen, progress.is_reused) = (true, true);
+            }
+            progress.record = Some(Box::new(record.unwrap_or_default()));
+        }
+        self.reuse = Some(reuse);
+        self
     }
 
     /// Returns the picture with an overlay of the same size, which is drawn over the final pixels.
@@ -254,7 +301,8 @@ impl<E: Encoding> RenderJob<E> {
     }
 
     fn add_with(&mut self, context: &RenderContext<'_>, signals: Signals<'_>) -> bool {
-        let (count, tiles) = (self.tiles.len(), self.tiles.iter_mut());
+        let count = self.tiles.iter().filter(|progress| !progress.is_reused).count();
+        let tiles = self.tiles.iter_mut();
         let (width, height) = (self.width, self.height);
         let SamplePlan { samples, instants, .. } = self.plan;
         let naive = Naive::of(context.scene);
@@ -271,9 +319,13 @@ impl<E: Encoding> RenderJob<E> {
         let (stats, whole, features) = match &mut self.pixels {
             Pixels::Picture(film) => {
                 let film = film.get_or_insert_with(|| Film::black(self.encoding, width, height));
-                work.add(tiles.zip(film.tiles_mut(self.encoding, overlay.as_deref())), count)
+                let tiles = tiles.zip(film.tiles_mut(self.encoding, overlay.as_deref()));
+                work.add(tiles.filter(|(progress, _)| !progress.is_reused), count)
             }
-            Pixels::Sums(sums) => work.add(tiles.zip(sums.tiles_mut()), count),
+            Pixels::Sums(sums) => {
+                let tiles = tiles.zip(sums.tiles_mut());
+                work.add(tiles.filter(|(progress, _)| !progress.is_reused), count)
+            }
         };
         self.stats += stats;
         if let Some(adaptive) = &mut self.adaptive {
@@ -338,10 +390,23 @@ impl<E: Encoding> RenderJob<E> {
             return RenderProgress { samples: self.stats.rays.camera as f64 / pixels, share: None };
         }
         let area = |tile: Tile| f64::from(tile.width * tile.height);
-        let there: f64 =
-            self.tiles.iter().map(|progress| area(progress.tile) * f64::from(progress.batches)).sum();
-        let samples = there / pixels;
-        RenderProgress { samples, share: Some(samples / f64::from(self.plan.samples)) }
+        let traced = || self.tiles.iter().filter(|progress| !progress.is_reused);
+        let there: f64 = traced().map(|progress| area(progress.tile) * f64::from(progress.batches)).sum();
+        let all = traced().map(|progress| area(progress.tile)).sum::<f64>() * f64::from(self.plan.samples);
+        RenderProgress { samples: there / pixels, share: Some(if all > 0.0 { there / all } else { 1.0 }) }
+    }
+
+    /// Returns the fraction of the pixels that are reused.
+    pub(crate) fn reused_share(&self) -> f64 {
+        let reused = self.tiles.iter().filter(|progress| progress.is_reused);
+        let pixels: u32 = reused.map(|progress| progress.tile.width * progress.tile.height).sum();
+        f64::from(pixels) / (f64::from(self.width) * f64::from(self.height))
+    }
+
+    fn copy_reused_tiles(&self, film: &mut Film<E::Pixel>) {
+        let Some(reuse) = &self.reuse else { return };
+        let reused = self.tiles.iter().filter(|progress| progress.is_reused);
+        reused.for_each(|progress| reuse.copy_tile(film, &progress.tile));
     }
 
     /// Returns the fraction of all samples that are added, from 0 to 1; with adaptive sampling, the mean sample count per pixel.
@@ -355,21 +420,18 @@ impl<E: Encoding> RenderJob<E> {
     #[doc(hidden)]
     #[must_use]
     pub fn resolve(self) -> (Film<E::Pixel>, RenderStats) {
-        let (RenderedImage { film, .. }, stats, _) = self.finish();
-        (film, stats)
+        let FinishedJob { image, stats, .. } = self.finish();
+        (image.film, stats)
     }
 
-    /// Returns the picture, its render statistics, and the sample memory for reuse.
-    pub(crate) fn finish(mut self) -> (RenderedImage<E::Pixel>, RenderStats, SampleMemory) {
+    /// Finishes the picture.
+    pub(crate) fn finish(mut self) -> FinishedJob<E> {
         let mut stats = self.stats;
-        match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
+        let (mut image, memory) = match std::mem::replace(&mut self.pixels, Pixels::Picture(None)) {
             Pixels::Picture(film) => {
                 let film = film.unwrap_or_else(|| Film::black(self.encoding, self.width, self.height));
-                (
-                    RenderedImage { film, alpha: None, passes: None, sample_counts: None },
-                    stats,
-                    SampleMemory::default(),
-                )
+                let image = RenderedImage { film, alpha: None, passes: None, sample_counts: None };
+                (image, SampleMemory::default())
             }
             Pixels::Sums(sums) => {
                 let has_alpha = !sums.covered.is_empty();
@@ -380,11 +442,17 @@ impl<E: Encoding> RenderJob<E> {
                 if let (Some(alpha), Some(overlay)) = (&mut alpha, &self.overlay) {
                     alpha.draw_over(overlay);
                 }
-                let pixels = self.adaptive.map(Adaptive::into_memory).unwrap_or_default();
+                let pixels = self.adaptive.take().map(Adaptive::into_memory).unwrap_or_default();
                 let image = RenderedImage { film, alpha, passes: None, sample_counts: None };
-                (image, stats, SampleMemory { sums, pixels })
+                (image, SampleMemory { sums, pixels })
             }
-        }
+        };
+        self.copy_reused_tiles(&mut image.film);
+        let reusable = self.reuse.take().map(|reuse| {
+            let records = self.tiles.into_iter().filter_map(|progress| progress.record);
+            reuse.finish(self.encoding, image.film.clone(), records.map(|record| *record).collect())
+        });
+        FinishedJob { image, stats, memory, reusable }
     }
 
     /// Returns the film of means of sums, and the number of pixels that overflowed.
@@ -393,6 +461,9 @@ impl<E: Encoding> RenderJob<E> {
         let stored: Vec<_> = film.tiles_mut(self.encoding, self.overlay.as_deref()).collect();
         let tiles = stored.into_par_iter().zip(light.par_chunks(PACKETS)).zip(&self.tiles).enumerate();
         let overflowed = tiles.map(|(index, ((mut stored, light), progress))| {
+            if progress.is_reused {
+                return 0;
+            }
             let mut slots = Slots::default();
             slots.set_everywhere(&progress.tile, 0);
             dispatch!(SimdLevel::best().level(), simd => {

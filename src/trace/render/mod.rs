@@ -8,6 +8,7 @@
 //! | `adaptive`, `visibility` | the choice of sample counts for an error target, and the geometry in each pixel, on which it depends |
 //! | `film`, `passes`, `image` | the pixels, the data of the surfaces that they show, and both together |
 //! | `film_overlay` | what is drawn over the pixels |
+//! | `reuse` | the tiles of a former picture that no difference between two scenes can reach |
 //! | `fingerprint` | the identity of a picture: a hash of everything that determines it |
 
 mod accumulator;
@@ -18,6 +19,7 @@ pub(super) mod fingerprint;
 pub(super) mod image;
 pub(super) mod job;
 pub(super) mod passes;
+pub(super) mod reuse;
 pub(super) mod tile_work;
 pub(super) mod visibility;
 mod work_queue;

@@ -9,6 +9,7 @@ use fearless_simd::dispatch;
 
 use super::accumulator::{TileAccumulator, TileSamples};
 use super::adaptive::Adaptive;
+use super::reuse::TileRecord;
 use super::visibility::{self, FeatureScratch, TileFeatures};
 use super::work_queue::WorkQueue;
 use crate::trace::intersect::Naive;
@@ -50,13 +51,17 @@ impl fmt::Debug for Signals<'_> {
 }
 
 /// The progress of a tile.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::trace) struct TileProgress {
     pub(in crate::trace) tile: Tile,
     /// Samples per pixel so far or, with adaptive sampling, batches of the current instant.
     pub(in crate::trace) batches: u32,
     /// True if the tile has any sample.
     pub(in crate::trace) is_seen: bool,
+    /// The dependencies and costs of the tile, if they are recorded.
+    pub(in crate::trace) record: Option<Box<TileRecord>>,
+    /// True if the pixels are those of a former picture.
+    pub(in crate::trace) is_reused: bool,
 }
 
 /// Samples to add to tiles.
@@ -129,6 +134,25 @@ impl TileWork<'_> {
                 }
             }
         }
+        buffers.record_dependencies(progress.record.is_some());
+        let whole = self.add_batches(progress, light, (buffers, slots, portions), stats);
+        // Rays of a cancelled sample, which is traced again, do no harm.
+        if let Some(record) = &mut progress.record {
+            buffers.move_dependencies(&mut record.dependencies);
+        }
+        whole
+    }
+
+    /// Adds the missing batches of samples to a tile. Returns whether all were added.
+    fn add_batches(
+        &self,
+        progress: &mut TileProgress,
+        light: &mut impl TileAccumulator,
+        (buffers, slots, portions): (&mut TileBuffers<'_>, &mut Slots, &[Portion]),
+        stats: &mut RenderStats,
+    ) -> bool {
+        let Self { context, adaptive, .. } = *self;
+        let tile = progress.tile;
         loop {
             let more = if adaptive.is_some() {
                 slots.set_batch(portions, progress.batches)
@@ -154,6 +178,9 @@ impl TileWork<'_> {
             });
             progress.batches += 1;
             progress.is_seen = true;
+            if let Some(record) = &mut progress.record {
+                record.stats += traced;
+            }
             *stats += traced;
         }
     }

@@ -31,7 +31,7 @@ pub enum PreparedShape {
 }
 
 /// A reference to a stored shape.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ShapeRef<'a> {
     Sphere(&'a Sphere),
     Plane(&'a Plane),
@@ -240,16 +240,7 @@ impl Geometry {
 
     /// Returns whether two shapes are equal in all parts.
     pub(crate) fn are_equal(&self, one: ShapeId, other: ShapeId) -> bool {
-        match (self.shape(one), self.shape(other)) {
-            (ShapeRef::Sphere(one), ShapeRef::Sphere(other)) => one == other,
-            (ShapeRef::Plane(one), ShapeRef::Plane(other)) => one == other,
-            (ShapeRef::AlignedBox(one), ShapeRef::AlignedBox(other)) => one == other,
-            (ShapeRef::SphereImage(one), ShapeRef::SphereImage(other)) => one == other,
-            (ShapeRef::BoxImage(one), ShapeRef::BoxImage(other)) => one == other,
-            (ShapeRef::Rod(one), ShapeRef::Rod(other)) => one == other,
-            (ShapeRef::RodImage(one), ShapeRef::RodImage(other)) => one == other,
-            _ => false,
-        }
+        self.shape(one) == self.shape(other)
     }
 
     /// Passes the numbers that define a shape to `each`. Their count or the last number differs from kind to kind.

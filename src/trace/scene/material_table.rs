@@ -10,6 +10,8 @@ use crate::trace::rays::ShapeId;
 #[derive(Clone, Debug, Default)]
 pub struct MaterialTable {
     materials: Vec<SurfaceMaterial>,
+    /// Fingerprints, by material.
+    fingerprints: Vec<u64>,
     /// Number of shapes that have a material, by material.
     users: Vec<u32>,
     /// Materials that no shape has any more. New materials reuse their entries.
@@ -81,8 +83,9 @@ impl MaterialTable {
 
     /// Removes all materials, and keeps the memory.
     pub(super) fn clear(&mut self) {
-        let Self { materials, users, unused, ids, of_shapes } = self;
+        let Self { materials, fingerprints, users, unused, ids, of_shapes } = self;
         materials.clear();
+        fingerprints.clear();
         users.clear();
         unused.clear();
         ids.clear();
@@ -132,18 +135,26 @@ impl MaterialTable {
         self.of_shapes[shape.index()].index()
     }
 
+    /// Returns the bit of a shape's material in sets of materials.
+    #[inline]
+    pub(super) fn bit(&self, shape: ShapeId) -> u64 {
+        1 << (self.fingerprints[self.place_of(shape)] % 64)
+    }
+
     /// Returns the id of a material, which is added if it is new.
     fn find_or_add(&mut self, material: SurfaceMaterial) -> MaterialId {
-        let Self { materials, users, unused, ids, .. } = self;
-        let alike = ids.entry(material.fingerprint()).or_default();
+        let Self { materials, fingerprints, users, unused, ids, .. } = self;
+        let fingerprint = material.fingerprint();
+        let alike = ids.entry(fingerprint).or_default();
         if let Some(found) = alike.iter().find(|id| materials[id.index()] == material) {
             return *found;
         }
         let id = if let Some(id) = unused.pop() {
-            materials[id.index()] = material;
+            (materials[id.index()], fingerprints[id.index()]) = (material, fingerprint);
             id
         } else {
             materials.push(material);
+            fingerprints.push(fingerprint);
             users.push(0);
             // There are at most as many materials as shapes, and at most 2^28 shapes.
             MaterialId(u32::try_from(users.len() - 1).unwrap_or(u32::MAX))
@@ -159,7 +170,7 @@ impl MaterialTable {
         if *users > 0 {
             return;
         }
-        let fingerprint = self.materials[id.index()].fingerprint();
+        let fingerprint = self.fingerprints[id.index()];
         if let Some(alike) = self.ids.get_mut(&fingerprint) {
             alike.retain(|other| *other != id);
             if alike.is_empty() {

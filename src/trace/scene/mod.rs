@@ -2,6 +2,7 @@
 
 mod camera;
 mod changes;
+mod differences;
 mod document_order;
 mod environment;
 mod equal_shapes;
@@ -25,6 +26,7 @@ mod tree_maintenance;
 pub use camera::PreparedCamera;
 pub(crate) use camera::{PixelCenters, PixelKeys, SIDE, Square};
 pub use changes::{BvhUpdate, SceneChanges, ShapeChange};
+pub(crate) use differences::{ShapeDifferences, ShapeSnapshot};
 pub(crate) use environment::transmittance;
 pub use environment::{Attenuation, GradientTerms, PassageTerms, PreparedBackground};
 pub(crate) use environment::{FogLayer, PreparedFog};

@@ -265,6 +265,17 @@ impl PreparedScene {
         self.materials.of(id)
     }
 
+    /// Returns the materials of all shapes.
+    pub(super) fn materials(&self) -> &MaterialTable {
+        &self.materials
+    }
+
+    /// Returns the bit of a shape's material in sets of materials. It depends on the material alone; different ones may share it.
+    #[inline]
+    pub(crate) fn material_bit(&self, id: ShapeId) -> u64 {
+        self.materials.bit(id)
+    }
+
     /// Returns the summary of the materials.
     #[must_use]
     pub(crate) fn surfaces(&self) -> &MaterialSummary {
@@ -320,7 +331,7 @@ impl PreparedScene {
         })
     }
 
-    /// Writes the bytes of everything else that pictures depend on, except the camera.
+    /// Writes the bytes of everything else that pictures depend on, except the camera. Fingerprints and the reuse of tiles rely on it.
     pub(crate) fn write_surroundings(&self, bytes: &mut Bytes) {
         bytes.count(self.lights.len() as u64);
         for light in &self.lights {

@@ -18,7 +18,7 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
 
 use crate::color::{Rgb, to_f32};
-use crate::trace::math::{Colors, LANES, WHOLE, bits16};
+use crate::trace::math::{Bytes, Colors, LANES, WHOLE, bits16};
 use crate::trace::scene::{LightSource, PreparedScene, SurfaceMaterial};
 
 /// Upper bounds of the radiance along rays, and of contributions that are negligible.
@@ -55,6 +55,12 @@ impl RadianceBound {
             bounds.push(rounded_up(beyond));
         }
         Self { bounds, negligible: ErrorBudget::new(scene).largest() }
+    }
+
+    /// Writes the bytes of all bounds.
+    pub(crate) fn write(&self, bytes: &mut Bytes) {
+        self.bounds.iter().for_each(|bound| bytes.colors([*bound]));
+        bytes.number(self.negligible.into());
     }
 
     /// Returns the maximum contribution of a ray in any channel.

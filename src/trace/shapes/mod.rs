@@ -38,6 +38,7 @@ pub(crate) use affine_map::inverse;
 pub use aligned_box::AlignedBox;
 pub(crate) use aligned_box::refine_box;
 pub use bounds::Bounds;
+pub(crate) use bounds::CompactBounds;
 pub use box_image::BoxImage;
 pub(crate) use equation::EquationLine;
 pub use equation::{Equation, Interval, RodEnds};

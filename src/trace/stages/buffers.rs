@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
+use super::dependencies::{DependencyRecorder, TileDependencies};
 use super::material_flags::MaterialFlags;
 use super::ray_queue::{RayQueue, UntracedRay};
 use super::tile::{PACKETS, TileLanes};
@@ -60,6 +61,8 @@ pub(crate) struct TileBuffers<'a> {
     pub(super) pixels: Box<[Colors; PACKETS]>,
     /// The slots that the scene covers, if recording is enabled.
     pub(super) covered: Option<TileLanes>,
+    /// The recorder of the dependencies of pixels, if recording is enabled.
+    pub(super) recorder: Option<DependencyRecorder>,
     pub(super) rays_traced: RayCounts,
     pub(super) trees_ended: TreeEnds,
     pub(super) stage_runs: StageCounts,
@@ -90,6 +93,7 @@ impl<'a> TileBuffers<'a> {
             packet_scratch: PacketScratch::default(),
             pixels: Box::new([Colors::splat(Rgb::ZERO); PACKETS]),
             covered: None,
+            recorder: None,
             rays_traced: RayCounts::default(),
             trees_ended: TreeEnds::default(),
             stage_runs: StageCounts::default(),
@@ -101,6 +105,9 @@ impl<'a> TileBuffers<'a> {
         self.wavefront.count = 0;
         self.pixels.fill(Colors::splat(Rgb::ZERO));
         self.covered = self.covered.map(|_| TileLanes::NONE);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.begin_sample();
+        }
         if context.effects.mirrors() {
             self.next.clear();
             self.beyond.clear();
@@ -127,6 +134,20 @@ impl<'a> TileBuffers<'a> {
     /// Enables or disables recording of the slots that the scene covers.
     pub(crate) fn record_coverage(&mut self, record: bool) {
         self.covered = record.then_some(TileLanes::NONE);
+    }
+
+    /// Enables or disables recording of the dependencies of pixels.
+    pub(crate) fn record_dependencies(&mut self, record: bool) {
+        if self.recorder.is_some() != record {
+            self.recorder = record.then(DependencyRecorder::default);
+        }
+    }
+
+    /// Moves the recorded dependencies to those of a tile.
+    pub(crate) fn move_dependencies(&mut self, tile: &mut TileDependencies) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.move_to(tile);
+        }
     }
 
     /// Returns the scratch memory of queries.

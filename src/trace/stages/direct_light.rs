@@ -31,6 +31,9 @@ pub(super) fn direct_light(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
                 return;
             }
             sample_lights(sample, (*index, light), light_sample, buffers);
+            if let Some(recorder) = &mut buffers.recorder {
+                recorder.note_light(*index, &buffers.light_samples[..buffers.wavefront.count]);
+            }
             if sample.context.effects.shadows() {
                 shadows(sample, (place, light, light_sample), buffers);
             }

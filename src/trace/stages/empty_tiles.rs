@@ -18,14 +18,18 @@ use crate::trace::intersect::Scratch;
 use crate::trace::math::{Colors, Vectors, lanes};
 use crate::trace::scene::{Precision, PreparedCamera, SIDE};
 use crate::trace::shading::RenderContext;
+use crate::trace::shapes::CompactBounds;
 
 /// Fills a tile's pixels with the background's colour if their rays certainly hit nothing. Otherwise, or if the colour of such rays needs more
 /// work, changes nothing and returns `false`.
 pub(super) fn fill_empty_tile(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) -> bool {
     let Sample { context, tile, .. } = *sample;
     let Some(color) = sight_of_nothing(context) else { return false };
-    if !is_empty(context, &tile, &mut buffers.scratch.search) {
+    let Some(directions) = directions_to_nothing(context, &tile, &mut buffers.scratch.search) else {
         return false;
+    };
+    if let Some(recorder) = &mut buffers.recorder {
+        recorder.add_empty(context.camera.position(), directions);
     }
     for packet in 0..PACKETS {
         if let Some(square) = tile.square(packet) {
@@ -54,17 +58,22 @@ fn sight_of_nothing(context: &RenderContext<'_>) -> Option<Rgb> {
     scene.constant_miss_radiance().filter(|_| alike).map(|color| Rgb::ZERO + Rgb::ONE * color)
 }
 
-/// Returns whether all pixels of the tile certainly have a ray, and none of these rays can hit a shape of the tree.
-fn is_empty(context: &RenderContext<'_>, tile: &Tile, scratch: &mut Scratch<'_>) -> bool {
+/// Returns a box around the directions of a tile's rays if all of its pixels certainly have a ray, and none of these rays can hit a shape of
+/// the tree.
+fn directions_to_nothing(
+    context: &RenderContext<'_>,
+    tile: &Tile,
+    scratch: &mut Scratch<'_>,
+) -> Option<CompactBounds> {
     let (eye, tree) = (context.camera.position(), &context.scene.tree);
-    let Some(corners) = corners(context.camera, tile).filter(|_| eye.is_finite()) else { return false };
+    let corners = corners(context.camera, tile).filter(|_| eye.is_finite())?;
     let depth = Depth::along(corners.get(0));
     dispatch!(context.scene.simd.level(), simd => {
-        let slopes = SlopeRange::of(simd, (&corners, FOUR), (depth, 1.0));
-        let Some(frustum) = slopes.and_then(|slopes| tree.frustum(eye, depth, &slopes)) else { return false };
+        let slopes = SlopeRange::of(simd, (&corners, FOUR), (depth, 1.0))?;
+        let frustum = tree.frustum(eye, depth, &slopes)?;
         let mut shapes = AnyShape(false);
         tree.visit_frustum(simd, &frustum, f32::INFINITY, &mut scratch.stack, scratch.cancelled, &mut shapes);
-        !shapes.0
+        (!shapes.0).then(|| slopes.directions(depth))
     })
 }
 
@@ -114,7 +123,7 @@ mod tests {
     const SIZE: (u32, u32) = (70, 45);
     const EFFECTS: Effects = Effects { lighting: Lighting::None, paths: Paths::Straight, extras: false };
 
-    /// Returns the empty tiles of a film, with spheres in front of the camera.
+    /// Returns the empty tiles of a film, with spheres in front of the camera. Checks that all rays of such a tile have directions as it says.
     fn empty_tiles(camera: &PreparedCamera, spheres: &[Sphere]) -> Vec<Tile> {
         let mut geometry = Geometry::default();
         for sphere in spheres {
@@ -123,7 +132,24 @@ mod tests {
         let scene = PreparedScene::new(geometry, vec![SurfaceMaterial::default(); spheres.len()]);
         let context = RenderContext::new(&scene, camera, PixelSampling::default(), EFFECTS);
         let never = AtomicBool::new(false);
-        Tile::all(SIZE).filter(|tile| is_empty(&context, tile, &mut Scratch::new(&never, None))).collect()
+        let is_empty = |tile: &Tile| {
+            let Some(bounds) = directions_to_nothing(&context, tile, &mut Scratch::new(&never, None)) else {
+                return false;
+            };
+            let along = (0..3).find(|axis| bounds.min[*axis] == bounds.max[*axis]).unwrap();
+            for (i, j) in (tile.j..tile.j + tile.height)
+                .flat_map(|j| (tile.i..tile.i + tile.width).map(move |i| (i, j)))
+            {
+                let towards = camera.towards(i, j);
+                let direction = (towards / towards[along].abs()).to_array();
+                let is_inside = |axis: usize| {
+                    (f64::from(bounds.min[axis])..=f64::from(bounds.max[axis])).contains(&direction[axis])
+                };
+                assert!((0..3).all(is_inside), "{direction:?} {bounds:?}");
+            }
+            true
+        };
+        Tile::all(SIZE).filter(is_empty).collect()
     }
 
     #[test]

@@ -46,6 +46,9 @@ pub(crate) fn render_sample(
     let mut bounces = context.bounces() - 1;
     while context.effects.mirrors() && !buffers.next.is_empty() && !buffers.is_cancelled() {
         drop_negligible(context, bounces, buffers);
+        if let Some(recorder) = &mut buffers.recorder {
+            recorder.begin_bounce();
+        }
         bounces = bounces.saturating_sub(1);
         while !buffers.is_cancelled() && fill_wavefront(buffers) {
             closest_hits(context, buffers);
@@ -68,10 +71,25 @@ fn shade(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     if buffers.is_cancelled() {
         return;
     }
+    record_dependencies(context, buffers);
     add_to_pixels(context, buffers);
     if context.effects.mirrors() {
         next_rays(context, buffers);
     }
+}
+
+/// Records the regions that the wavefront's rays and their shadow rays pass through, and the materials that they hit, if recording is enabled.
+fn record_dependencies(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_>) {
+    let TileBuffers { wavefront, hits, surfaces, recorder: Some(recorder), stage_runs, .. } = buffers else {
+        return;
+    };
+    stage_runs.dependencies += 1;
+    let scene = wavefront.scene(context);
+    dispatch!(context.scene.simd.level(), simd => {
+        for packet in 0..wavefront.count {
+            recorder.add(simd, scene, (wavefront, packet), (&hits[packet], &surfaces[packet]));
+        }
+    });
 }
 
 /// Generates the wavefront of camera rays. A camera at a non-finite position has no rays: its pixels see the background.

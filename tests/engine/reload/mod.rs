@@ -5,5 +5,5 @@
 pub(crate) mod described;
 mod edits;
 mod kept;
-mod model;
+pub(crate) mod model;
 pub(crate) mod random;

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::depth::Depth;
 use crate::trace::math::{F64s, LANES, Numbers, Vectors, bits, bits16, mask16, splat};
+use crate::trace::shapes::CompactBounds;
 
 /// Number of packets in a bundle.
 pub(crate) const PACKETS: usize = 16;
@@ -79,6 +80,18 @@ impl SlopeRange {
             good &= low >= -STEEPEST && high <= STEEPEST;
         }
         good.then_some(range)
+    }
+
+    /// Returns a box around the directions of all rays with these slopes, with a component of 1 or -1 along the depth axis.
+    pub(crate) fn directions(&self, depth: Depth) -> CompactBounds {
+        let [along, u, v] = depth.axes();
+        let mut bounds = CompactBounds::EMPTY;
+        let ahead = if depth.sign() > 0.0 { 1.0 } else { -1.0 };
+        (bounds.min[along], bounds.max[along]) = (ahead, ahead);
+        for (side, axis) in [u, v].into_iter().enumerate() {
+            (bounds.min[axis], bounds.max[axis]) = (self.low[side], self.high[side]);
+        }
+        bounds
     }
 
     pub(super) fn steepest(&self) -> f32 {
