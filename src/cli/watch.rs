@@ -151,9 +151,11 @@ impl WatchPrinter {
     }
 
     fn show(&self, shown: &Shown) {
-        let Times { animate, prepare, trace, .. } = shown.times;
+        let Times { animate, prepare, trace, reused, .. } = shown.times;
+        let kept =
+            if reused >= 0.01 { format!(" ({:.0} % kept)", (100.0 * reused).floor()) } else { String::new() };
         print::error_line(&format!(
-            "{}: frame {}: animate {animate:.1} ms, prepare {prepare:.1} ms, trace {trace:.1} ms, {} rays",
+            "{}: frame {}: animate {animate:.1} ms, prepare {prepare:.1} ms, trace {trace:.1} ms{kept}, {} rays",
             self.scene,
             shown.info.frame,
             in_millions(shown.rays as f64),

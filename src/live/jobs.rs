@@ -1,13 +1,14 @@
 //! The jobs of the renderer, their results, and the rendering of one picture.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::commands::Detail;
 use super::progressive::{PreviewLevel, RefreshTimer};
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::systems::RenderSettings;
-use crate::trace::{Film, RenderJob, Signals};
+use crate::trace::{Film, RenderJob, ReusablePicture, Signals};
 
 /// A piece of work. All pictures are of the current frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,12 +81,19 @@ impl RenderInProgress {
     }
 }
 
-/// Renders a frame until it is finished or stopped; see [`Engine::render`].
+/// Minimum expected time of a picture of which tiles are reused, in milliseconds: copying its film and comparing its scene and its tiles with
+/// former ones takes 3 to 6.
+pub(super) const REUSE_ABOVE_MS: f64 = 20.0;
+
+/// A finished full picture whose tiles are reused in the next one.
+pub(super) type ReuseSlot = Option<Arc<ReusablePicture>>;
+
+/// Renders a frame until it is finished or stopped, with the tiles of the picture in `reuse`; see [`Engine::render`].
 pub(super) fn render(
     engine: &mut Engine,
-    frame: u32,
-    detail: Detail,
+    (frame, detail): (u32, Detail),
     job: &mut Option<RenderJob>,
+    reuse: Option<&mut ReuseSlot>,
     signals: Signals<'_>,
     visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
 ) -> Result<Option<Film>, EngineError> {
@@ -96,6 +104,7 @@ pub(super) fn render(
         signals,
         on_pause: Some(visit),
         resume: Some(job),
+        reuse,
         ..RenderRequest::at(time)
     };
     Ok(unless_cancelled(engine.render(request))?.map(|image| image.film))

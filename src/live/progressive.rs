@@ -81,6 +81,8 @@ pub(super) struct RequestedPicture {
     pub(super) divisor: u32,
     /// Samples per pixel.
     pub(super) samples: u32,
+    /// Fraction of the pixels that are traced. The others are reused.
+    pub(super) share: f64,
 }
 
 /// The timings of earlier pictures, in milliseconds.
@@ -139,7 +141,12 @@ impl PreviewLevel {
 impl RequestedPicture {
     /// Returns the number of camera rays.
     pub(super) fn rays(self) -> f64 {
-        pixels(self.film, self.divisor) as f64 * f64::from(self.samples)
+        pixels(self.film, self.divisor) as f64 * f64::from(self.samples) * self.share
+    }
+
+    /// Returns the picture with the share that a job traces.
+    pub(super) fn traced_by(self, job: &RenderJob) -> Self {
+        Self { share: 1.0 - job.reused_share(), ..self }
     }
 
     /// Returns the number of camera rays of the finished part of the picture, but at least the rays of one sample of a tile, which are
@@ -330,6 +337,12 @@ pub(super) fn share_of_unfinished(job: &RenderJob) -> f64 {
     job.share().min(0.99)
 }
 
+/// Returns whether the time of a picture tells that of others, given the share of it that is reused. Tiles that are traced again are dearer
+/// than the mean.
+pub(super) fn tells_speed(reused: f64) -> bool {
+    reused < 0.5
+}
+
 /// Returns the number of pixels of a film whose sides are divided by `divisor`. Each side keeps at least one pixel.
 fn pixels((width, height): (u32, u32), divisor: u32) -> u64 {
     let side = |side: u32| u64::from((side / divisor).max(1));
@@ -356,7 +369,7 @@ mod tests {
     /// Returns all levels before a picture and their times, given the time of a camera ray for each effort, in milliseconds.
     fn levels_before(ray: [f64; 3], film: (u32, u32), samples: u32) -> (Vec<PreviewLevel>, Vec<f64>) {
         let mut timings = Timings::default();
-        let target = RequestedPicture { film, divisor: 1, samples };
+        let target = RequestedPicture { film, divisor: 1, samples, share: 1.0 };
         let cost = |level: PreviewLevel| ray[level.effort as usize] * pixels(film, level.divisor) as f64;
         let (mut levels, mut times) = (Vec::new(), Vec::new());
         let mut next = Some(timings.first(film, FIRST_MS, 2));
@@ -387,7 +400,7 @@ mod tests {
                         let (levels, times) = levels_before(ray, film, samples);
                         let finer = levels.windows(2).all(|pair| pair[1].divisor < pair[0].divisor);
                         assert!(!levels.is_empty() && finer, "{ray:?} {film:?} {samples}: {levels:?}");
-                        let target = RequestedPicture { film, divisor: 1, samples };
+                        let target = RequestedPicture { film, divisor: 1, samples, share: 1.0 };
                         let (all, picture) = (times[1..].iter().sum::<f64>(), full * target.rays());
                         assert!(all <= 1.5 * MAX_SHARE * picture, "{ray:?} {film:?} {samples}: {times:?}");
                     }

@@ -212,7 +212,7 @@ impl RenderedPicture {
         trace: f64,
         state: &State,
     ) -> Self {
-        let (kind, times) = (PictureKind::Coarse(progress), Times { trace, ..state.times });
+        let (kind, times) = (PictureKind::Coarse(progress), Times { trace, reused: 0.0, ..state.times });
         Self {
             film,
             transfer,

@@ -1,5 +1,7 @@
 //! Rendering of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
 
+mod filling;
+
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -8,12 +10,14 @@ use std::time::{Duration, Instant};
 use super::cache::FrameKey;
 use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail};
-use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob, RenderInProgress, render, settings_of};
+use super::jobs::{
+    JobOutcome, LevelRole, Occasion, PreviewJob, REUSE_ABOVE_MS, RenderInProgress, ReuseSlot, render,
+};
 use super::measure;
 use super::pixel_info::PixelInfo;
 use super::progressive::{
     Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RequestedPicture, Timings, share_of_unfinished,
-    with_deadline,
+    tells_speed, with_deadline,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
@@ -30,8 +34,6 @@ const PREVIEW_DELAY: Duration = Duration::from_millis(50);
 /// Minimum time slice of the full picture due after an edit, even when another picture is requested: half a frame interval at 25 frames
 /// per second, so that the picture progresses during playback, which stays smooth.
 const MIN_SLICE: Duration = Duration::from_millis(20);
-/// Minimum interval between reports of new pictures in the cache. Simple scenes fill it with hundreds of pictures a second.
-const CACHE_REPORT_INTERVAL: Duration = Duration::from_millis(100);
 /// Maximum time of a curve point other than the scene's own, in milliseconds, so that the curve of a slow frame ends.
 const LONGEST_POINT: f64 = 2000.0;
 
@@ -52,6 +54,9 @@ pub(super) struct Renderer {
     background: Option<RenderInProgress>,
     /// The picture that is rendered for the cache.
     filling: Option<RenderInProgress>,
+    /// The last full picture that was requested, of any frame, and the last one for the cache. Their tiles are reused.
+    displayed: ReuseSlot,
+    filled: ReuseSlot,
     cache_reported: Instant,
 }
 
@@ -75,6 +80,8 @@ impl Renderer {
             in_progress: None,
             background: None,
             filling: None,
+            displayed: None,
+            filled: None,
             cache_reported: Instant::now(),
         }
     }
@@ -124,14 +131,6 @@ impl Renderer {
         }
     }
 
-    /// Forgets which frames have finished pictures, after a change of the scene or of the requested quality.
-    pub(super) fn begin_cache(&mut self) {
-        self.filling = None;
-        let published = self.publisher.published();
-        published.cache().begin(self.engine.timeline().frame_count());
-        published.publish_cached_frames(false);
-    }
-
     /// Discards the unfinished pictures of a frame that is no longer displayed.
     pub(super) fn discard_unfinished(&mut self) {
         (self.in_progress, self.last_level) = (None, None);
@@ -158,8 +157,10 @@ impl Renderer {
     }
 
     /// Returns a finer level than the last one, or `None` if the requested picture should follow.
-    pub(super) fn finer_level(&self, detail: Detail) -> Option<PreviewLevel> {
-        self.last_level.and_then(|(level, took)| self.timings.finer(level, took, self.target(detail)))
+    pub(super) fn finer_level(&mut self, detail: Detail) -> Option<PreviewLevel> {
+        let (level, took) = self.last_level?;
+        let target = RequestedPicture { share: 1.0 - self.reusable_share(detail), ..self.target(detail) };
+        self.timings.finer(level, took, target)
     }
 
     /// Returns whether a picture is expected to take at most `milliseconds`.
@@ -243,23 +244,6 @@ impl Renderer {
         }
     }
 
-    /// Finds the fingerprint of a frame at the requested quality, unless it is known. It stays unknown if the search is cancelled.
-    fn find_key(&mut self, frame: u32, signals: Signals<'_>) {
-        let published = self.publisher.published();
-        if published.cache().key(frame) != FrameKey::Unknown {
-            return;
-        }
-        let time = self.engine.timeline().time_of(frame);
-        let settings = settings_of(&self.engine, published.detail());
-        let planned = self.engine.plan(RenderRequest { settings, signals, ..RenderRequest::at(time) });
-        let key = match planned {
-            Ok(report) => report.fingerprint.map_or(FrameKey::Failed, FrameKey::Known),
-            Err(EngineError::Cancelled) => return,
-            Err(_) => FrameKey::Failed,
-        };
-        self.publisher.published().cache().set_key(frame, key);
-    }
-
     /// Renders and publishes a coarse picture. A first picture that takes too long is replaced by a cheaper one. A picture between the
     /// first and the requested one has no successors if a command interrupts it: no part of it can be kept, so frequent commands would
     /// otherwise delay the requested picture forever.
@@ -336,15 +320,19 @@ impl Renderer {
     ) -> Result<(Option<Film>, JobOutcome), EngineError> {
         let target = self.target(in_progress.detail);
         let deadline = self.publisher.latest().is_none().then(|| self.preview_delay(target));
-        let Self { engine, publisher, timings, last_level, commands, .. } = self;
+        let reuses = self.reuses(in_progress.detail);
+        let Self { engine, publisher, timings, last_level, commands, displayed, .. } = self;
         let RenderInProgress { frame, detail, job, traced, is_shown, timer } = in_progress;
         let (interrupt, transfer) = (commands.interrupt(), engine.effective_settings().film.transfer);
         let traced_before = Times::milliseconds(*traced) - timer.traced();
         let mut outcome = JobOutcome::Interrupted;
         let mut visit = |job: &RenderJob| {
             timer.reschedule();
+            let target = target.traced_by(job);
             let (traced, progress) = (traced_before + timer.traced(), share_of_unfinished(job));
-            timings.note(Effort::Full, traced, target.rays_so_far(job));
+            if tells_speed(job.reused_share()) {
+                timings.note(Effort::Full, traced, target.rays_so_far(job));
+            }
             // The speed now known may leave time for another coarse picture, which would be worse than an unfinished one that is already
             // shown.
             let level = last_level.filter(|_| !*is_shown);
@@ -376,12 +364,14 @@ impl Renderer {
                 timer.is_due()
             };
             let signals = Signals { cancelled: interrupt, pause: &pause };
-            render(engine, *frame, *detail, job, signals, &mut visit)
+            let reuse = reuses.then_some(displayed);
+            render(engine, (*frame, *detail), job, reuse, signals, &mut visit)
         });
         *traced += engine.report().trace;
         let film = film?;
         if film.is_none() && is_late {
             if let Some(job) = job {
+                let target = target.traced_by(job);
                 timings.note(Effort::Full, Times::milliseconds(*traced), target.rays_so_far(job));
             }
             outcome = JobOutcome::Needs(timings.first(state.film, FIRST_MS, FIRST_DIVISOR), LevelRole::First);
@@ -431,62 +421,10 @@ impl Renderer {
         };
         let signals = Signals { cancelled: self.commands.urgent(), pause: &pause };
         let RenderInProgress { frame, detail, job, .. } = picture;
-        let film = render(&mut self.engine, *frame, *detail, job, signals, &mut |_| Break(()));
+        let reuse = self.reuses(*detail).then_some(&mut self.displayed);
+        let film = render(&mut self.engine, (*frame, *detail), job, reuse, signals, &mut |_| Break(()));
         picture.traced += self.engine.report().trace;
         film
-    }
-
-    /// Returns whether a picture can be added to the cache. A film that is rendered into files comes first.
-    pub(super) fn can_fill_cache(&self) -> bool {
-        let published = self.publisher.published();
-        !published.film().is_running()
-            && (self.filling.is_some() || published.cache().next_missing(published.state().frame).is_some())
-    }
-
-    /// Finds the fingerprint of a frame that has no picture in the cache, or continues the picture until it is finished, `until`, or a
-    /// command. During playback the work is continued for a while in spite of requests of frames.
-    pub(super) fn fill_cache(&mut self, is_playing: bool, until: Option<Instant>) {
-        let published = self.publisher.published();
-        let state = published.state();
-        let (next, detail) = (published.cache().next_missing(state.frame), state.detail);
-        let mut filling = match (self.filling.take(), next) {
-            (Some(filling), _) => filling,
-            (None, Some(frame)) => RenderInProgress::new(frame, detail),
-            (None, None) => return,
-        };
-        let frame = filling.frame;
-        if published.cache().key(frame) == FrameKey::Unknown {
-            let commands = Arc::clone(&self.commands);
-            self.find_key(frame, Signals { cancelled: commands.urgent(), ..Signals::none() });
-            return self.report_cache();
-        }
-        let slice = if is_playing { MIN_SLICE } else { Duration::ZERO };
-        let is_kept = match self.continue_in_background(&mut filling, slice, until) {
-            Ok(None) => {
-                self.filling = Some(filling);
-                return;
-            }
-            Ok(Some(film)) => {
-                let kind = PictureKind::finished(detail);
-                let current = state.frame;
-                let state = State { frame, ..state };
-                let picture = self.rendered(&state, kind, film, filling.traced);
-                self.publisher.keep(&state, &picture, current)
-            }
-            Err(_) => false,
-        };
-        if !is_kept {
-            self.publisher.published().cache().set_key(frame, FrameKey::Failed);
-        }
-        self.report_cache();
-    }
-
-    /// Publishes which frames have pictures, at once if all have them.
-    fn report_cache(&mut self) {
-        if self.cache_reported.elapsed() >= CACHE_REPORT_INTERVAL || !self.can_fill_cache() {
-            self.cache_reported = Instant::now();
-            self.publisher.published().publish_cached_frames(true);
-        }
     }
 
     /// Measures the cost of an effect or a point of the error curve. Any command ends the measurements.
@@ -526,6 +464,24 @@ impl Renderer {
         Ok(if is_last { JobOutcome::Ended } else { JobOutcome::Done })
     }
 
+    /// Returns whether tiles of pictures of a quality are reused.
+    fn reuses(&self, detail: Detail) -> bool {
+        detail == Detail::Full && !self.is_expected_within(REUSE_ABOVE_MS, detail)
+    }
+
+    /// Returns the share of the requested picture of the current frame that can be reused.
+    fn reusable_share(&mut self, detail: Detail) -> f64 {
+        if !self.reuses(detail) || self.displayed.is_none() {
+            return 0.0;
+        }
+        let time = self.engine.timeline().time_of(self.publisher.published().state().frame);
+        let commands = Arc::clone(&self.commands);
+        let signals = Signals { cancelled: commands.interrupt(), ..Signals::none() };
+        let reuse = Some(&mut self.displayed);
+        let request = RenderRequest { fingerprint: false, signals, reuse, ..RenderRequest::at(time) };
+        self.engine.plan(request).map_or(0.0, |report| report.reused)
+    }
+
     /// Returns the size and sample count of a picture of this quality.
     fn target(&self, detail: Detail) -> RequestedPicture {
         let EffectiveSettings { film, sampling, .. } = self.engine.effective_settings();
@@ -536,14 +492,17 @@ impl Renderer {
             Detail::Draft => (1, 1),
             Detail::Half => (2, 1),
         };
-        RequestedPicture { film: (film.width, film.height), divisor, samples }
+        RequestedPicture { film: (film.width, film.height), divisor, samples, share: 1.0 }
     }
 
     /// Records the speed of the last picture.
     fn note(&mut self, effort: Effort, traced: Duration) {
         let report = self.engine.report();
         self.timings.note_moment(Times::milliseconds(report.animate + report.prepare));
-        self.timings.note(effort, Times::milliseconds(traced), report.rays.camera);
+        if tells_speed(report.reused) {
+            let whole = Times::milliseconds(traced) / (1.0 - report.reused);
+            self.timings.note(effort, whole, report.rays.camera);
+        }
     }
 
     fn publish(&mut self, state: &State, kind: PictureKind, film: Film, traced: Duration) -> JobOutcome {

@@ -141,6 +141,8 @@ pub struct Times {
     pub trace: f64,
     /// Encoding: from a film to a file.
     pub encode: f64,
+    /// Fraction of the picture, 0 to 1, that was taken from the one before, for which no rays were traced. The number of rays includes them.
+    pub reused: f64,
 }
 
 impl Mistakes {
@@ -196,6 +198,7 @@ impl Times {
         self.animate = Self::milliseconds(report.animate);
         self.prepare = Self::milliseconds(report.prepare);
         self.trace = Self::milliseconds(traced);
+        self.reused = report.reused;
     }
 
     /// Returns the time of a frame: the sum of animating, preparing and tracing.

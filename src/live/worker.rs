@@ -438,7 +438,7 @@ impl Worker {
     }
 
     /// Returns the task that begins with a look into the cache. With `finish`, the film of every frame is needed, except during playback.
-    fn cached_or_frame_task(&self, occasion: Occasion) -> Task {
+    fn cached_or_frame_task(&mut self, occasion: Occasion) -> Task {
         match occasion {
             Occasion::Request | Occasion::AfterCoarse if self.finish => self.frame_task(occasion),
             _ => Task::Run(PreviewJob::Cached(occasion)),
@@ -446,7 +446,7 @@ impl Worker {
     }
 
     /// Returns the best task that fits into the available time, for a frame whose picture is not taken from the cache.
-    fn frame_task(&self, occasion: Occasion) -> Task {
+    fn frame_task(&mut self, occasion: Occasion) -> Task {
         let fits = |time| self.renderer.is_expected_within(time, self.detail);
         match occasion {
             Occasion::Playback if fits(self.interval()) => self.picture(self.detail),
@@ -466,7 +466,7 @@ impl Worker {
     }
 
     /// Returns the task after a coarse picture: a finer one, or the requested picture if no finer one is worthwhile.
-    fn after_preview(&self) -> Task {
+    fn after_preview(&mut self) -> Task {
         let finer = self.renderer.finer_level(self.detail);
         let preview = |level| Task::Run(PreviewJob::Preview(level, LevelRole::Between));
         finer.map_or_else(|| self.picture(self.detail), preview)

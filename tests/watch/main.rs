@@ -17,6 +17,7 @@ mod fuzz;
 #[path = "../signals/ignored.rs"]
 mod ignored;
 mod levels;
+mod reuse;
 mod saves;
 mod session;
 #[path = "../random/splitmix.rs"]

@@ -135,7 +135,8 @@ function drawTimes() {
   const names = { read: "read files", build: "build the world", animate: "animate", prepare: "prepare", trace: "trace rays", encode: "encode" };
   const most = Math.max(...Object.keys(names).map(name => state.times[name]), 1e-9);
   const rows = Object.entries(names).map(([name, words]) => {
-    const time = state.times[name], row = element("tr"), first = element("td", words), bar = element("div", undefined, { className: "bar" });
+    const reused = name === "trace" ? Math.floor(100 * state.times.reused) : 0;
+    const time = state.times[name], row = element("tr"), first = element("td", words + (reused > 0 ? `, ${reused} % kept` : "")), bar = element("div", undefined, { className: "bar" });
     bar.style.width = 100 * time / most + "%";
     first.append(bar);
     row.append(first, element("td", milliseconds(time) + " ms"));

@@ -1,0 +1,99 @@
+//! Rendering of the frames that the cache misses, while nothing else is requested.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::{MIN_SLICE, Renderer};
+use crate::engine::{EngineError, RenderRequest};
+use crate::live::cache::FrameKey;
+use crate::live::jobs::{RenderInProgress, settings_of};
+use crate::live::publish::PictureKind;
+use crate::live::state::State;
+use crate::trace::Signals;
+
+/// Minimum interval between reports of new pictures in the cache. Simple scenes fill it with hundreds of pictures a second.
+const CACHE_REPORT_INTERVAL: Duration = Duration::from_millis(100);
+
+impl Renderer {
+    /// Forgets which frames have finished pictures, after a change of the scene or of the requested quality.
+    pub(in crate::live) fn begin_cache(&mut self) {
+        self.filling = None;
+        let published = self.publisher.published();
+        published.cache().begin(self.engine.timeline().frame_count());
+        published.publish_cached_frames(false);
+    }
+
+    /// Finds the fingerprint of a frame at the requested quality, unless it is known. It stays unknown if the search is cancelled.
+    pub(super) fn find_key(&mut self, frame: u32, signals: Signals<'_>) {
+        let published = self.publisher.published();
+        if published.cache().key(frame) != FrameKey::Unknown {
+            return;
+        }
+        let time = self.engine.timeline().time_of(frame);
+        let settings = settings_of(&self.engine, published.detail());
+        let planned = self.engine.plan(RenderRequest { settings, signals, ..RenderRequest::at(time) });
+        let key = match planned {
+            Ok(report) => report.fingerprint.map_or(FrameKey::Failed, FrameKey::Known),
+            Err(EngineError::Cancelled) => return,
+            Err(_) => FrameKey::Failed,
+        };
+        self.publisher.published().cache().set_key(frame, key);
+    }
+
+    /// Returns whether a picture can be added to the cache. A film that is rendered into files comes first.
+    pub(in crate::live) fn can_fill_cache(&self) -> bool {
+        let published = self.publisher.published();
+        !published.film().is_running()
+            && (self.filling.is_some() || published.cache().next_missing(published.state().frame).is_some())
+    }
+
+    /// Finds the fingerprint of a frame that has no picture in the cache, or continues the picture until it is finished, `until`, or a
+    /// command. During playback the work is continued for a while in spite of requests of frames.
+    pub(in crate::live) fn fill_cache(&mut self, is_playing: bool, until: Option<Instant>) {
+        let published = self.publisher.published();
+        let state = published.state();
+        let (next, detail) = (published.cache().next_missing(state.frame), state.detail);
+        let mut filling = match (self.filling.take(), next) {
+            (Some(filling), _) => filling,
+            (None, Some(frame)) => RenderInProgress::new(frame, detail),
+            (None, None) => return,
+        };
+        let frame = filling.frame;
+        if published.cache().key(frame) == FrameKey::Unknown {
+            let commands = Arc::clone(&self.commands);
+            self.find_key(frame, Signals { cancelled: commands.urgent(), ..Signals::none() });
+            return self.report_cache();
+        }
+        let slice = if is_playing { MIN_SLICE } else { Duration::ZERO };
+        // Frames of the cache reuse the tiles of each other: they are further apart from the displayed one.
+        std::mem::swap(&mut self.displayed, &mut self.filled);
+        let film = self.continue_in_background(&mut filling, slice, until);
+        std::mem::swap(&mut self.displayed, &mut self.filled);
+        let is_kept = match film {
+            Ok(None) => {
+                self.filling = Some(filling);
+                return;
+            }
+            Ok(Some(film)) => {
+                let kind = PictureKind::finished(detail);
+                let current = state.frame;
+                let state = State { frame, ..state };
+                let picture = self.rendered(&state, kind, film, filling.traced);
+                self.publisher.keep(&state, &picture, current)
+            }
+            Err(_) => false,
+        };
+        if !is_kept {
+            self.publisher.published().cache().set_key(frame, FrameKey::Failed);
+        }
+        self.report_cache();
+    }
+
+    /// Publishes which frames have pictures, at once if all have them.
+    fn report_cache(&mut self) {
+        if self.cache_reported.elapsed() >= CACHE_REPORT_INTERVAL || !self.can_fill_cache() {
+            self.cache_reported = Instant::now();
+            self.publisher.published().publish_cached_frames(true);
+        }
+    }
+}
