@@ -19,9 +19,9 @@ use rayreel::{Engine, RenderRequest, Scene};
 mod shipped;
 
 /// Number of runs of each picture.
-const RUNS: usize = 5;
+const RUNS: usize = 3;
 /// Maximum number of edits of each kind in a scene, spread over its materials and entities.
-const EDITS: usize = 4;
+const EDITS: usize = 3;
 
 fn main() {
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();

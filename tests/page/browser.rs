@@ -3,6 +3,8 @@
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 
 use super::http::request;
@@ -105,9 +107,20 @@ impl Browser {
             (json!({ "type": "pointerDown", "button": 0 }), json!({ "type": "pointerUp", "button": 0 }));
         // The view is asked for at the first movement, and follows the next ones.
         let pause = json!({ "type": "pause", "duration": 200 });
-        let actions = [to(0, 0), press, to(right / 2, down / 2), pause, to(right, down), release];
+        self.point(&[to(0, 0), press, to(right / 2, down / 2), pause, to(right, down), release]);
+    }
+
+    /// Lets the mouse pointer act.
+    pub(crate) fn point(&self, actions: &[Value]) {
         let pointer = json!({ "type": "pointer", "id": "mouse", "parameters": { "pointerType": "mouse" }, "actions": actions });
         self.ask_session("actions", &json!({ "actions": [pointer] }));
+    }
+
+    /// Returns a picture of the page, as PNG file.
+    pub(crate) fn screenshot(&self) -> Vec<u8> {
+        let command = json!({ "cmd": "Page.captureScreenshot", "params": {} });
+        let taken = self.ask_session("goog/cdp/execute", &command);
+        BASE64_STANDARD.decode(taken["data"].as_str().unwrap()).unwrap()
     }
 
     /// Presses a key. Special keys are characters in WebDriver's private use area.

@@ -9,6 +9,7 @@ mod film;
 mod gallery;
 mod http;
 mod lanes;
+mod studio;
 mod warnings;
 
 use std::fs;

@@ -77,20 +77,19 @@ function keyButton(track, index) {
   button.setAttribute("aria-label", `Key of ${nameOf(track)} at ${formatted(time)} seconds`);
   button.setAttribute("aria-pressed", picked?.path === track.path && picked.index === index);
   button.onclick = () => pick(track, index);
-  let from = null;
   button.onpointerdown = event => {
     if (event.button !== 0 || state.edits.tried.length > 0) return;
-    from = frameAt(event);
+    const from = frameAt(event), end = new AbortController(), { signal } = end;
     button.setPointerCapture(event.pointerId);
+    // Not of the button alone: not all browsers send what is captured to it at once.
+    document.addEventListener("pointermove", event => {
+      const by = Math.round(frameAt(event) - from);
+      if (by === 0 && !moving) return;
+      moveKey(track, index, by);
+      place();
+    }, { signal });
+    for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, () => { end.abort(); if (moving) dropKey(); }, { signal });
   };
-  button.onpointermove = event => {
-    if (from === null) return;
-    const by = Math.round(frameAt(event) - from);
-    if (by === 0 && !moving) return;
-    moveKey(track, index, by);
-    place();
-  };
-  button.onlostpointercapture = () => { from = null; if (moving) dropKey(); };
   button.onkeydown = event => {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (by) { moveKey(track, index, by); dropKey(); }

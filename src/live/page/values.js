@@ -22,8 +22,8 @@ async function drawValues(surface) {
     if (surface.material) parts.push([`material ${surface.material}`, `materials.${quoted(surface.material)}`]);
     for (const part of parts) part.push(await valuesAt(part[1]));
   }
-  const sections = parts.filter(([, , values]) => values.length > 0).map(([title, path, values]) => {
-    const section = element("section"), names = namesOf(path, values);
+  const sections = parts.filter(([, , values]) => values.length > 0).map(([title, , values]) => {
+    const section = element("section"), names = namesOf(values);
     section.append(element("h3", title), ...values.map((value, index) => valueRow(value, names[index])));
     return section;
   });
@@ -39,9 +39,9 @@ async function drawValues(surface) {
   if (label) [...at("values").querySelectorAll("input")].find(input => input.getAttribute("aria-label") === label && input.type === type)?.focus();
 }
 
-// The last step of each path or, where several values of the part have it, the last two.
-function namesOf(part, values) {
-  const last = ({ path }, steps) => path.slice(part.length + 1).split(".").slice(-steps).join(".");
+// The last step of each path or, where several values have it, the last two.
+function namesOf(values) {
+  const last = ({ path }, steps) => path.split(".").slice(-steps).join(".");
   return values.map(value => last(value, values.filter(other => last(other, 1) === last(value, 1)).length > 1 ? 2 : 1));
 }
 
