@@ -18,6 +18,7 @@ fn dialog_renders_a_range_cancels_and_offers_a_movie() {
     let ends = |end: &str| {
         until(&browser, &format!("state.film_files?.end === '{end}' && !at('film-files').hidden"));
     };
+    until(&browser, "shown !== null && shown.full");
     browser.evaluate("(setRange('first', 3), setRange('last', 5), true)");
     render("made");
     ends("complete");

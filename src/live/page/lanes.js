@@ -8,6 +8,9 @@ let tracks = null;     // { of, tracks, unlisted, cameras }, as in the file; `of
 let picked = null;     // { path, index }: the key in the panel
 let moving = null;    // { path, index, time } while a key is moved
 
+// Without a choice, keys are shown unless there is little room.
+const narrow = matchMedia("(max-width: 760px)");
+const showsLanes = () => view.lanes ?? !narrow.matches;
 const lastFrame = () => Math.max(state.frames - 1, 1);
 const frameOf = (track, time) => (track.offset + time / track.speed) * state.rate;
 const keyTime = (track, frame) => (frame / state.rate - track.offset) * track.speed;
@@ -31,8 +34,8 @@ async function fetchTracks() {
 function drawLanes() {
   const count = tracks?.tracks.length ?? 0, focused = document.activeElement?.dataset.key;
   at("keyed").hidden = count === 0 || state.frames < 2;
-  at("keyed").setAttribute("aria-pressed", view.lanes);
-  at("lanes").hidden = at("keyed").hidden || !view.lanes;
+  at("keyed").setAttribute("aria-pressed", showsLanes());
+  at("lanes").hidden = at("keyed").hidden || !showsLanes();
   if (at("lanes").hidden) return;
   const rows = tracks.tracks.map(track => {
     const row = element("div", undefined, { className: "lane", title: "Double click for a new key" });
@@ -175,4 +178,5 @@ function drawKey() {
   if (focused) [...at("key").querySelectorAll("input, select")].find(input => input.getAttribute("aria-label") === focused)?.focus();
 }
 
-at("keyed").onclick = () => { view.lanes = !view.lanes; keep(); drawLanes(); };
+at("keyed").onclick = () => { view.lanes = !showsLanes(); keep(); drawLanes(); };
+narrow.onchange = drawLanes;

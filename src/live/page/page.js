@@ -9,7 +9,7 @@ const element = (name, text, attributes = {}) => {
 };
 
 // The view: it survives reloads of the scene, of the page, and of the server.
-const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: true, spot: null, wipe: null, swap: false, scene: null };
+const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, wipe: null, swap: false, scene: null };
 const storage = "rayreel" + location.host;
 try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* keep the defaults */ }
 const keep = () => { try { sessionStorage.setItem(storage, JSON.stringify(view)); } catch { /* not kept */ } };
@@ -95,7 +95,8 @@ function draw() {
   if (!state) return;
   const name = state.scene.split(/[\\/]/).pop();
   const wrong = state.mistakes || state.frame_mistakes;
-  document.title = (wrong ? "✗ " : "") + name + " · rayreel";
+  const frame = state.frames > 1 ? ` · frame ${view.frame}` : "";
+  document.title = (wrong ? "✗ " : "") + name + frame + " · rayreel";
   at("scene").textContent = name;
   at("scene").title = state.scene;
   drawStatus();

@@ -41,7 +41,8 @@ async function drawValues(surface) {
 
 // The last step of each path or, where several values have it, the last two.
 function namesOf(values) {
-  const last = ({ path }, steps) => path.split(".").slice(-steps).join(".");
+  // A path begins with the kind of the part and its name, which is quoted if it has dots.
+  const last = ({ path }, steps) => path.replace(/^\w+\.("[^"]*"|[^.]*)\./, "").split(".").slice(-steps).join(".");
   return values.map(value => last(value, values.filter(other => last(other, 1) === last(value, 1)).length > 1 ? 2 : 1));
 }
 
