@@ -78,7 +78,7 @@ use crate::trace::{RenderJob, ReusablePicture, Signals};
 ///     format!(
 ///         r#"(
 ///             film: (width: 96, height: 64), camera: (position: (0, 0, -5), target: (0, 0, 0)), ambient: (1, 1, 1),
-///             entities: [(shape: Sphere(radius: 0.3), color: "{color}"), (shape: Sphere(radius: 1), transform: (translation: (0, 0, 2)))],
+///             entities: [(shape: Sphere(radius: 0.3), color: "{color}"), (shape: Sphere(radius: 1), color: (200, 200, 200), transform: (translation: (0, 0, 2)))],
 ///         )"#
 ///     )
 /// };

@@ -39,7 +39,7 @@ pub struct WrittenTrack {
     pub speed: f64,
     /// True if the keys repeat.
     pub repeats: bool,
-    /// Position of the track, as `ball.ron:12:3`.
+    /// Position of the track, as `ball.ron:12`.
     pub place: String,
     /// The keys, ascending.
     pub keys: Vec<WrittenKey>,
@@ -103,7 +103,13 @@ impl WrittenTracks {
         let mut found = Self::default();
         let Some((file, text)) = scene_text(files) else { return found };
         let Some(scene) = scene(&text) else { return found };
-        let place = |at: usize| format!("{}:{}", file.display(), SourcePosition::of(&text, at));
+        // Lines are counted once, from track to track.
+        let (mut line, mut counted) = (1, 0);
+        let mut place = |at: usize| {
+            line += text[counted.min(at)..at].matches('\n').count();
+            counted = at;
+            format!("{}:{line}", file.display())
+        };
         if let Some(cameras) = scene.field(&text, "cameras").and_then(|span| bracket(&text, span.start)) {
             found.cameras = cameras
                 .members
@@ -113,7 +119,8 @@ impl WrittenTracks {
         }
         let shots = scene.field(&text, "shots").and_then(|span| KeyList::at(&text, span));
         if let Some(shots) = shots.filter(|shots| !shots.keys.is_empty()) {
-            let place = place(shots.span.start);
+            let line = SourcePosition::of(&text, shots.span.start).line;
+            let place = format!("{}:{line}", file.display());
             let shots = WrittenTrack {
                 path: "shots".to_owned(),
                 target: "shots".to_owned(),
@@ -128,8 +135,7 @@ impl WrittenTracks {
         }
         let animate = scene.field(&text, "animate").and_then(|span| bracket(&text, span.start));
         for (index, animation) in animate.iter().flat_map(|animate| &animate.members).enumerate() {
-            let start = animation.value.start;
-            if let Some(track) = WrittenTrack::of(&text, index, animation, || place(start)) {
+            if let Some(track) = WrittenTrack::of(&text, index, animation, &mut place) {
                 found.add(track);
             }
         }
@@ -144,7 +150,12 @@ impl WrittenTracks {
 
 impl WrittenTrack {
     /// Returns an animation; `None` if it has no keys.
-    fn of(text: &str, index: usize, animation: &BracketMember, place: impl Fn() -> String) -> Option<Self> {
+    fn of(
+        text: &str,
+        index: usize,
+        animation: &BracketMember,
+        mut place: impl FnMut(usize) -> String,
+    ) -> Option<Self> {
         let fields = bracket(text, animation.value.start)?;
         let field = |name: &str| fields.field(text, name);
         let number =
@@ -159,7 +170,7 @@ impl WrittenTrack {
             offset: number("offset", 0.0)?,
             speed: number("speed", 1.0)?,
             repeats: field("repeat").is_some_and(|span| &text[span] != "Clamp"),
-            place: place(),
+            place: place(animation.value.start),
             path,
             channel,
             keys,
