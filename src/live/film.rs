@@ -1,6 +1,7 @@
 //! Rendering of a film into files, on a thread of its own, while its scene stays on display.
 
 use std::ops::ControlFlow::Continue;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{self, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -76,7 +77,9 @@ impl FilmControl {
     /// Begins a film. Returns `false` if there is one already.
     fn begin(&self) -> bool {
         let mut is_running = self.is_running.lock().unwrap_or_else(PoisonError::into_inner);
-        self.cancelled.fetch_and(*is_running, Ordering::Relaxed);
+        if !*is_running {
+            self.cancelled.store(false, Ordering::Relaxed);
+        }
         !std::mem::replace(&mut *is_running, true)
     }
 
@@ -91,8 +94,8 @@ impl FilmControl {
 
     /// Cancels the film, and waits until it has ended.
     pub(super) fn cancel(&self) {
-        self.cancelled.store(true, Ordering::Relaxed);
         let is_running = self.is_running.lock().unwrap_or_else(PoisonError::into_inner);
+        self.cancelled.store(*is_running, Ordering::Relaxed);
         let _ = self.ended.wait_timeout_while(is_running, CANCEL_TIMEOUT, |is_running| *is_running);
     }
 }
@@ -125,7 +128,11 @@ pub(super) fn start(
     publish(&film);
     let control = Arc::clone(control);
     thread::spawn(move || {
-        let rendered = render(&scene, &frames, &target, &control.cancelled, &mut film, &publish);
+        let rendered = catch_unwind(AssertUnwindSafe(|| {
+            render(&scene, &frames, &target, &control.cancelled, &mut film, &publish)
+        }));
+        let rendered =
+            rendered.unwrap_or_else(|_| Err("the renderer has failed; please report it".to_owned()));
         film.end = Some(match rendered {
             Err(message) => FilmEnd::Failed(message),
             Ok(count) if count < film.total => FilmEnd::Cancelled,
@@ -156,7 +163,8 @@ fn render(
         rendered += f64::from(u8::from(!kept));
         film.left =
             (rendered > 0.0).then(|| start.elapsed().as_secs_f64() / rendered * (total - done) as f64);
-        film.done = done;
+        // The film may have become shorter.
+        (film.done, film.total) = (done, total);
         publish(film);
         Continue(())
     };

@@ -372,7 +372,9 @@ impl Renderer {
         if film.is_none() && is_late {
             if let Some(job) = job {
                 let target = target.traced_by(job);
-                timings.note(Effort::Full, Times::milliseconds(*traced), target.rays_so_far(job));
+                if tells_speed(job.reused_share()) {
+                    timings.note(Effort::Full, Times::milliseconds(*traced), target.rays_so_far(job));
+                }
             }
             outcome = JobOutcome::Needs(timings.first(state.film, FIRST_MS, FIRST_DIVISOR), LevelRole::First);
         }

@@ -159,6 +159,8 @@ impl Drop for Session {
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
+        // One that was requested just before.
+        self.handle.cancel_film();
     }
 }
 

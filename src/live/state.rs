@@ -141,7 +141,8 @@ pub struct Times {
     pub trace: f64,
     /// Encoding: from a film to a file.
     pub encode: f64,
-    /// Fraction of the picture, 0 to 1, that was taken from the one before, for which no rays were traced. The number of rays includes them.
+    /// Fraction of the picture, 0 to 1, that was taken from a former one. No rays were traced for it, but the number of rays counts those of the
+    /// former one.
     pub reused: f64,
 }
 

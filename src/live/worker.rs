@@ -40,6 +40,8 @@ const IDLE_TIMEOUT: Duration = Duration::from_millis(500);
 /// The same time in frame intervals, for low frame rates. The longer one applies.
 const IDLE_INTERVALS: f64 = 3.0;
 
+const UNSAVED: &str = "some values are not in the file yet: keep or discard them first";
+
 /// The next task of the thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Task {
@@ -231,6 +233,10 @@ impl Worker {
                 let values = values.collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
                 Some(files.edits.try_values(values, &files.paths))
             }
+            // Lists of keys are written whole: values in them that are not in the file yet would be lost.
+            SceneEdit::TryKey(_) if self.published.shows_tried_values() => {
+                return Err(UNSAVED.to_owned());
+            }
             SceneEdit::TryKey(change) => {
                 let value = change.to_override(&files.paths, self.renderer.transfer())?;
                 Some(files.edits.try_values(vec![value], &files.paths))
@@ -315,7 +321,7 @@ impl Worker {
             return Err("the file has mistakes: correct them first".to_owned());
         }
         if self.published.shows_tried_values() {
-            return Err("some values are not in the file yet: keep or discard them first".to_owned());
+            return Err(UNSAVED.to_owned());
         }
         let frames = self.published.state().frames;
         if request.last >= frames {

@@ -293,6 +293,9 @@ pub(crate) fn plan<E: Encoding>(
         if let Some(hashed) = &mut hashed {
             hashed.note(instant);
         }
+        if request.alpha || request.reference {
+            return NextInstants::Continue;
+        }
         if let (Some(Some(former)), Some(inputs)) =
             (request.reuse.as_deref(), comparable_inputs(frame, instant))
         {

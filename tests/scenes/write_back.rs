@@ -194,8 +194,8 @@ fn changes_of_keys_leave_the_others() {
         let time = (100.0 * (track.keys[index].time + 0.37 + unit(&mut random))).round() / 100.0;
         let change = match case % 3 {
             0 => KeyChange::Add(path, time),
-            1 => KeyChange::Remove(path, index),
-            _ => KeyChange::Ease(path, index, "EaseIn".to_owned()),
+            1 => KeyChange::Remove(path, track.keys[index].time),
+            _ => KeyChange::Ease(path, track.keys[index].time, "EaseIn".to_owned()),
         };
         let files = [scene.clone()];
         let set = match change.to_override(&files, Transfer::Srgb) {
@@ -282,8 +282,12 @@ fn added_keys_have_the_value_that_the_track_has() {
     }
     for (change, why) in [
         (KeyChange::Add("animate.0.track.0".to_owned(), 2.0), "there is a key at this time already"),
-        (KeyChange::Remove("animate.7.track.0".to_owned(), 0), "the file has no such key any more"),
-        (KeyChange::Remove("animate.0.track.0".to_owned(), 3), "the file has no such key any more"),
+        (KeyChange::Remove("animate.7.track.0".to_owned(), 0.0), "the file has no such key any more"),
+        (KeyChange::Remove("animate.0.track.0".to_owned(), 2.5), "the file has no such key any more"),
+        (
+            KeyChange::Ease("animate.0.track.0".to_owned(), 2.0, "Hold), (9, 1".to_owned()),
+            "`Hold), (9, 1` is no easing",
+        ),
     ] {
         assert_eq!(change.to_override(&files, Transfer::Srgb).unwrap_err(), why);
     }

@@ -72,10 +72,12 @@ fn key_change(random: &mut Random) -> KeyChange {
     let path = "animate.0.track.0".to_owned();
     match random.index(3) {
         0 => KeyChange::Add(path, 0.1 * random.index(25) as f64),
-        1 => KeyChange::Remove(path, random.index(4)),
-        _ => {
-            KeyChange::Ease(path, random.index(4), ["EaseIn", "Hold", "nothing"][random.index(3)].to_owned())
-        }
+        1 => KeyChange::Remove(path, random.index(3) as f64),
+        _ => KeyChange::Ease(
+            path,
+            random.index(3) as f64,
+            ["EaseIn", "Hold", "nothing"][random.index(3)].to_owned(),
+        ),
     }
 }
 

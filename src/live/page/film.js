@@ -13,6 +13,7 @@ function offerFilm() {
 }
 
 at("shoot").onclick = offerFilm;
+at("shot-close").onclick = () => at("shooting").close();
 
 at("shooting").querySelector("form").onsubmit = async event => {
   if (event.submitter?.value !== "start") return;

@@ -4,7 +4,9 @@
 const EASINGS = ["Linear", "Hold", "EaseIn", "EaseOut", "EaseInOut", "Cubic", "CatmullRom", "Monotone",
   ...["Sine", "Quad", "Cubic", "Quart", "Quint", "Expo", "Circ", "Back", "Elastic", "Bounce"].flatMap(curve => ["In", "Out", "InOut"].map(end => end + curve))];
 
-let tracks = null;     // { of, tracks, unlisted, cameras }, as in the file; `of` tells the reload
+let tracks = null;     // { of, tracks, unlisted, cameras }, as in the file after the reload `of`
+let fetching = null;   // the reload whose tracks are being fetched
+let changing = false;  // true while a key is added, removed or eased
 let picked = null;     // { path, index }: the key in the panel
 let moving = null;    // { path, index, time } while a key is moved
 
@@ -18,14 +20,20 @@ const trackAt = path => tracks?.tracks.find(track => track.path === path);
 const nameOf = track => track.channel ? `${track.target} · ${track.channel}` : track.target;
 const percentage = frame => (100 * Math.max(0, Math.min(1, frame / lastFrame()))).toFixed(4) + "%";
 
+const reload = () => `${state.session} ${state.reloads}`;
+// Keys that are out of date are not changed: their places may be those of others.
+const canChange = () => tracks.of === reload() && !changing && !moving && trying === null && state.edits.tried.length === 0;
+
 // Fetches the tracks after every change of the file.
 async function fetchTracks() {
-  const of = `${state.session} ${state.reloads}`;
-  if (tracks?.of === of || state.edits.tried.length > 0 || !state.edits.possible) return;
-  tracks = { tracks: [], unlisted: 0, cameras: [], ...tracks, of };
-  const answer = await post("tracks", null).catch(() => null);
-  if (!answer?.ok || tracks.of !== of) return;
-  tracks = { ...await answer.json(), of };
+  const of = reload();
+  if (tracks?.of === of || fetching === of || state.edits.tried.length > 0 || !state.edits.possible) return;
+  fetching = of;
+  const answer = await post("tracks", null).catch(() => null), found = answer?.ok ? await answer.json() : null;
+  if (fetching !== of) return;
+  fetching = null;
+  if (!found) return;
+  tracks = { ...found, of };
   if (picked && !trackAt(picked.path)?.keys[picked.index]) picked = null;
   drawLanes();
   drawKey();
@@ -81,7 +89,7 @@ function keyButton(track, index) {
   button.setAttribute("aria-pressed", picked?.path === track.path && picked.index === index);
   button.onclick = () => pick(track, index);
   button.onpointerdown = event => {
-    if (event.button !== 0 || state.edits.tried.length > 0) return;
+    if (event.button !== 0 || !canChange()) return;
     const from = frameAt(event), end = new AbortController(), { signal } = end;
     button.setPointerCapture(event.pointerId);
     // Not of the button alone: not all browsers send what is captured to it at once.
@@ -95,9 +103,10 @@ function keyButton(track, index) {
   };
   button.onkeydown = event => {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (by) { moveKey(track, index, by); dropKey(); }
-    else if (event.key === "Delete" || event.key === "Backspace") removeKey(track, index);
-    else return;
+    const removes = event.key === "Delete" || event.key === "Backspace";
+    if (!by && !removes) return;
+    if (by && canChange()) { moveKey(track, index, by); dropKey(); }
+    if (removes && !event.repeat) removeKey(track, index);
     event.stopPropagation();
     event.preventDefault();
   };
@@ -124,16 +133,20 @@ async function dropKey() {
 }
 
 async function change(what) {
+  if (changing) return;
+  changing = true;
+  await keepEdits();
   if (await edit({ try_key: what })) await keepEdits();
+  changing = false;
 }
 
 const addKey = (track, frame) => change({ add: [track.path, keyTime(track, frame)] });
-const removeKey = (track, index) => { picked = null; change({ remove: [track.path, index] }); };
+const removeKey = (track, index) => { picked = null; change({ remove: [track.path, track.keys[index].time] }); };
 
 // Shows a key in the panel, and its frame.
 function pick(track, index) {
   picked = { path: track.path, index };
-  const frame = Math.round(frameOf(track, track.keys[index].time));
+  const frame = Math.round(frameOf(track, moving?.time ?? track.keys[index].time));
   if (playing) pause();
   if (frame >= 0 && frame < state.frames) seek(frame);
   for (const button of at("lanes").querySelectorAll(".key")) button.setAttribute("aria-pressed", button.dataset.key === `${track.path}.${index}`);
@@ -164,7 +177,7 @@ function drawKey() {
     rows.push(row("camera", options(tracks.cameras, key.text.slice(1, -1), async name => { await attempt([`${path}.${index}.1=${quoted(name)}`]); keepEdits(); })));
   } else {
     if (key.value) rows.push(valueRow(key.value, "value"));
-    const easing = options(EASINGS, key.easing ?? "Linear", name => change({ ease: [path, index, name] }));
+    const easing = options(EASINGS, key.easing ?? "Linear", name => change({ ease: [path, key.time, name] }));
     easing.disabled = index === track.keys.length - 1;
     rows.push(row("easing", easing));
   }

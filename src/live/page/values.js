@@ -65,7 +65,9 @@ function valueRow(value, name) {
   } else if (value.kind === "vector") {
     // A word may precede the numbers, as in Euler(0, 90, 0).
     const start = value.text.indexOf("("), word = value.text.slice(0, start);
-    const parts = value.text.slice(start + 1, -1).split(",").map(part => Number(part));
+    const parts = value.text.slice(start + 1, -1).replace(/,\s*$/, "").split(",").map(part => part.trim() === "" ? NaN : Number(part));
+    // Numbers in a notation of RON alone, and comments among them, are changed in the text.
+    if (parts.some(Number.isNaN)) { row.append(element("code", value.text)); return row; }
     row.append(...parts.map((part, axis) => input("number", part, box => {
       if (box.value === "") return null;
       parts[axis] = Number(box.value);

@@ -50,6 +50,9 @@ impl Renderer {
     /// Finds the fingerprint of a frame that has no picture in the cache, or continues the picture until it is finished, `until`, or a
     /// command. During playback the work is continued for a while in spite of requests of frames.
     pub(in crate::live) fn fill_cache(&mut self, is_playing: bool, until: Option<Instant>) {
+        if !self.can_fill_cache() {
+            return;
+        }
         let published = self.publisher.published();
         let state = published.state();
         let (next, detail) = (published.cache().next_missing(state.frame), state.detail);

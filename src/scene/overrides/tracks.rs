@@ -15,7 +15,8 @@ use crate::color::Transfer;
 use crate::components::Property;
 use crate::scene::SourcePosition;
 use crate::scene::document::AnimationDocument;
-use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, literal_text, root};
+use crate::scene::quote::short;
+use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, is_one_value, literal_text, root};
 use crate::scene::spawn::{figure, value_text};
 
 /// Maximum number of keys that are listed, so that a page can show them. Tracks of programs have many more.
@@ -69,16 +70,17 @@ pub struct WrittenTracks {
     pub cameras: Vec<String>,
 }
 
-/// A change of the keys of a track, which has the path of its list.
+/// A change of the keys of a track, which is identified by the path of the list of its keys. A key is identified by its time: its index may be
+/// that of another one by the time of the change.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum KeyChange {
     /// Adds a key at a time of the keys, with the value that the track has then.
     Add(String, f64),
-    /// Removes a key, given by its index.
-    Remove(String, usize),
-    /// Sets the easing of a key, given by its index.
-    Ease(String, usize, String),
+    /// Removes the key at a time.
+    Remove(String, f64),
+    /// Sets the easing of the key at a time.
+    Ease(String, f64, String),
 }
 
 /// A list of keys in the text of a scene.
@@ -118,7 +120,8 @@ impl WrittenTracks {
                 .collect();
         }
         let shots = scene.field(&text, "shots").and_then(|span| KeyList::at(&text, span));
-        if let Some(shots) = shots.filter(|shots| !shots.keys.is_empty()) {
+        let mut count = 0;
+        if let Some(shots) = shots.filter(|shots| (1..=MAX_KEYS).contains(&shots.keys.len())) {
             let line = SourcePosition::of(&text, shots.span.start).line;
             let place = format!("{}:{line}", file.display());
             let shots = WrittenTrack {
@@ -131,37 +134,32 @@ impl WrittenTracks {
                 place,
                 keys: shots.written("shots", None),
             };
-            found.add(shots);
+            count = shots.keys.len();
+            found.tracks.push(shots);
         }
         let animate = scene.field(&text, "animate").and_then(|span| bracket(&text, span.start));
         for (index, animation) in animate.iter().flat_map(|animate| &animate.members).enumerate() {
-            if let Some(track) = WrittenTrack::of(&text, index, animation, &mut place) {
-                found.add(track);
+            let Some(fields) = bracket(&text, animation.value.start) else { continue };
+            let Some(list) = KeyList::of_track(&text, &fields) else { continue };
+            if count + list.keys.len() > MAX_KEYS {
+                found.unlisted += 1;
+                continue;
             }
+            count += list.keys.len();
+            let place = place(animation.value.start);
+            found.tracks.extend(WrittenTrack::of(&text, (index, &fields), &list, place));
         }
         found
-    }
-
-    fn add(&mut self, track: WrittenTrack) {
-        let count: usize = self.tracks.iter().map(|track| track.keys.len()).sum();
-        if count + track.keys.len() <= MAX_KEYS { self.tracks.push(track) } else { self.unlisted += 1 }
     }
 }
 
 impl WrittenTrack {
-    /// Returns an animation; `None` if it has no keys.
-    fn of(
-        text: &str,
-        index: usize,
-        animation: &BracketMember,
-        mut place: impl FnMut(usize) -> String,
-    ) -> Option<Self> {
-        let fields = bracket(text, animation.value.start)?;
+    /// Returns an animation, given its fields and its keys; `None` if it is incomplete.
+    fn of(text: &str, (index, fields): (usize, &Bracket), list: &KeyList<'_>, place: String) -> Option<Self> {
         let field = |name: &str| fields.field(text, name);
         let number =
             |name: &str, default| field(name).map_or(Some(default), |span| ron::from_str(&text[span]).ok());
         let name = |name: &str| literal_text(&text[field(name)?]);
-        let list = KeyList::of_track(text, &fields)?;
         let channel = text[field("channel")?].to_owned();
         let path = format!("animate.{index}.track.0");
         let keys = list.written(&path, Property::named(&channel).map(Property::notation));
@@ -170,7 +168,7 @@ impl WrittenTrack {
             offset: number("offset", 0.0)?,
             speed: number("speed", 1.0)?,
             repeats: field("repeat").is_some_and(|span| &text[span] != "Clamp"),
-            place: place(animation.value.start),
+            place,
             path,
             channel,
             keys,
@@ -192,13 +190,20 @@ impl KeyChange {
         let missing = || "the file has no such key any more".to_owned();
         let (_, text) = scene_text(files).ok_or_else(missing)?;
         let list = value_at(&text, &path).and_then(|span| KeyList::at(&text, span)).ok_or_else(missing)?;
+        let key = |time: f64| list.keys.iter().position(|key| key.is_at(time)).ok_or_else(missing);
         let value = match self {
             Self::Add(_, time) => list.with_key(*time, &list.value(&path, *time, transfer)?)?,
-            Self::Remove(_, key) if *key < list.keys.len() => list.without_key(*key)?,
-            Self::Ease(_, key, easing) if *key < list.keys.len() => list.with_easing(*key, easing),
-            Self::Remove(..) | Self::Ease(..) => return Err(missing()),
+            Self::Remove(_, time) => list.without_key(key(*time)?)?,
+            Self::Ease(_, time, easing) if is_one_value(easing) => list.with_easing(key(*time)?, easing),
+            Self::Ease(.., easing) => return Err(format!("`{}` is no easing", short(easing))),
         };
         Ok(Override { path, value })
+    }
+}
+
+impl KeySpans {
+    fn is_at(&self, time: f64) -> bool {
+        (self.time - time).abs() < SAME_TIME
     }
 }
 
@@ -264,8 +269,7 @@ impl<'a> KeyList<'a> {
     /// Returns the text of the list with one more key.
     fn with_key(&self, time: f64, value: &str) -> Result<String, String> {
         let next = self.keys.partition_point(|key| key.time < time);
-        let is_taken = |key: &KeySpans| (key.time - time).abs() < SAME_TIME;
-        if self.keys.get(next).is_some_and(is_taken) || next > 0 && is_taken(&self.keys[next - 1]) {
+        if self.keys.iter().any(|key| key.is_at(time)) {
             return Err("there is a key at this time already".to_owned());
         }
         let easing = next.checked_sub(1).and_then(|previous| self.keys[previous].easing.clone());

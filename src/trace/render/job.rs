@@ -61,7 +61,7 @@ pub(crate) struct FinishedJob<E: Encoding> {
 /// The progress of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderProgress {
-    /// Mean sample count per pixel so far.
+    /// Mean sample count per pixel so far, without the samples of reused tiles.
     pub samples: f64,
     /// Fraction of all samples, from 0 to 1; `None` with adaptive sampling, where the total count is unknown.
     pub share: Option<f64>,

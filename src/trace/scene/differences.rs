@@ -57,6 +57,11 @@ impl PreparedScene {
         let head = (0..shorter).into_par_iter().position_first(differ).unwrap_or(shorter);
         let is_same = |back: &usize| before.equals(old - back, after, new - back);
         let tail = (1..=shorter - head).take_while(is_same).count();
+        // A light names its own shape by its place in the order, which here may be that of another shape.
+        let place = |own: ShapeId| self.order().rank(own).number() as usize;
+        if self.lights.iter().filter_map(|light| light.own_shape).any(|own| place(own) >= head) {
+            return None;
+        }
         (head..old - tail).try_for_each(|rank| found.add_bounds(before.bounds(rank)))?;
         (head..new - tail).try_for_each(|rank| found.add_bounds(after.bounds(rank)))?;
         Some(found)
@@ -117,7 +122,9 @@ mod tests {
 
     use super::*;
     use crate::color::Rgb;
-    use crate::trace::scene::{PreparedShape, RayVisibility, Refraction, SurfaceMaterial};
+    use crate::trace::scene::{
+        LightSource, PreparedLight, PreparedShape, RayVisibility, Refraction, SurfaceMaterial,
+    };
     use crate::trace::shapes::{Plane, Sphere};
 
     type Thing = (PreparedShape, SurfaceMaterial, RayVisibility);
@@ -183,5 +190,22 @@ mod tests {
         assert_eq!(differences(&all, &swapped), Some((4, 0)), "in another order");
         let many = |start: f64| (0..129_u8).map(|index| ball(start + f64::from(index))).collect::<Vec<_>>();
         assert_eq!(differences(&many(0.0), &many(0.5)), None, "too many");
+    }
+
+    #[test]
+    fn lights_at_other_shapes_in_the_same_place_of_the_order_are_noticed() {
+        let lit = |things: &[Thing], own: usize| {
+            let mut scene = scene(things);
+            let own_shape = scene.geometry().ids().nth(own);
+            let source = LightSource::Point(DVec3::Y);
+            let (intensity, falloff, samples, casts_shadows) = (Rgb::ONE, None, 1, true);
+            scene.lights =
+                vec![PreparedLight { source, intensity, falloff, samples, casts_shadows, own_shape }];
+            scene
+        };
+        let all = [ball(0.0), ball(1.0), ball(2.0)];
+        // The light has moved from the second shape to the third, which is the second now.
+        assert!(lit(&all[1..], 1).differences(&lit(&all, 1).snapshot()).is_none());
+        assert!(lit(&all[..2], 1).differences(&lit(&all, 1).snapshot()).is_some());
     }
 }
