@@ -337,9 +337,9 @@ pub(super) fn share_of_unfinished(job: &RenderJob) -> f64 {
     job.share().min(0.99)
 }
 
-/// Returns whether the time of a picture tells that of others, given the share of it that is reused. Tiles that are traced again are dearer
-/// than the mean.
-pub(super) fn tells_speed(reused: f64) -> bool {
+/// Returns whether the time of a picture predicts that of others, given the fraction of it that is reused. The tiles that an edit reaches
+/// take longer than the mean: often they show glass or mirrors.
+pub(super) fn is_representative(reused: f64) -> bool {
     reused < 0.5
 }
 

@@ -16,8 +16,8 @@ use super::jobs::{
 use super::measure;
 use super::pixel_info::PixelInfo;
 use super::progressive::{
-    Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RequestedPicture, Timings, share_of_unfinished,
-    tells_speed, with_deadline,
+    Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RequestedPicture, Timings, is_representative,
+    share_of_unfinished, with_deadline,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
 use super::state::{Planned, State, Times};
@@ -330,7 +330,7 @@ impl Renderer {
             timer.reschedule();
             let target = target.traced_by(job);
             let (traced, progress) = (traced_before + timer.traced(), share_of_unfinished(job));
-            if tells_speed(job.reused_share()) {
+            if is_representative(job.reused_share()) {
                 timings.note(Effort::Full, traced, target.rays_so_far(job));
             }
             // The speed now known may leave time for another coarse picture, which would be worse than an unfinished one that is already
@@ -372,7 +372,7 @@ impl Renderer {
         if film.is_none() && is_late {
             if let Some(job) = job {
                 let target = target.traced_by(job);
-                if tells_speed(job.reused_share()) {
+                if is_representative(job.reused_share()) {
                     timings.note(Effort::Full, Times::milliseconds(*traced), target.rays_so_far(job));
                 }
             }
@@ -501,7 +501,7 @@ impl Renderer {
     fn note(&mut self, effort: Effort, traced: Duration) {
         let report = self.engine.report();
         self.timings.note_moment(Times::milliseconds(report.animate + report.prepare));
-        if tells_speed(report.reused) {
+        if is_representative(report.reused) {
             let whole = Times::milliseconds(traced) / (1.0 - report.reused);
             self.timings.note(effort, whole, report.rays.camera);
         }

@@ -1,7 +1,7 @@
 "use strict";
 // The dialog that renders the film, or a part of it, into files, and the progress of that.
 
-// What is rendered unless the person says otherwise: the range of playback, into a folder with the name of the scene.
+// Opens the dialog. By default, the range of playback is rendered into a folder with the name of the scene.
 function offerFilm() {
   const [first, last] = range(), name = state.scene.split(/[\\/]/).pop().replace(/\.[^.]*$/, "");
   at("shot-first").value = first;

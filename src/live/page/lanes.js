@@ -8,7 +8,7 @@ let tracks = null;     // { of, tracks, unlisted, cameras }, as in the file afte
 let fetching = null;   // the reload whose tracks are being fetched
 let changing = false;  // true while a key is added, removed or eased
 let picked = null;     // { path, index }: the key in the panel
-let moving = null;    // { path, index, time } while a key is moved
+let moving = null;     // { path, index, time } while a key is moved
 
 // Without a choice, keys are shown unless there is little room.
 const narrow = matchMedia("(max-width: 760px)");
@@ -47,7 +47,7 @@ function drawLanes() {
   if (at("lanes").hidden) return;
   const rows = tracks.tracks.map(track => {
     const row = element("div", undefined, { className: "lane", title: "Double click for a new key" });
-    // The cameras' names tell that a lane has the shots.
+    // The lane of the shots has the names of cameras instead.
     row.append(element("span", track.channel ? nameOf(track) : ""), ...track.keys.flatMap((key, index) => keyButton(track, index)));
     row.ondblclick = event => { if (event.target === row) addKey(track, Math.round(frameAt(event))); };
     return row;

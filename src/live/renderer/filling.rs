@@ -68,7 +68,7 @@ impl Renderer {
             return self.report_cache();
         }
         let slice = if is_playing { MIN_SLICE } else { Duration::ZERO };
-        // Frames of the cache reuse the tiles of each other: they are further apart from the displayed one.
+        // Frames for the cache reuse tiles of the last one for the cache, which is nearer in time than the displayed one.
         std::mem::swap(&mut self.displayed, &mut self.filled);
         let film = self.continue_in_background(&mut filling, slice, until);
         std::mem::swap(&mut self.displayed, &mut self.filled);

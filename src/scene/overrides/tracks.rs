@@ -17,7 +17,7 @@ use crate::scene::SourcePosition;
 use crate::scene::document::AnimationDocument;
 use crate::scene::quote::short;
 use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, is_one_value, literal_text, root};
-use crate::scene::spawn::{figure, value_text};
+use crate::scene::spawn::{number_text, value_text};
 
 /// Maximum number of keys that are listed, so that a page can show them. Tracks of programs have many more.
 const MAX_KEYS: usize = 4000;
@@ -274,7 +274,7 @@ impl<'a> KeyList<'a> {
         }
         let easing = next.checked_sub(1).and_then(|previous| self.keys[previous].easing.clone());
         let easing = easing.map_or_else(String::new, |easing| format!(", {}", &self.text[easing]));
-        let key = format!("({}, {value}{easing})", figure(time));
+        let key = format!("({}, {value}{easing})", number_text(time));
         let space = self.space();
         let (at, added) = match (self.keys.get(next), self.keys.last()) {
             (Some(next), _) => (next.whole.start, format!("{key},{space}")),

@@ -1,7 +1,5 @@
 //! The text of the value that keys have at a time.
 
-use std::f64::consts::PI;
-
 use glam::{DQuat, DVec3, EulerRot};
 
 use super::motion;
@@ -18,10 +16,10 @@ pub(in crate::scene) fn value_text(
 ) -> Option<String> {
     let seconds = animation.offset + time / animation.speed;
     let notation = animation.channel.0.notation();
-    let triple = |values: [f64; 3]| format!("({})", values.map(figure).join(", "));
+    let triple = |values: [f64; 3]| format!("({})", values.map(number_text).join(", "));
     Some(match motion(animation, transfer)? {
-        Motion::Number(track) if notation == Notation::Degrees => figure(track.at(seconds) * (180.0 / PI)),
-        Motion::Number(track) => figure(track.at(seconds)),
+        Motion::Number(track) if notation == Notation::Degrees => number_text(track.at(seconds).to_degrees()),
+        Motion::Number(track) => number_text(track.at(seconds)),
         Motion::Vector(track) => triple(DVec3::to_array(&track.at(seconds))),
         Motion::Rotation(track) => format!("Euler{}", triple(euler_angles(track.at(seconds)))),
         Motion::Color(track) if notation == Notation::Light => {
@@ -41,7 +39,7 @@ pub(in crate::scene) fn value_text(
 }
 
 /// Returns the text of a number, with 7 digits.
-pub(in crate::scene) fn figure(number: f64) -> String {
+pub(in crate::scene) fn number_text(number: f64) -> String {
     let rounded: f64 = format!("{number:.6e}").parse().unwrap_or(number);
     // Zero has no sign.
     (rounded + 0.0).to_string()
@@ -50,7 +48,7 @@ pub(in crate::scene) fn figure(number: f64) -> String {
 /// Returns the angles of `Euler` in degrees.
 fn euler_angles(rotation: DQuat) -> [f64; 3] {
     let (z, y, x) = rotation.to_euler(EulerRot::ZYX);
-    [x, y, z].map(|angle| 1e-6 * (1e6 * angle * (180.0 / PI)).round())
+    [x, y, z].map(|angle| 1e-6 * (1e6 * angle.to_degrees()).round())
 }
 
 /// Returns the channels of a colour from 0 to 255, to a hundredth.

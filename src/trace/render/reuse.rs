@@ -103,7 +103,7 @@ impl TileRecord {
 }
 
 impl<E: Encoding> ReusablePicture<E> {
-    /// Maximum number of shapes of a scene whose pictures are reused. Copying and comparing more takes longer than most edits save.
+    /// Maximum number of shapes of a scene whose pictures are reused. Larger scenes were not measured.
     pub(crate) const MOST_SHAPES: usize = 1 << 17;
 
     /// Returns, tile by tile, whether the pixels are the same in a picture with these inputs. `None` if any of them may differ.

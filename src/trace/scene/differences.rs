@@ -108,7 +108,8 @@ impl ShapeDifferences {
     }
 
     fn add_bounds(&mut self, bounds: Option<Bounds>) -> Option<()> {
-        /// Maximum number of boxes. More reach most tiles, and take as long to test as a picture of a simple scene.
+        /// Maximum number of boxes. A test takes some 20 ns for each of at most four joined hulls: this many take some 20 us for a
+        /// tile that is far from all of them.
         const MOST: usize = 256;
         let bounds = bounds.filter(|_| self.bounds.len() < MOST)?;
         self.bounds.push(bounds);

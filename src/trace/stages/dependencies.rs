@@ -78,10 +78,11 @@ impl TileDependencies {
             let is_later = usize::from(*slot) >= SLOTS_OF_BOUNCE;
             unions[2 * usize::from(is_later) + usize::from(hull.is_endless)].join(hull);
         }
-        let may_meet = |hull: &RayHull, bounds: &Bounds| !hull.is_empty() && hull.may_meet(bounds, lights);
+        let may_intersect =
+            |hull: &RayHull, bounds: &Bounds| !hull.is_empty() && hull.may_intersect(bounds, lights);
         differences.bounds.iter().any(|bounds| {
-            unions.iter().any(|union| may_meet(union, bounds))
-                && self.hulls.iter().any(|(_, hull)| may_meet(hull, bounds))
+            unions.iter().any(|union| may_intersect(union, bounds))
+                && self.hulls.iter().any(|(_, hull)| may_intersect(hull, bounds))
         })
     }
 

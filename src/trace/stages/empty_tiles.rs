@@ -123,7 +123,7 @@ mod tests {
     const SIZE: (u32, u32) = (70, 45);
     const EFFECTS: Effects = Effects { lighting: Lighting::None, paths: Paths::Straight, extras: false };
 
-    /// Returns the empty tiles of a film, with spheres in front of the camera. Checks that all rays of such a tile have directions as it says.
+    /// Returns the empty tiles of a film, with spheres in front of the camera. Checks that the rays of such a tile lie in the box of directions.
     fn empty_tiles(camera: &PreparedCamera, spheres: &[Sphere]) -> Vec<Tile> {
         let mut geometry = Geometry::default();
         for sphere in spheres {

@@ -46,7 +46,7 @@ pub(crate) struct RayHull {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LightRegion {
     /// A box around all points of the light.
-    Place(CompactBounds),
+    Position(CompactBounds),
     /// The direction to the light.
     Direction(CompactBounds),
     /// A sphere of this radius around each lit point.
@@ -78,10 +78,11 @@ impl RayHull {
     }
 
     /// Returns whether a ray of the hull, or a shadow ray from its end, may meet a box. `false` only if none can.
-    pub(super) fn may_meet(&self, bounds: &Bounds, lights: &[(u32, LightRegion)]) -> bool {
-        let asked =
+    pub(super) fn may_intersect(&self, bounds: &Bounds, lights: &[(u32, LightRegion)]) -> bool {
+        let may_be_shadowed =
             |(bit, light): &(u32, LightRegion)| self.lights & bit != 0 && light.may_pass(&self.to, bounds);
-        meets(&self.from, &self.to, self.is_endless, bounds) || self.lights != 0 && lights.iter().any(asked)
+        meets(&self.from, &self.to, self.is_endless, bounds)
+            || self.lights != 0 && lights.iter().any(may_be_shadowed)
     }
 }
 
@@ -97,7 +98,7 @@ impl LightRegion {
     fn of(light: &PreparedLight) -> Self {
         let around = |min, max| CompactBounds::around(Bounds { min, max });
         match light.source {
-            LightSource::Point(place) | LightSource::Spot(place, _) => Self::Place(around(place, place)),
+            LightSource::Point(place) | LightSource::Spot(place, _) => Self::Position(around(place, place)),
             LightSource::Directional(towards) => {
                 let towards = towards / towards.abs().max_element();
                 Self::Direction(around(towards, towards))
@@ -105,7 +106,7 @@ impl LightRegion {
             LightSource::Dome { radius } => Self::Dome(radius),
             LightSource::Sphere { .. } | LightSource::Rectangle { .. } => {
                 let (middle, reach) = light.source.extent().unwrap_or_default();
-                Self::Place(around(middle - reach, middle + reach))
+                Self::Position(around(middle - reach, middle + reach))
             }
         }
     }
@@ -113,7 +114,7 @@ impl LightRegion {
     /// Returns whether a shadow ray from a point in a box may meet another box.
     fn may_pass(&self, lit: &CompactBounds, bounds: &Bounds) -> bool {
         match self {
-            Self::Place(light) => meets(lit, light, false, bounds),
+            Self::Position(light) => meets(lit, light, false, bounds),
             Self::Direction(towards) => meets(lit, towards, true, bounds),
             Self::Dome(radius) => {
                 let reach = radius + SLACK * (lit.largest() + radius).max(bounds.largest());
@@ -237,9 +238,9 @@ mod tests {
             let (from, to) = (joined(rays.iter().map(|ray| ray.0)), joined(rays.iter().map(|ray| ray.1)));
             prop_assert!(meets(&from, &to, is_endless, &Bounds { min: near, max: near }), "{from:?} {to:?} {near}");
             let hull = RayHull { from: at(DVec3::ZERO), to: from, lights: 2, is_endless: false };
-            let light = if is_endless { LightRegion::Direction(to) } else { LightRegion::Place(to) };
+            let light = if is_endless { LightRegion::Direction(to) } else { LightRegion::Position(to) };
             let bounds = Bounds { min: near, max: near };
-            prop_assert!(hull.may_meet(&bounds, &[(2, light)]));
+            prop_assert!(hull.may_intersect(&bounds, &[(2, light)]));
         }
     }
 }
