@@ -120,10 +120,10 @@ pub struct RenderRequest<'a, E: Encoding = Linear> {
     pub on_pause: Option<OnPause<'a, E>>,
     /// The samples of the unfinished image, if it was stopped at a pause.
     pub resume: Option<&'a mut Option<RenderJob<E>>>,
-    /// A former image, of which the tiles are reused that no change of the scene can reach; it is replaced by this image, unless that is rendered
-    /// in full. The bits are the same
-    /// as without, and so are the numbers of rays: only the time differs, see [`FrameReport::reused`](super::FrameReport::reused). Images with
-    /// alpha, with an error target or of several instants are rendered in full.
+    /// A former image, of which the tiles are reused that no change of the scene can reach; it is replaced by this image. The bits are the same as
+    /// without, and so are the numbers of rays: only the time differs, see [`FrameReport::reused`](super::FrameReport::reused). Images with
+    /// an error target, of more than 131072 shapes in all instants, or of several instants of custom systems are rendered in full; they do
+    /// not replace the former image.
     pub reuse: Option<&'a mut Option<Arc<ReusablePicture<E>>>>,
 }
 

@@ -16,8 +16,8 @@ use super::{
 use crate::color::{Encoding, Linear};
 use crate::trace::reference::{Reference, ReferenceSums};
 use crate::trace::{
-    Effects, Film, FinishedJob, PassPixel, PictureInputs, Precision, PreparedRay, RayTree, RenderJob,
-    RenderedImage, ReusablePicture, SampleMemory, SharedRoundPolicy, Signals, round_policy,
+    Effects, Film, FinishedJob, InstantInputs, PassPixel, Precision, PreparedRay, RayTree, RenderJob,
+    RenderedImage, ReusablePicture, SampleMemory, SharedRoundPolicy, Signals, TileReuse, round_policy,
 };
 
 /// Renders a frame, and reports its costs.
@@ -72,14 +72,23 @@ fn trace<E: Encoding>(
     let (mut own_job, mut own_visit) = (None, |_: &RenderJob<E>| Continue(()));
     let job = resume.unwrap_or(&mut own_job);
     let on_pause = on_pause.unwrap_or(&mut own_visit);
+    let former = reuse.as_deref().filter(|_| job.is_none());
+    let mut compared = former.map(|former| TileReuse::new(encoding, alpha, former.as_ref()));
+    // Which tiles are the same is known only after all instants.
+    if frame.count() > 1 {
+        compared = compare(simulation, frame, compared, report, signals.cancelled)?;
+    }
     let mut start_job = |instant: PreparedInstant<'_>| {
         let data = instant.data;
         let plan = frame.sample_plan(data, alpha);
         let job = RenderJob::encoded(encoding, data.camera().resolution(), plan, std::mem::take(memory));
         let job = job.with_overlay(data.overlay());
-        match (&reuse, comparable_inputs(frame, instant)) {
-            (Some(former), Some(inputs)) if !alpha => job.reusing(former.as_ref(), &inputs),
-            _ => job,
+        if frame.count() == 1 {
+            compare_instant(frame, &mut compared, instant);
+        }
+        match compared.take() {
+            Some(compared) => job.reusing(compared),
+            None => job,
         }
     };
     let mut hashed = fingerprint.then(|| HashedInstants::new(frame));
@@ -160,15 +169,45 @@ fn finish<E: Encoding>(
     image
 }
 
-/// Returns the inputs of a picture whose tiles can be reused; `None` if pixels may depend on other pixels or instants.
-fn comparable_inputs<'a>(frame: &FrameInstants, instant: PreparedInstant<'a>) -> Option<PictureInputs<'a>> {
-    let PreparedInstant { data, effects, .. } = instant;
-    let is_comparable = frame.count() == 1
-        && data.error_target(false).is_none()
+/// Compares all instants of a frame with those of a former picture. Returns `None` if tiles cannot be reused, and if the comparison would take
+/// long, since custom systems would start again.
+///
+/// # Errors
+///
+/// If the world cannot be advanced to an instant of the frame, or if `cancelled` becomes true.
+fn compare<E: Encoding>(
+    simulation: &mut Simulation,
+    frame: &FrameInstants,
+    compared: Option<TileReuse<E>>,
+    report: &mut FrameReport,
+    cancelled: &AtomicBool,
+) -> Result<Option<TileReuse<E>>, Interrupted> {
+    let mut compared = compared.filter(|_| simulation.schedule.is_empty());
+    let instants = compared.iter().flat_map(|_| 0..frame.count()).collect();
+    simulation.visit(frame, instants, report, cancelled, |instant| {
+        compare_instant(frame, &mut compared, instant);
+        if compared.is_some() { NextInstants::Continue } else { NextInstants::Stop }
+    })?;
+    Ok(compared)
+}
+
+/// Compares the next instant of a frame with that of a former picture. Sets `compared` to `None` if tiles cannot be reused, since pixels may depend
+/// on other pixels or there are very many shapes.
+fn compare_instant<E: Encoding>(
+    frame: &FrameInstants,
+    compared: &mut Option<TileReuse<E>>,
+    PreparedInstant { data, effects, .. }: PreparedInstant<'_>,
+) {
+    let most = ReusablePicture::<Linear>::MOST_SHAPES / frame.count().max(1) as usize;
+    let is_comparable = data.error_target(false).is_none()
         && data.scene().precision == Precision::Robust
-        && data.scene().geometry().len() <= ReusablePicture::<Linear>::MOST_SHAPES;
-    let (scene, camera, sampling) = (data.scene(), data.camera(), data.sampling(frame.time));
-    is_comparable.then_some(PictureInputs { scene, camera, sampling, effects })
+        && data.scene().geometry().len() <= most;
+    *compared = compared.take().filter(|_| is_comparable);
+    if let Some(compared) = compared {
+        let (scene, camera, sampling) = (data.scene(), data.camera(), data.sampling(frame.time));
+        let overlay = data.overlay();
+        compared.add(&InstantInputs { scene, camera, sampling, effects, overlay: overlay.as_deref() });
+    }
 }
 
 /// Renders a frame by the reference path.
@@ -288,22 +327,16 @@ pub(crate) fn plan<E: Encoding>(
     report: &mut FrameReport,
 ) -> Result<(), Interrupted> {
     let mut hashed = request.fingerprint.then(|| HashedInstants::new(frame));
-    let mut reused = 0.0;
+    let former = request.reuse.as_deref().and_then(Option::as_ref).filter(|_| !request.reference);
+    let mut compared = former.map(|former| TileReuse::new(request.encoding, request.alpha, Some(former)));
     simulation.visit(frame, frame.identifying_instants(), report, request.signals.cancelled, |instant| {
         if let Some(hashed) = &mut hashed {
             hashed.note(instant);
         }
-        if request.alpha || request.reference {
-            return NextInstants::Continue;
-        }
-        if let (Some(Some(former)), Some(inputs)) =
-            (request.reuse.as_deref(), comparable_inputs(frame, instant))
-        {
-            reused = former.reusable_share(&inputs, instant.data.overlay().as_deref());
-        }
+        compare_instant(frame, &mut compared, instant);
         NextInstants::Continue
     })?;
-    report.reused = reused;
+    report.reused = compared.map_or(0.0, |compared| compared.share());
     report.fingerprint = hashed.map(|hashed| match policy {
         // No round has a least gain of 0, so this fingerprint matches no image whose rounds depended on a clock.
         Some(policy) => hashed.finish().with_rounds(round_policy::locked(policy).rounds().unwrap_or(&[0])),

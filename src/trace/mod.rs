@@ -111,8 +111,8 @@ pub use render::image::RenderedImage;
 pub(crate) use render::job::{FinishedJob, SampleMemory, SamplePlan};
 pub use render::job::{RenderJob, RenderProgress};
 pub use render::passes::{Pass, PassPixel, Passes, UnknownPass};
-pub(crate) use render::reuse::PictureInputs;
 pub use render::reuse::ReusablePicture;
+pub(crate) use render::reuse::{InstantInputs, TileReuse};
 pub use render::tile_work::Signals;
 pub use render_stats::{RayCounts, TreeEnds};
 pub use scene::{

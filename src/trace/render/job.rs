@@ -18,7 +18,7 @@ use crate::trace::render::adaptive::{
 use crate::trace::render::film::{self, Film};
 use crate::trace::render::film_overlay::FilmOverlay;
 use crate::trace::render::image::RenderedImage;
-use crate::trace::render::reuse::{PictureInputs, ReusablePicture, TileReuse};
+use crate::trace::render::reuse::{ReusablePicture, TileReuse};
 use crate::trace::render::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
 use crate::trace::render::visibility::{self, FeatureScratch};
 use crate::trace::render_stats::RenderStats;
@@ -190,7 +190,7 @@ impl RenderJob {
             let nearest = u64::from(place) * u64::from(of) / u64::from(count);
             u32::try_from(nearest).unwrap_or(0)
         };
-        self.copy_reused_tiles(&mut film);
+        self.copy_reused_tiles(&mut film, None);
         for TileProgress { tile, .. } in self.tiles.iter().filter(|progress| !progress.is_seen) {
             for j in tile.j..tile.j + tile.height {
                 let row = nearest(j, self.height, beneath.height());
@@ -240,20 +240,16 @@ impl<E: Encoding> RenderJob<E> {
     }
 
     /// Returns the picture with the tiles of a former one that no difference can reach, recorded so that its own tiles can be reused. The plan
-    /// must have one instant, no target and no alpha.
-    pub(crate) fn reusing(
-        mut self,
-        former: Option<&Arc<ReusablePicture<E>>>,
-        inputs: &PictureInputs<'_>,
-    ) -> Self {
-        let (reuse, mut records) = TileReuse::new(self.encoding, former, inputs, self.overlay.as_deref());
-        records.resize_with(self.tiles.len(), || None);
-        for (progress, record) in self.tiles.iter_mut().zip(records) {
+    /// must have no target, and all of its instants must have been compared.
+    pub(crate) fn reusing(mut self, reuse: TileReuse<E>) -> Self {
+        let mut unchanged = reuse.unchanged_tiles();
+        unchanged.resize(self.tiles.len(), None);
+        for (progress, record) in self.tiles.iter_mut().zip(unchanged) {
             if let Some(record) = &record {
                 self.stats += record.stats;
                 (progress.is_seen, progress.is_reused) = (true, true);
             }
-            progress.record = Some(Box::new(record.unwrap_or_default()));
+            progress.record = Some(record.unwrap_or_default());
         }
         self.reuse = Some(reuse);
         self
@@ -403,10 +399,10 @@ impl<E: Encoding> RenderJob<E> {
         f64::from(pixels) / (f64::from(self.width) * f64::from(self.height))
     }
 
-    fn copy_reused_tiles(&self, film: &mut Film<E::Pixel>) {
+    fn copy_reused_tiles(&self, film: &mut Film<E::Pixel>, mut alpha: Option<&mut Film<f32>>) {
         let Some(reuse) = &self.reuse else { return };
         let reused = self.tiles.iter().filter(|progress| progress.is_reused);
-        reused.for_each(|progress| reuse.copy_tile(film, &progress.tile));
+        reused.for_each(|progress| reuse.copy_tile(film, alpha.as_deref_mut(), &progress.tile));
     }
 
     /// Returns the fraction of all samples that are added, from 0 to 1; with adaptive sampling, the mean sample count per pixel.
@@ -447,10 +443,10 @@ impl<E: Encoding> RenderJob<E> {
                 (image, SampleMemory { sums, pixels })
             }
         };
-        self.copy_reused_tiles(&mut image.film);
+        self.copy_reused_tiles(&mut image.film, image.alpha.as_mut());
         let reusable = self.reuse.take().map(|reuse| {
             let records = self.tiles.into_iter().filter_map(|progress| progress.record);
-            reuse.finish(self.encoding, image.film.clone(), records.map(|record| *record).collect())
+            reuse.finish(self.encoding, &image, records.collect())
         });
         FinishedJob { image, stats, memory, reusable }
     }

@@ -12,6 +12,9 @@
 //! No shape that differs has one, before or after. So the hit, its ties, its media and its shadow rays are decided among shapes that are the
 //! same and in the same order, and so is the material at the end. The light and the rays of the next bounce are therefore the same.
 //!
+//! A picture of several instants is compared instant by instant. The records of a tile cover the rays of all instants, and the differences of all
+//! instants are tested against them.
+//!
 //! Rays of negligible contribution are dropped by bounds on all radiance of the scene. If these bounds differ, only tiles without secondary
 //! rays, traced or dropped, are reused.
 
@@ -21,11 +24,12 @@ use rayon::prelude::*;
 
 use super::film::Film;
 use super::film_overlay::FilmOverlay;
+use super::image::RenderedImage;
 use crate::color::{Encoding, Linear};
 use crate::trace::effects::Effects;
 use crate::trace::math::{Bytes, Digest, PixelSampling};
 use crate::trace::render_stats::{RenderStats, TreeEnds};
-use crate::trace::scene::{PreparedCamera, PreparedScene, ShapeSnapshot};
+use crate::trace::scene::{PreparedCamera, PreparedScene, ShapeDifferences, ShapeSnapshot};
 use crate::trace::shading::RadianceBound;
 use crate::trace::stages::{LightRegion, Tile, TileDependencies};
 
@@ -34,18 +38,20 @@ use crate::trace::stages::{LightRegion, Tile, TileDependencies};
 pub struct ReusablePicture<E: Encoding = Linear> {
     encoding: E,
     film: Film<E::Pixel>,
-    inputs: InputDigests,
-    shapes: ShapeSnapshot,
-    tiles: Vec<TileRecord>,
+    /// The fraction of each pixel that the scene covers, if the picture has alpha.
+    alpha: Option<Film<f32>>,
+    instants: Vec<InstantRecord>,
+    tiles: Vec<Arc<TileRecord>>,
 }
 
-/// The digests of everything that pixels depend on, except the shapes and their materials.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct InputDigests {
-    /// The inputs of all pixels.
+/// All that a picture depends on at one of its instants.
+#[derive(Clone, Debug)]
+struct InstantRecord {
+    /// The digest of everything except the shapes, their materials and the bounds.
     common: Digest,
-    /// The bounds by which secondary rays are dropped.
+    /// The digest of the bounds by which secondary rays are dropped.
     radiance_bound: Digest,
+    shapes: ShapeSnapshot,
 }
 
 /// The dependencies and the costs of a tile.
@@ -55,27 +61,33 @@ pub(in crate::trace) struct TileRecord {
     pub(in crate::trace) stats: RenderStats,
 }
 
-/// The inputs of a picture of a single instant.
+/// The inputs of a picture at one of its instants.
 #[derive(Clone, Copy)]
-pub(crate) struct PictureInputs<'a> {
+pub(crate) struct InstantInputs<'a> {
     pub(crate) scene: &'a PreparedScene,
     pub(crate) camera: &'a PreparedCamera,
     pub(crate) sampling: PixelSampling,
     pub(crate) effects: Effects,
+    pub(crate) overlay: Option<&'a FilmOverlay>,
 }
 
-/// The reuse of tiles in a picture that is being rendered.
+/// The reuse of tiles in a picture: its inputs, instant by instant, and their differences from those of a former picture.
 #[derive(Clone, Debug)]
-pub(super) struct TileReuse<E: Encoding> {
-    /// The picture of which tiles are reused, if any are.
+pub(crate) struct TileReuse<E: Encoding> {
+    /// The picture of which tiles are reused. `None` if any tile may differ.
     former: Option<Arc<ReusablePicture<E>>>,
-    inputs: InputDigests,
-    shapes: ShapeSnapshot,
+    instants: Vec<InstantRecord>,
+    /// The differences at any instant.
+    differences: ShapeDifferences,
+    /// The lights of all instants.
+    lights: Vec<(u32, LightRegion)>,
+    /// True if the radiance bounds are the same at all instants.
+    has_same_bounds: bool,
 }
 
-impl PictureInputs<'_> {
-    fn digests(&self, overlay: Option<&FilmOverlay>) -> InputDigests {
-        let Self { scene, camera, sampling: PixelSampling { samples, seed }, effects } = *self;
+impl InstantInputs<'_> {
+    fn record(&self) -> InstantRecord {
+        let Self { scene, camera, sampling: PixelSampling { samples, seed }, effects, overlay } = *self;
         let mut bytes = Bytes::default();
         bytes.count(samples);
         bytes.count(if samples > 1 || scene.samples_light() { seed } else { 0 });
@@ -90,7 +102,7 @@ impl PictureInputs<'_> {
         }
         let mut bounds = Bytes::default();
         RadianceBound::of(scene).write(&mut bounds);
-        InputDigests { common: bytes.finish(), radiance_bound: bounds.finish() }
+        InstantRecord { common: bytes.finish(), radiance_bound: bounds.finish(), shapes: scene.snapshot() }
     }
 }
 
@@ -103,64 +115,86 @@ impl TileRecord {
 }
 
 impl<E: Encoding> ReusablePicture<E> {
-    /// Maximum number of shapes of a scene whose pictures are reused. Larger scenes were not measured.
+    /// Maximum number of shapes, over all instants, of a picture whose tiles are reused. Larger ones were not measured.
     pub(crate) const MOST_SHAPES: usize = 1 << 17;
-
-    /// Returns, tile by tile, whether the pixels are the same in a picture with these inputs. `None` if any of them may differ.
-    fn unchanged_tiles(&self, inputs: &InputDigests, scene: &PreparedScene) -> Option<Vec<bool>> {
-        let comparable = self.inputs.common == inputs.common;
-        let differences = comparable.then(|| scene.differences(&self.shapes)).flatten()?;
-        let (lights, same_bounds) =
-            (LightRegion::all(scene), self.inputs.radiance_bound == inputs.radiance_bound);
-        let is_unchanged = |tile: &TileRecord| {
-            (same_bounds || tile.is_direct()) && !tile.dependencies.may_be_reached(&differences, &lights)
-        };
-        Some(self.tiles.par_iter().map(is_unchanged).collect())
-    }
-
-    /// Returns the share of the tiles that a picture with these inputs would reuse.
-    pub(crate) fn reusable_share(&self, inputs: &PictureInputs<'_>, overlay: Option<&FilmOverlay>) -> f64 {
-        let unchanged = self.unchanged_tiles(&inputs.digests(overlay), inputs.scene).unwrap_or_default();
-        let count = unchanged.iter().filter(|is_unchanged| **is_unchanged).count();
-        count as f64 / self.tiles.len().max(1) as f64
-    }
 }
 
 impl<E: Encoding> TileReuse<E> {
-    /// Starts a picture. Also returns the records of the tiles that it reuses, tile by tile.
-    pub(super) fn new(
-        encoding: E,
-        former: Option<&Arc<ReusablePicture<E>>>,
-        inputs: &PictureInputs<'_>,
-        overlay: Option<&FilmOverlay>,
-    ) -> (Self, Vec<Option<TileRecord>>) {
-        let digests = inputs.digests(overlay);
-        let former = former.filter(|former| former.encoding == encoding);
-        let found = former.and_then(|former| Some((former, former.unchanged_tiles(&digests, inputs.scene)?)));
-        let records = found.as_ref().map_or_else(Vec::new, |(former, unchanged)| {
-            let tiles = former.tiles.iter().zip(unchanged);
-            tiles.map(|(record, is_unchanged)| is_unchanged.then(|| record.clone())).collect()
-        });
-        let former = found.map(|(former, _)| Arc::clone(former));
-        (Self { former, inputs: digests, shapes: inputs.scene.snapshot() }, records)
-    }
-
-    /// Copies a reused tile into a film.
-    pub(super) fn copy_tile(&self, film: &mut Film<E::Pixel>, tile: &Tile) {
-        if let Some(former) = &self.former {
-            film.copy_tile(&former.film, tile);
+    /// Starts the comparison of a picture with a former one. `has_alpha` is true for a picture with an alpha channel.
+    pub(crate) fn new(encoding: E, has_alpha: bool, former: Option<&Arc<ReusablePicture<E>>>) -> Self {
+        let is_alike = |former: &&Arc<ReusablePicture<E>>| {
+            former.encoding == encoding && former.alpha.is_some() == has_alpha
+        };
+        Self {
+            former: former.filter(is_alike).map(Arc::clone),
+            instants: Vec::new(),
+            differences: ShapeDifferences::default(),
+            lights: Vec::new(),
+            has_same_bounds: true,
         }
     }
 
-    /// Finishes a picture, given its film and the records of all of its tiles.
+    /// Compares the next instant.
+    pub(crate) fn add(&mut self, inputs: &InstantInputs<'_>) {
+        let record = inputs.record();
+        let differences = self.former.as_ref().and_then(|former| {
+            let before =
+                former.instants.get(self.instants.len()).filter(|before| before.common == record.common)?;
+            self.has_same_bounds &= before.radiance_bound == record.radiance_bound;
+            inputs.scene.differences(&before.shapes)
+        });
+        match differences {
+            Some(differences) => self.differences.join(&differences),
+            None => self.former = None,
+        }
+        for light in LightRegion::all(inputs.scene) {
+            if !self.lights.contains(&light) {
+                self.lights.push(light);
+            }
+        }
+        self.instants.push(record);
+    }
+
+    /// Returns the former picture if all of its instants were compared and tiles of it may be the same.
+    fn comparable(&self) -> Option<&Arc<ReusablePicture<E>>> {
+        self.former.as_ref().filter(|former| former.instants.len() == self.instants.len())
+    }
+
+    /// Returns the records of the tiles, in order, whose pixels are those of the former picture; `None` for tiles that may differ.
+    pub(super) fn unchanged_tiles(&self) -> Vec<Option<Arc<TileRecord>>> {
+        let Some(former) = self.comparable() else { return Vec::new() };
+        let differences = self.differences.condensed();
+        let is_unchanged = |tile: &TileRecord| {
+            (self.has_same_bounds || tile.is_direct())
+                && !tile.dependencies.may_be_reached(&differences, &self.lights)
+        };
+        former.tiles.par_iter().map(|tile| is_unchanged(tile).then(|| Arc::clone(tile))).collect()
+    }
+
+    /// Returns the fraction of the tiles that are reused.
+    pub(crate) fn share(&self) -> f64 {
+        let tiles = self.unchanged_tiles();
+        tiles.iter().flatten().count() as f64 / tiles.len().max(1) as f64
+    }
+
+    /// Copies a reused tile into a picture.
+    pub(super) fn copy_tile(&self, film: &mut Film<E::Pixel>, alpha: Option<&mut Film<f32>>, tile: &Tile) {
+        let Some(former) = &self.former else { return };
+        film.copy_tile(&former.film, tile);
+        if let (Some(alpha), Some(before)) = (alpha, &former.alpha) {
+            alpha.copy_tile(before, tile);
+        }
+    }
+
+    /// Finishes a picture, given the records of all of its tiles.
     pub(super) fn finish(
         self,
         encoding: E,
-        film: Film<E::Pixel>,
-        tiles: Vec<TileRecord>,
+        image: &RenderedImage<E::Pixel>,
+        tiles: Vec<Arc<TileRecord>>,
     ) -> ReusablePicture<E> {
-        let Self { inputs, shapes, .. } = self;
-        ReusablePicture { encoding, film, inputs, shapes, tiles }
+        let (film, alpha) = (image.film.clone(), image.alpha.clone());
+        ReusablePicture { encoding, film, alpha, instants: self.instants, tiles }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use fearless_simd::dispatch;
 
@@ -59,7 +59,7 @@ pub(in crate::trace) struct TileProgress {
     /// True if the tile has any sample.
     pub(in crate::trace) is_seen: bool,
     /// The dependencies and costs of the tile, if they are recorded.
-    pub(in crate::trace) record: Option<Box<TileRecord>>,
+    pub(in crate::trace) record: Option<Arc<TileRecord>>,
     /// True if the pixels are those of a former picture.
     pub(in crate::trace) is_reused: bool,
 }
@@ -138,7 +138,7 @@ impl TileWork<'_> {
         let whole = self.add_batches(progress, light, (buffers, slots, portions), stats);
         // Rays of a cancelled sample, which is traced again, do no harm.
         if let Some(record) = &mut progress.record {
-            buffers.move_dependencies(&mut record.dependencies);
+            buffers.move_dependencies(&mut Arc::make_mut(record).dependencies);
         }
         whole
     }
@@ -179,7 +179,7 @@ impl TileWork<'_> {
             progress.batches += 1;
             progress.is_seen = true;
             if let Some(record) = &mut progress.record {
-                record.stats += traced;
+                Arc::make_mut(record).stats += traced;
             }
             *stats += traced;
         }

@@ -39,7 +39,7 @@ impl PreparedScene {
         ShapeSnapshot { geometry: self.geometry().clone(), materials: self.materials().clone() }
     }
 
-    /// Returns the differences from former shapes. `None` if there are many, or if they have no bounds: they may then reach any pixel.
+    /// Returns the differences from former shapes. `None` if one has no bounds and may reach any pixel.
     pub(crate) fn differences(&self, former: &ShapeSnapshot) -> Option<ShapeDifferences> {
         let before = ShapeList { geometry: &former.geometry, materials: &former.materials };
         let after = ShapeList { geometry: self.geometry(), materials: self.materials() };
@@ -96,6 +96,16 @@ impl ShapeList<'_> {
 }
 
 impl ShapeDifferences {
+    /// Maximum number of boxes after condensing. A test takes some 20 ns for each of at most four joined hulls: this many take some 20 us for a tile that is far
+    /// from all of them.
+    const MOST: usize = 256;
+
+    /// Adds the differences of another instant.
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.materials |= other.materials;
+        self.bounds.extend_from_slice(&other.bounds);
+    }
+
     /// Adds a shape that differs. Returns `None` if it may reach any pixel.
     fn add(&mut self, before: ShapeList<'_>, after: ShapeList<'_>, rank: usize) -> Option<()> {
         let is_transparent = before.is_transparent(rank) || after.is_transparent(rank);
@@ -108,12 +118,17 @@ impl ShapeDifferences {
     }
 
     fn add_bounds(&mut self, bounds: Option<Bounds>) -> Option<()> {
-        /// Maximum number of boxes. A test takes some 20 ns for each of at most four joined hulls: this many take some 20 us for a
-        /// tile that is far from all of them.
-        const MOST: usize = 256;
-        let bounds = bounds.filter(|_| self.bounds.len() < MOST)?;
-        self.bounds.push(bounds);
+        // A union would lose what is not a number.
+        let is_number = |Bounds { min, max }: &Bounds| !min.is_nan() && !max.is_nan();
+        self.bounds.push(bounds.filter(is_number)?);
         Some(())
+    }
+
+    /// Returns the same differences in few boxes: neighbours in the scene's text, which are often neighbours in space, are joined.
+    pub(crate) fn condensed(&self) -> Self {
+        let groups = self.bounds.chunks(self.bounds.len().div_ceil(Self::MOST).max(1));
+        let joined = groups.filter_map(|group| group.iter().copied().reduce(Bounds::union));
+        Self { bounds: joined.collect(), materials: self.materials }
     }
 }
 
@@ -189,8 +204,20 @@ mod tests {
         assert_eq!(differences(&added, &all), Some((1, 0)), "removed");
         let swapped = [first, third, second, fourth];
         assert_eq!(differences(&all, &swapped), Some((4, 0)), "in another order");
-        let many = |start: f64| (0..129_u8).map(|index| ball(start + f64::from(index))).collect::<Vec<_>>();
-        assert_eq!(differences(&many(0.0), &many(0.5)), None, "too many");
+    }
+
+    #[test]
+    fn many_boxes_are_joined_but_none_is_lost() {
+        let places = |start: f64| (0..500_u16).map(move |index| start + f64::from(index));
+        let many = |start: f64| places(start).map(ball).collect::<Vec<_>>();
+        let found = scene(&many(0.5)).differences(&scene(&many(0.0)).snapshot()).unwrap().condensed().bounds;
+        assert!(found.len() <= ShapeDifferences::MOST, "{}", found.len());
+        for place in places(0.0).chain(places(0.5)).map(|x| DVec3::X * x) {
+            let holds = |found: &Bounds| place.cmpge(found.min).all() && place.cmple(found.max).all();
+            assert!(found.iter().any(holds), "{place}");
+        }
+        let widest = found.iter().map(Bounds::extent).fold(0.0, f64::max);
+        assert!(widest < 3.0, "only neighbours are joined: {widest}");
     }
 
     #[test]

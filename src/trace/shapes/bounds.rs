@@ -34,6 +34,11 @@ impl Bounds {
         (self.max - self.min).max_element()
     }
 
+    /// Returns the smallest box around this one and another one.
+    pub(crate) fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
     /// Returns the largest magnitude of a coordinate.
     pub(crate) fn largest(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()

@@ -232,10 +232,23 @@ impl BoxLanes {
 
     /// Returns the box around those of all lanes.
     fn bounds(&self) -> CompactBounds {
-        let min = self.min.map(|lanes| lanes.into_iter().fold(f32::INFINITY, f32::min));
-        let max = self.max.map(|lanes| lanes.into_iter().fold(f32::NEG_INFINITY, f32::max));
-        CompactBounds::between(min, max)
+        CompactBounds::between(
+            self.min.map(|lanes| reduced(lanes, f32::min)),
+            self.max.map(|lanes| reduced(lanes, f32::max)),
+        )
     }
+}
+
+/// Combines all lanes. Halves are combined at a time, which takes vector instructions.
+fn reduced(mut lanes: [f32; LANES], combine: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for lane in 0..half {
+            lanes[lane] = combine(lanes[lane], lanes[lane + half]);
+        }
+        half /= 2;
+    }
+    lanes[0]
 }
 
 #[inline(always)]

@@ -43,7 +43,7 @@ pub(crate) struct RayHull {
 }
 
 /// The region from which a light's shadow rays come, as seen from lit points.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LightRegion {
     /// A box around all points of the light.
     Position(CompactBounds),

@@ -158,6 +158,10 @@ impl World {
         }
     }
 
+    fn sampling(&self) -> PixelSampling {
+        PixelSampling { samples: self.samples, seed: 5 }
+    }
+
     fn scene(&self) -> PreparedScene {
         let mut geometry = Geometry::default();
         for thing in &self.things {
@@ -174,6 +178,18 @@ impl World {
     }
 }
 
+/// Compares a picture with a former one.
+fn compared(
+    world: &World,
+    scene: &PreparedScene,
+    former: Option<&Arc<ReusablePicture>>,
+) -> TileReuse<Linear> {
+    let mut reuse = TileReuse::new(Linear, false, former);
+    let (camera, sampling) = (&world.camera, world.sampling());
+    reuse.add(&InstantInputs { scene, camera, sampling, effects: Effects::ALL, overlay: None });
+    reuse
+}
+
 /// Renders a picture in full or, if there is a former one, with its tiles.
 fn picture(
     world: &World,
@@ -182,9 +198,8 @@ fn picture(
 ) -> (ReusablePicture, RenderStats) {
     let mut scene = world.scene();
     scene.set_simd(level);
-    let sampling = PixelSampling { samples: world.samples, seed: 5 };
-    let inputs = PictureInputs { scene: &scene, camera: &world.camera, sampling, effects: Effects::ALL };
-    let mut job = RenderJob::new(SIZE, world.samples).reusing(former, &inputs);
+    let sampling = world.sampling();
+    let mut job = RenderJob::new(SIZE, world.samples).reusing(compared(world, &scene, former));
     assert!(job.add(&scene, &world.camera, sampling, 0, Effects::ALL, Signals::none()));
     let finished = job.finish();
     (finished.reusable.unwrap(), finished.stats)
@@ -218,17 +233,20 @@ fn every_tile_that_differs_is_found_and_nothing_recorded_is_needless() {
         let (fresh, stats) = picture(&after, None, level);
         let differing = differing(&former, &fresh);
         let scene = after.scene();
-        let sampling = PixelSampling { samples: after.samples, seed: 5 };
-        let inputs = PictureInputs { scene: &scene, camera: &after.camera, sampling, effects: Effects::ALL };
-        let digests = inputs.digests(None);
-        let Some(unchanged) = former.unchanged_tiles(&digests, &scene) else { continue };
-        let wrong: Vec<usize> = differing.iter().copied().filter(|index| unchanged[*index]).collect();
+        let former = Arc::new(former);
+        let reuse = compared(&after, &scene, Some(&former));
+        let unchanged = reuse.unchanged_tiles();
+        if unchanged.is_empty() {
+            continue;
+        }
+        let wrong: Vec<usize> =
+            differing.iter().copied().filter(|index| unchanged[*index].is_some()).collect();
         assert!(wrong.is_empty(), "seed {seed}: {wrong:?}");
-        kept += unchanged.iter().filter(|unchanged| **unchanged).count();
+        kept += unchanged.iter().flatten().count();
         differed += differing.len();
 
         // The picture with reused tiles is the fresh one, and can be reused in turn.
-        let (mixed, mixed_stats) = picture(&after, Some(&Arc::new(former.clone())), level);
+        let (mixed, mixed_stats) = picture(&after, Some(&former), level);
         assert!(mixed.film == fresh.film, "seed {seed}");
         assert_eq!((mixed_stats.rays, mixed_stats.ends), (stats.rays, stats.ends), "seed {seed}");
         let mut third = after.clone();
@@ -236,7 +254,13 @@ fn every_tile_that_differs_is_found_and_nothing_recorded_is_needless() {
         let (expected, _) = picture(&third, None, level);
         assert!(picture(&third, Some(&Arc::new(mixed)), level).0.film == expected.film, "seed {seed}");
 
-        let misses = |unchanged: Vec<bool>| differing.iter().filter(|index| unchanged[**index]).count();
+        let misses = |reuse: &TileReuse<Linear>| {
+            let unchanged = reuse.unchanged_tiles();
+            differing.iter().filter(|index| unchanged[**index].is_some()).count()
+        };
+        let mut note = |part: String, weaker: &TileReuse<Linear>| {
+            *missed.entry(part).or_default() += misses(weaker);
+        };
         for part in [
             Forgotten::CameraRays,
             Forgotten::LaterBounces,
@@ -245,24 +269,19 @@ fn every_tile_that_differs_is_found_and_nothing_recorded_is_needless() {
             Forgotten::Materials,
             Forgotten::Extents,
         ] {
-            let mut weaker = former.clone();
-            weaker.tiles.iter_mut().for_each(|tile| tile.dependencies.forget(part));
-            let unchanged = weaker.unchanged_tiles(&digests, &scene).unwrap();
-            *missed.entry(format!("{part:?}")).or_default() += misses(unchanged);
+            let mut weaker = (*former).clone();
+            weaker.tiles.iter_mut().for_each(|tile| Arc::make_mut(tile).dependencies.forget(part));
+            note(format!("{part:?}"), &TileReuse { former: Some(Arc::new(weaker)), ..reuse.clone() });
         }
-        let careless = ReusablePicture { inputs: digests, ..former.clone() };
-        *missed.entry("RadianceBound".to_owned()).or_default() +=
-            misses(careless.unchanged_tiles(&digests, &scene).unwrap());
-        let (differences, lights) = (scene.differences(&former.shapes).unwrap(), LightRegion::all(&scene));
+        note("RadianceBound".to_owned(), &TileReuse { has_same_bounds: true, ..reuse.clone() });
         for (name, first) in [("Before", 0), ("After", 1)] {
-            let mut some = differences.clone();
+            let mut weaker = reuse.clone();
             let mut index = 0;
-            some.bounds.retain(|_| {
+            weaker.differences.bounds.retain(|_| {
                 index += 1;
                 index % 2 == first
             });
-            let unchanged = former.tiles.iter().map(|tile| !tile.dependencies.may_be_reached(&some, &lights));
-            *missed.entry(name.to_owned()).or_default() += misses(unchanged.collect());
+            note(name.to_owned(), &weaker);
         }
     }
     println!("{kept} tiles kept, {differed} differed; missed without a part: {missed:?}");
@@ -275,7 +294,7 @@ fn every_input_but_the_shapes_is_compared() {
     let world = World { lights: vec![light(&mut Random(1))], ..World::new(&mut Random(7)) };
     let plain = world.scene();
     let digests = |scene: &PreparedScene, camera: &PreparedCamera, sampling, effects| {
-        PictureInputs { scene, camera, sampling, effects }.digests(None).common
+        InstantInputs { scene, camera, sampling, effects, overlay: None }.record().common
     };
     let sampling = PixelSampling { samples: 4, seed: 5 };
     let changed = |change: &dyn Fn(&mut PreparedScene)| {
