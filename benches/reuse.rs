@@ -4,14 +4,19 @@
 //! `cargo bench --bench reuse` prints a table; `-- chess` measures scenes with `chess` in their name. The pictures are of the middle frame at
 //! the scene's own size. Times are medians of interleaved runs, from the world to the film. `recorded` is the time of a whole picture that
 //! is recorded for reuse, relative to one that is not.
+//!
+//! `-- frames` measures consecutive frames as `render` traces them, again with tiles of the frame before and without.
 
 #![allow(clippy::print_stdout, reason = "the table is the result")]
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use rayreel::color::Transfer;
 use rayreel::scene::{Override, WrittenKind, WrittenValue};
+use rayreel::sequence::{FormerFrame, FrameRequest, render_encoded};
 use rayreel::trace::ReusablePicture;
 use rayreel::{Engine, RenderRequest, Scene};
 
@@ -22,9 +27,20 @@ mod shipped;
 const RUNS: usize = 3;
 /// Maximum number of edits of each kind in a scene, spread over its materials and entities.
 const EDITS: usize = 3;
+/// Maximum number of frames of a scene.
+const FRAMES: usize = 36;
 
 fn main() {
-    let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
+    let mut arguments: Vec<String> =
+        std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let of_frames = arguments.first().is_some_and(|first| first == "frames");
+    if of_frames {
+        arguments.remove(0);
+    }
+    let filter = arguments.pop().unwrap_or_default();
+    if of_frames {
+        return frames(&filter);
+    }
     println!(
         "{:<17} {:<44} {:>9} {:>9} {:>7} {:>7}",
         "scene", "edit", "full ms", "reuse ms", "faster", "reused"
@@ -77,6 +93,43 @@ fn main() {
         let middle = gains[gains.len() / 2];
         println!("{} edits: {least:.2} to {most:.2} times as fast, {middle:.2} in the median", gains.len());
     }
+}
+
+/// Measures consecutive frames of scenes.
+fn frames(filter: &str) {
+    println!("{:<17} {:>9} {:>9} {:>7} {:>7}", "scene", "full ms", "reuse ms", "faster", "reused");
+    for name in scenes().iter().filter(|name| name.contains(filter)) {
+        let path = shipped::path(name);
+        let [mut engine, mut other] = [(); 2].map(|()| Engine::load(&path).expect("it is valid"));
+        let (timeline, mut former) = (engine.timeline(), FormerFrame::default());
+        let first = timeline.frame_count() / 2;
+        let (mut full, mut reused, mut share) = (0.0, 0.0, 0.0);
+        let mut count = 0;
+        for frame in (first..timeline.frame_count()).take(FRAMES) {
+            let request = FrameRequest::frame(frame, timeline);
+            reused += encoded(&mut engine, &request, &mut former);
+            share += engine.report().reused;
+            // Nothing is recorded in the first frame of a sequence.
+            full += encoded(&mut other, &request, &mut FormerFrame::default());
+            count += 1;
+        }
+        let count = f64::from(count);
+        println!(
+            "{name:<17} {:9.1} {:9.1} {:7.3} {:7.2}",
+            full / count,
+            reused / count,
+            full / reused,
+            share / count
+        );
+    }
+}
+
+/// Renders a frame as bytes. Returns the time in milliseconds.
+fn encoded(engine: &mut Engine, request: &FrameRequest, former: &mut FormerFrame<Transfer>) -> f64 {
+    let start = Instant::now();
+    let film = render_encoded(engine, request, former, &AtomicBool::new(false), &mut |_| {});
+    film.expect("it is valid");
+    1e3 * start.elapsed().as_secs_f64()
 }
 
 /// Returns the names of all shipped scenes.

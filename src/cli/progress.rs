@@ -12,7 +12,7 @@ use rayreel::sequence::{FrameRequest, FrameVerdict};
 use rayreel::trace::RenderProgress;
 
 use super::print;
-use super::report::{RenderedFrameReport, in_millions};
+use super::report::RenderedFrameReport;
 use super::settings::{OutputSettings, ProgressOutput};
 
 /// Reports finished frames and the progress of slow frames.
@@ -130,7 +130,7 @@ impl Progress {
     pub(super) fn done(&mut self, report: &RenderedFrameReport) {
         self.times.note(report.seconds());
         self.slow = self.slow.filter(|slow| !report.is_of(&slow.request));
-        let rate = format!("{} rays/s", in_millions(report.rays_per_second()));
+        let rate = report.rate();
         let FrameTimes { total, done, .. } = self.times;
         let line = || format!("{done}/{total} {}: {:.3} s, {rate}", report.name(), report.seconds());
         match &self.display {

@@ -273,8 +273,13 @@ impl RenderedFrameReport {
         (self.cost.animate + self.cost.prepare + self.cost.trace).as_secs_f64()
     }
 
-    pub(super) fn rays_per_second(&self) -> f64 {
-        self.cost.rays.total() as f64 / self.cost.trace.as_secs_f64().max(1e-9)
+    /// Formats the rays per second or, if not all pixels were traced, the share of those that were taken from the former frame.
+    pub(super) fn rate(&self) -> String {
+        let FrameReport { reused, rays, trace, .. } = &self.cost;
+        match *reused {
+            0.0 => format!("{} rays/s", in_millions(rays.total() as f64 / trace.as_secs_f64().max(1e-9))),
+            reused => format!("{:.0} % reused", 100.0 * reused),
+        }
     }
 
     pub(super) fn to_json(&self) -> Value {
@@ -297,6 +302,7 @@ impl RenderedFrameReport {
                 "reflection": reflection,
                 "refraction": refraction,
             },
+            "reused": self.cost.reused,
             "estimated_error": self.cost.error.map(|error| error.value),
             "estimated_error_deviation": self.cost.error.map(|error| error.deviation),
             "hidden_error": self.cost.error.map(|error| error.hidden),

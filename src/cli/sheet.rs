@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use rayreel::Engine;
 use rayreel::components::FilmSettings;
 use rayreel::output::Sheet;
-use rayreel::sequence::render_encoded;
+use rayreel::sequence::{FormerFrame, render_encoded};
 use rayreel::systems::{Effect, EffectSet, FrameReport, Need, Plan};
 use rayreel::trace::EncodedFilm;
 
@@ -30,7 +30,7 @@ pub(super) fn render(
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
-    let mut progress = Progress::start(settings);
+    let (mut progress, mut former) = (Progress::start(settings), FormerFrame::default());
     let mut variants = Variants { without: engine.settings.without, first: None, unchanged: Vec::new() };
     let versions = [None].into_iter().chain(settings.variants.iter().copied().map(Some));
     for request in settings.requests() {
@@ -39,7 +39,7 @@ pub(super) fn render(
                 version.map_or(variants.without, |effect| variants.without.with(effect));
             choice.begin(engine, &request);
             choice.render(engine);
-            let film = render_encoded(engine, &request, cancelled, &mut |so_far| {
+            let film = render_encoded(engine, &request, &mut former, cancelled, &mut |so_far| {
                 progress.rendering(&request, so_far);
             })?;
             let Some(film) = film else { return Ok(()) };

@@ -7,7 +7,7 @@ use anyhow::Context;
 
 use rayreel::Engine;
 use rayreel::output::{VideoFormat, VideoStream};
-use rayreel::sequence::render_encoded;
+use rayreel::sequence::{FormerFrame, render_encoded};
 
 use super::choice::SampleSelection;
 use super::exit::Failure;
@@ -25,13 +25,14 @@ pub(super) fn render(
     cancelled: &AtomicBool,
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
-    let mut progress = Progress::start(settings);
+    let (mut progress, mut former) = (Progress::start(settings), FormerFrame::default());
     let mut stream = VideoStream::new(stdout(), format, engine.timeline().rate);
     for request in settings.requests() {
         choice.begin(engine, &request);
         choice.render(engine);
-        let film =
-            render_encoded(engine, &request, cancelled, &mut |so_far| progress.rendering(&request, so_far))?;
+        let film = render_encoded(engine, &request, &mut former, cancelled, &mut |so_far| {
+            progress.rendering(&request, so_far);
+        })?;
         let Some(film) = film else { return Ok(()) };
         choice.end(engine, &request)?;
         report.warnings.collect(engine, &request.moment());

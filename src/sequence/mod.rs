@@ -10,6 +10,7 @@
 //! ```
 
 mod faults;
+mod former_frame;
 mod frame_request;
 mod movie;
 mod order;
@@ -19,6 +20,7 @@ mod surplus;
 mod verify;
 
 pub use faults::SequenceFault;
+pub use former_frame::FormerFrame;
 pub use frame_request::FrameRequest;
 pub use movie::render_movie_until;
 pub use order::{RenderOrder, Shard, ShardError};

@@ -5,7 +5,9 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::render::make_folder;
-use super::{FrameRequest, SequenceError, SequenceFault, SequenceProgress, SequenceReport, render_encoded};
+use super::{
+    FormerFrame, FrameRequest, SequenceError, SequenceFault, SequenceProgress, SequenceReport, render_encoded,
+};
 use crate::engine::Engine;
 use crate::output::{MovieWriter, folder_of, movie_format};
 use crate::time::FrameList;
@@ -57,9 +59,9 @@ pub fn render_movie_until(
     let frames = frames.within(timeline.frame_count());
     let total = frames.count();
     let mut writer = MovieWriter::create(movie, u32::try_from(total).unwrap_or(u32::MAX), timeline.rate)?;
-    let mut report = SequenceReport::default();
+    let (mut report, mut former) = (SequenceReport::default(), FormerFrame::default());
     for request in FrameRequest::frames(&frames, timeline) {
-        let film = render_encoded(engine, &request, cancelled, &mut |_| {})?;
+        let film = render_encoded(engine, &request, &mut former, cancelled, &mut |_| {})?;
         let Some(film) = film else { return Ok(SequenceReport::default()) };
         report.collect_faults(engine, &request);
         if !writer.add(film, cancelled)? {

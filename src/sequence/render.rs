@@ -10,7 +10,8 @@ use std::time::Duration;
 
 use super::progress_timer::watched;
 use super::verify::verdict_of;
-use super::{FrameRequest, FrameVerdict, SequenceFault};
+use super::{FormerFrame, FrameRequest, FrameVerdict, SequenceFault};
+use crate::color::{Linear, Transfer};
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::output::{
     Channels, FoundFrame, FrameFormat, FramePixels, FrameWriter, LinearFrame, MovieError, MovieFormat,
@@ -235,6 +236,7 @@ pub fn render_frames(
     observer: &mut dyn SequenceObserver,
 ) -> Result<(), EngineError> {
     let writer = FrameWriter::start();
+    let mut former = Default::default();
     // Requests of the frames submitted to the writer, indexed by ticket.
     let mut submitted: Vec<FrameRequest> = Vec::new();
     let report_written =
@@ -275,7 +277,8 @@ pub fn render_frames(
             }
             observer.rendering(&request, progress);
         };
-        let pixels = match render_pixels(engine, &request, sequence.format(), cancelled, &mut on_progress) {
+        let format = sequence.format();
+        let pixels = match render_pixels(engine, &request, format, &mut former, cancelled, &mut on_progress) {
             Ok(Some(pixels)) => pixels,
             stopped => {
                 rendered = stopped.map(drop);
@@ -284,7 +287,7 @@ pub fn render_frames(
         };
         let flow = observer.rendered(engine, &request);
         let fingerprint = engine.report().fingerprint;
-        writer.submit(submitted.len(), path, pixels, sequence.format(), fingerprint);
+        writer.submit(submitted.len(), path, pixels, format, fingerprint);
         submitted.push(request);
         for written in writer.written() {
             all_good &= report_written(written, &submitted, observer);
@@ -299,8 +302,8 @@ pub fn render_frames(
     rendered
 }
 
-/// Renders a frame as output bytes. Returns `None` if `cancelled` becomes true during rendering. Reports the progress to `on_progress` once a
-/// second.
+/// Renders a frame as output bytes, and reuses tiles of the former one. Returns `None` if `cancelled` becomes true during rendering. Reports
+/// the progress to `on_progress` once a second.
 ///
 /// # Errors
 ///
@@ -308,18 +311,22 @@ pub fn render_frames(
 pub fn render_encoded(
     engine: &mut Engine,
     request: &FrameRequest,
+    former: &mut FormerFrame<Transfer>,
     cancelled: &AtomicBool,
     on_progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<EncodedFilm>, EngineError> {
     let transfer = engine.effective_settings().film.transfer;
-    watched(cancelled, on_progress, |signals, report| {
-        let image = engine.render(RenderRequest {
+    let image = watched(cancelled, on_progress, |signals, report| {
+        engine.render(RenderRequest {
             signals,
             on_pause: Some(&mut |job| report(job.progress())),
+            reuse: former.begin(),
             ..RenderRequest::encoded(request.time, transfer)
-        });
-        Ok(unless_cancelled(image)?.map(|image| image.film))
-    })
+        })
+    });
+    let image = unless_cancelled(image)?;
+    former.end(engine.report());
+    Ok(image.map(|image| image.film))
 }
 
 /// Renders the pixels of a frame for a format, with cancellation and progress reports as in [`render_encoded`].
@@ -327,11 +334,14 @@ fn render_pixels(
     engine: &mut Engine,
     request: &FrameRequest,
     format: FrameFormat,
+    (linear, encoded): &mut (FormerFrame<Linear>, FormerFrame<Transfer>),
     cancelled: &AtomicBool,
     on_progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<FramePixels>, EngineError> {
     if !format.is_linear() {
-        return Ok(render_encoded(engine, request, cancelled, on_progress)?.map(FramePixels::Encoded));
+        return Ok(
+            render_encoded(engine, request, encoded, cancelled, on_progress)?.map(FramePixels::Encoded)
+        );
     }
     let image = watched(cancelled, on_progress, |signals, report| {
         engine.render(RenderRequest {
@@ -339,10 +349,13 @@ fn render_pixels(
             passes: !format.passes().is_empty(),
             signals,
             on_pause: Some(&mut |job| report(job.progress())),
+            reuse: linear.begin(),
             ..RenderRequest::at(request.time)
         })
     });
-    let Some(RenderedImage { film, alpha, passes, .. }) = unless_cancelled(image)? else { return Ok(None) };
+    let image = unless_cancelled(image)?;
+    linear.end(engine.report());
+    let Some(RenderedImage { film, alpha, passes, .. }) = image else { return Ok(None) };
     let transfer = engine.effective_settings().film.transfer;
     Ok(Some(FramePixels::Linear(LinearFrame { film, alpha, transfer, passes })))
 }

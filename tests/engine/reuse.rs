@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use rayreel::color::Transfer;
 use rayreel::scene::{Override, Reader};
+use rayreel::sequence::{FormerFrame, FrameRequest, render_encoded};
 use rayreel::trace::{RayCounts, RenderJob, ReusablePicture, Signals};
 use rayreel::{Engine, EngineError, Film, RenderRequest, RenderSettings, Scene};
 
@@ -168,6 +170,33 @@ fn frames_of_shipped_scenes_equal_a_cold_start_in_any_order() {
         }
     }
     assert!(shares.iter().filter(|share| **share > 0.2).count() > 4, "{shares:?}");
+}
+
+#[test]
+fn frames_of_a_sequence_equal_frames_alone() {
+    // Large enough to take the time from which on tiles are reused.
+    const LARGE: (u32, u32) = (480, 270);
+    for name in ["robot_arm", "newtons_cradle"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("ron");
+        let load = || {
+            let mut engine = Engine::load(&path).unwrap();
+            engine.settings.size = Some(LARGE);
+            engine
+        };
+        let (mut engine, mut former, mut shares) = (load(), FormerFrame::default(), Vec::new());
+        for index in 20..24 {
+            let request = FrameRequest::frame(index, engine.timeline());
+            let encoded = |engine: &mut Engine, former: &mut FormerFrame<Transfer>| {
+                render_encoded(engine, &request, former, &AtomicBool::new(false), &mut |_| {})
+                    .unwrap()
+                    .unwrap()
+            };
+            let film = encoded(&mut engine, &mut former);
+            shares.push(engine.report().reused);
+            assert!(film == encoded(&mut load(), &mut FormerFrame::default()), "{name} {index}");
+        }
+        assert!(shares[3] > 0.2, "{name} {shares:?}");
+    }
 }
 
 #[test]
