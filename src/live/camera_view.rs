@@ -1,17 +1,20 @@
 //! Description of the camera, for views that are set by hand.
 
+use std::path::PathBuf;
+
 use glam::DVec3;
+use hecs::{Entity, World};
 use serde::Serialize;
 
-use crate::components::{Animated, Camera, Channel, LookAt, Name, Property, Space, View};
-use crate::engine::{Engine, EngineError, Ray};
+use crate::components::{Animated, Camera, Follow, LookAt, Name, Parent, Projection, Property, Space, View};
+use crate::engine::{Engine, Ray};
+use crate::scene::{WrittenTracks, written_value};
 use crate::systems::active_camera;
-use crate::time::Time;
 
 /// Distance of the point about which a view turns if nothing is in front of the camera, in scene units.
 const DEFAULT_DISTANCE: f64 = 10.0;
 
-/// The camera of a frame, in the camera's own space.
+/// The camera of a frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CameraView {
     /// The path of the camera in the scene, such as `camera` or `cameras.side`.
@@ -22,31 +25,62 @@ pub struct CameraView {
     pub target: [f64; 3],
     /// True if the camera has a direction in place of a target.
     pub has_direction: bool,
+    /// The key of another position: the path of its list of keys, and its time in seconds of the keys. `None` without a track.
+    pub position_key: Option<(String, f64)>,
+    /// The key of another target or direction.
+    pub target_key: Option<(String, f64)>,
     /// The direction that is up in the image.
     pub up: [f64; 3],
+    /// Rotation about the view direction in radians.
+    pub roll: f64,
     /// True in right-handed space, in which the image is not mirrored.
     pub right_handed: bool,
+    /// True if rays are parallel.
+    pub is_orthographic: bool,
+    /// Width and height of a pixel, in scene units, at distance 1 along the view or, if rays are parallel, at any distance.
+    pub pixel_size: [f64; 2],
 }
 
 impl CameraView {
-    /// Describes the camera of a moment. `None` in a world without cameras, and for a camera that is animated or looks at an entity.
-    /// `is_single` is true if the scene has a `camera` in place of `cameras`.
-    pub(super) fn of(engine: &mut Engine, time: Time, is_single: bool) -> Result<Option<Self>, EngineError> {
-        engine.seek(time)?;
+    /// Describes the camera of a frame of a scene in files. Returns the reason why it cannot be moved by hand.
+    pub(super) fn of(engine: &mut Engine, frame: u32, files: &[PathBuf]) -> Result<Self, String> {
+        let rate = engine.timeline().rate;
+        let time = rate.time_of(frame);
+        engine.seek(time).map_err(|error| error.to_string())?;
         let world = engine.world();
-        let Some(active) = active_camera(world, time) else { return Ok(None) };
-        let moves = |channel: &Channel| {
-            matches!(channel.property, Property::Position | Property::Target | Property::View)
-        };
-        let is_animated =
-            world.get::<&Animated>(active.entity).is_ok_and(|animated| animated.0.iter().any(moves));
-        if is_animated || world.get::<&LookAt>(active.entity).is_ok() {
-            return Ok(None);
+        let missing = "the scene has no camera: write `camera: ()` in the file to move it here";
+        let entity = active_camera(world, time).ok_or(missing)?.entity;
+        if let Some((field, other)) = tie(world, entity) {
+            return Err(format!(
+                "`{field}` ties this camera to {other}: replace it in the file by a position and a target of its own to move the \
+                 view here"
+            ));
         }
-        let Ok(camera) = world.get::<&Camera>(active.entity).map(|camera| *camera) else { return Ok(None) };
-        let name = world.get::<&Name>(active.entity).map(|name| name.0.clone()).unwrap_or_default();
+        let camera = world.get::<&Camera>(entity).map(|camera| *camera).map_err(|_| missing)?;
+        let name = world.get::<&Name>(entity).map(|name| name.0.clone()).unwrap_or_default();
+        let is_single = written_value(&["camera".to_owned()], files).is_some();
         let path = if is_single { "camera".to_owned() } else { format!("cameras.\"{name}\"") };
-        let right_handed = world.query::<&Space>().iter().any(|space| *space == Space::RightHanded);
+        let tracks = WrittenTracks::of(files).tracks;
+        let key = |property: Property| {
+            let animated = world.get::<&Animated>(entity).ok();
+            if !animated.is_some_and(|animated| animated.0.iter().any(|channel| channel.property == property))
+            {
+                return Ok(None);
+            }
+            let channel = property.name();
+            let track = tracks.iter().find(|track| track.target == name && track.channel == channel).ok_or_else(|| {
+                format!(
+                    "the {channel} of this camera is not animated by keys in the scene file: move it where it is written, or \
+                     replace its track by `Keys`"
+                )
+            })?;
+            track
+                .key_time(time.seconds(), 1.0 / rate.per_second())
+                .map(|time| Some((track.path.clone(), time)))
+        };
+        let has_direction = matches!(camera.view, View::Direction(_));
+        let position_key = key(Property::Position)?;
+        let target_key = key(if has_direction { Property::View } else { Property::Target })?;
         let target = match camera.view {
             View::Target(target) => target,
             View::Direction(direction) => {
@@ -55,13 +89,30 @@ impl CameraView {
                 camera.position + distance * direction.normalize_or(DVec3::Z)
             }
         };
-        Ok(Some(Self {
+        let prepared = engine.prepared().ok_or(missing)?.camera();
+        Ok(Self {
             path,
             position: camera.position.to_array(),
             target: target.to_array(),
-            has_direction: matches!(camera.view, View::Direction(_)),
+            has_direction,
+            position_key,
+            target_key,
             up: camera.up.to_array(),
-            right_handed,
-        }))
+            roll: camera.roll,
+            right_handed: world.query::<&Space>().iter().any(|space| *space == Space::RightHanded),
+            is_orthographic: matches!(camera.projection, Projection::Orthographic { .. }),
+            pixel_size: prepared.pixel_size(),
+        })
     }
+}
+
+/// Returns the field that ties a camera to another entity, and the entity's name.
+fn tie(world: &World, camera: Entity) -> Option<(&'static str, String)> {
+    let looks = world.get::<&LookAt>(camera).map(|tie| ("look_at", tie.0));
+    let follows = || world.get::<&Follow>(camera).map(|tie| ("follow", tie.0));
+    let rides = || world.get::<&Parent>(camera).map(|tie| ("parent", tie.0));
+    let (field, other) = looks.or_else(|_| follows()).or_else(|_| rides()).ok()?;
+    let name =
+        world.get::<&Name>(other).map_or_else(|_| "an entity".to_owned(), |name| format!("`{}`", name.0));
+    Some((field, name))
 }

@@ -33,8 +33,8 @@ pub enum SessionCommand {
     FilmEnded,
     /// Opens a file of the scene in an editor, at a place such as `ball.ron:12`.
     Open(String, Reply<Result<(), String>>),
-    /// Describes the camera of the current frame.
-    Camera(Reply<Option<CameraView>>),
+    /// Describes the camera of the current frame, or the reason why it cannot be moved.
+    Camera(Reply<Result<CameraView, String>>),
     /// Ends the session.
     Stop,
 }
@@ -80,6 +80,8 @@ pub enum SceneEdit {
     Try(Vec<String>),
     /// Overrides the keys of a track, and leaves the files as they are.
     TryKey(KeyChange),
+    /// Overrides values and keys of tracks, as [`Try`](Self::Try) does. Keys that are overridden already are changed further.
+    TryKeys(Vec<String>, Vec<KeyChange>),
     /// Writes the overriding values into the files.
     Keep,
     /// Ends the overrides.

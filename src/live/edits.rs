@@ -5,11 +5,14 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use crate::color::Transfer;
 use crate::output;
-use crate::scene::{Override, TextChange, written_value};
+use crate::scene::{KeyChange, Override, OverrideError, TextChange, written_value};
 
 /// Maximum number of changes that can be taken back.
 const MAX_UNDO: usize = 1000;
+
+pub(super) const UNSAVED: &str = "some values are not in the file yet: keep or discard them first";
 
 /// The values of a scene that are changed by hand.
 #[derive(Debug, Default)]
@@ -64,8 +67,36 @@ impl Edits {
         }
     }
 
-    /// Adds overrides, each in place of an earlier one of the same path. Returns the former ones, for [`restore`](Self::restore).
-    pub(super) fn try_values(&mut self, values: Vec<Override>, files: &[PathBuf]) -> Vec<TriedValue> {
+    /// Returns the overrides that are not written yet.
+    fn tried(&self) -> Vec<Override> {
+        self.tried.iter().map(|tried| tried.value.clone()).collect()
+    }
+
+    /// Tries values and changes of keys. Returns the former overrides, for [`restore`](Self::restore), or the reason why it is not possible.
+    pub(super) fn attempt(
+        &mut self,
+        values: &[String],
+        keys: &[KeyChange],
+        files: &[PathBuf],
+        transfer: Transfer,
+    ) -> Result<Vec<TriedValue>, String> {
+        let tried = self.tried();
+        let values =
+            values.iter().map(|value| value.parse().map_err(|error: OverrideError| error.to_string()));
+        let keys = keys.iter().map(|change| change.to_override(files, &tried, transfer));
+        self.try_values(values.chain(keys).collect::<Result<_, _>>()?, files)
+    }
+
+    /// Adds overrides, each in place of an earlier one of the same path. Returns the former ones. A value
+    /// within an overridden one, or around it, is an error: its index may be that of another one, and one of the two would be lost.
+    fn try_values(&mut self, values: Vec<Override>, files: &[PathBuf]) -> Result<Vec<TriedValue>, String> {
+        let nests = |one: &[String], other: &[String]| one.len() < other.len() && other.starts_with(one);
+        let overlap = |one: &Override, other: &Override| {
+            nests(one.path(), other.path()) || nests(other.path(), one.path())
+        };
+        if values.iter().any(|value| self.tried.iter().any(|tried| overlap(value, &tried.value))) {
+            return Err(UNSAVED.to_owned());
+        }
         let before = self.tried.clone();
         for value in values {
             match self.tried.iter_mut().find(|tried| tried.value.path() == value.path()) {
@@ -76,7 +107,7 @@ impl Edits {
                 }
             }
         }
-        before
+        Ok(before)
     }
 
     pub(super) fn restore(&mut self, before: Vec<TriedValue>) {
@@ -99,8 +130,7 @@ impl Edits {
 
     /// Writes the overrides into the files, as one change. The overrides then end.
     pub(super) fn keep(&mut self, files: &[PathBuf]) -> Result<(), String> {
-        let values: Vec<Override> = self.tried.iter().map(|tried| tried.value.clone()).collect();
-        let changes = TextChange::setting(&values, files).map_err(|error| error.to_string())?;
+        let changes = TextChange::setting(&self.tried(), files).map_err(|error| error.to_string())?;
         for (index, change) in changes.iter().enumerate() {
             if let Err(error) = write(change) {
                 // All files or none.

@@ -3,6 +3,7 @@
 mod filling;
 
 use std::ops::ControlFlow::{Break, Continue};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -199,11 +200,13 @@ impl Renderer {
         self.publisher.latest().is_some_and(|(_, film)| film.is_none())
     }
 
-    /// Describes the camera of the current frame. `None` before a scene is read, and for a camera that cannot be moved.
-    pub(super) fn camera(&mut self, is_single: bool) -> Result<Option<CameraView>, EngineError> {
+    /// Describes the camera of the current frame of a scene in files. Returns the reason why it cannot be moved.
+    pub(super) fn camera(&mut self, files: &[PathBuf]) -> Result<CameraView, String> {
         let state = self.publisher.published().state();
-        let time = self.engine.timeline().time_of(state.frame);
-        if state.reloads == 0 { Ok(None) } else { CameraView::of(&mut self.engine, time, is_single) }
+        if state.reloads == 0 {
+            return Err("the file has mistakes: correct them first".to_owned());
+        }
+        CameraView::of(&mut self.engine, state.frame, files)
     }
 
     /// Runs a job until it is finished or a command interrupts it.

@@ -10,7 +10,7 @@
 //! | `POST /edit` | changes values of the scene according to a [`SceneEdit`], as JSON; 409 and the reason if that is not possible |
 //! | `POST /values` | the values in the part of the scene at a path, such as `"entities.ball"`, as JSON |
 //! | `POST /tracks` | the keys of tracks, and the shots, as JSON |
-//! | `POST /camera` | the camera of the current frame, or null, as JSON |
+//! | `POST /camera` | the camera of the current frame, as JSON; 409 and the reason if it cannot be moved |
 //! | `POST /film` | renders frames into files according to a [`FilmRequest`](super::FilmRequest), or cancels that for null, as JSON; 409 and the reason if that is not possible |
 //! | `GET /movie/1795` | the movie that session 1795 has made last |
 //! | `POST /open` | opens the editor at a place such as `"ball.ron:12"`, as JSON; 409 and the reason if that is not possible |
@@ -50,6 +50,7 @@ use tokio::sync::oneshot;
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
+use super::camera_view::CameraView;
 use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
 use super::film::{FilmEnd, FilmRequest, FilmState};
 use super::session::Handle;
@@ -363,7 +364,10 @@ async fn tracks(State(shared): State<ServerState>) -> Response {
 }
 
 async fn camera(State(shared): State<ServerState>) -> Response {
-    answer(&shared, SessionCommand::Camera, |camera| json(&camera)).await
+    let respond = |camera: Result<CameraView, String>| {
+        camera.map_or_else(|why| (StatusCode::CONFLICT, why).into_response(), |camera| json(&camera))
+    };
+    answer(&shared, SessionCommand::Camera, respond).await
 }
 
 /// Sends a command to the session, and responds with its result.

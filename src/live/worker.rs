@@ -8,7 +8,7 @@ use std::time::{Duration, Instant, SystemTime};
 use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail, Reply, SceneEdit, SessionCommand, ViewChange};
 use super::editor::{EditorCommand, Place};
-use super::edits::{EditState, Edits};
+use super::edits::{EditState, Edits, UNSAVED};
 use super::film::{self, FilmRequest, FilmScene};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
 use super::pixel_info::PixelInfo;
@@ -17,7 +17,7 @@ use super::renderer::Renderer;
 use super::state::{Mistakes, Times};
 use super::watcher::{Stamp, Watcher};
 use crate::engine::EngineError;
-use crate::scene::{LoadError, Override, Reader, Scene, Sources, WrittenTracks, WrittenValue, written_value};
+use crate::scene::{LoadError, Override, Reader, Scene, Sources, WrittenTracks, WrittenValue};
 
 /// Time for which files must be unchanged before mistakes in them are reported. Slow writers leave files incomplete for a while: with 30 ms,
 /// 275 saves in place in 5 s gave "the file is empty" twice.
@@ -39,8 +39,6 @@ const FILL_DELAY: Duration = Duration::from_millis(250);
 const IDLE_TIMEOUT: Duration = Duration::from_millis(500);
 /// The same time in frame intervals, for low frame rates. The longer one applies.
 const IDLE_INTERVALS: f64 = 3.0;
-
-const UNSAVED: &str = "some values are not in the file yet: keep or discard them first";
 
 /// The next task of the thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -227,19 +225,16 @@ impl Worker {
         let Some(files) = &mut self.files else {
             return Err("this world is built by a program: its values are changed there".to_owned());
         };
+        let transfer = self.renderer.transfer();
         let before = match edit {
-            SceneEdit::Try(values) => {
-                let values = values.iter().map(|value| value.parse::<Override>());
-                let values = values.collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
-                Some(files.edits.try_values(values, &files.paths))
-            }
+            SceneEdit::Try(values) => Some(files.edits.attempt(&values, &[], &files.paths, transfer)?),
             // Lists of keys are written whole: values in them that are not in the file yet would be lost.
             SceneEdit::TryKey(_) if self.published.shows_tried_values() => {
                 return Err(UNSAVED.to_owned());
             }
-            SceneEdit::TryKey(change) => {
-                let value = change.to_override(&files.paths, self.renderer.transfer())?;
-                Some(files.edits.try_values(vec![value], &files.paths))
+            SceneEdit::TryKey(change) => Some(files.edits.attempt(&[], &[change], &files.paths, transfer)?),
+            SceneEdit::TryKeys(values, keys) => {
+                Some(files.edits.attempt(&values, &keys, &files.paths, transfer)?)
             }
             SceneEdit::Drop => {
                 files.edits.drop_tried();
@@ -355,11 +350,11 @@ impl Worker {
         editor.open(&Place::parse(place))
     }
 
-    /// Describes the camera of the current frame, with its path in the files. `None` if it cannot be moved.
-    fn camera(&mut self) -> Option<CameraView> {
-        let paths = &self.files.as_ref()?.paths;
-        let is_single = written_value(&["camera".to_owned()], paths).is_some();
-        self.renderer.camera(is_single).ok().flatten()
+    /// Describes the camera of the current frame, with its place in the files. Returns the reason why it cannot be moved.
+    fn camera(&mut self) -> Result<CameraView, String> {
+        let files =
+            self.files.as_ref().ok_or("this world is built by a program: its camera is moved there")?;
+        self.renderer.camera(&files.paths)
     }
 
     fn probe(&mut self, pixel: (u32, u32), Reply(reply): Reply<Option<PixelInfo>>) {

@@ -198,7 +198,7 @@ fn changes_of_keys_leave_the_others() {
             _ => KeyChange::Ease(path, track.keys[index].time, "EaseIn".to_owned()),
         };
         let files = [scene.clone()];
-        let set = match change.to_override(&files, Transfer::Srgb) {
+        let set = match change.to_override(&files, &[], Transfer::Srgb) {
             Ok(set) => set,
             Err(why) => {
                 assert!(track.keys.len() == 1 && case % 3 == 1 || why.contains("already"), "{why}");
@@ -276,12 +276,24 @@ fn added_keys_have_the_value_that_the_track_has() {
         ("animate.5.track.0", 1.0, "(1, true), (2, "),
         ("animate.6.track.0", 4.0, "(1, (2, 1, 0.5)), (4, (2, 1, 0.5))]"),
     ] {
-        let set = KeyChange::Add(track.to_owned(), time).to_override(&files, Transfer::Srgb).unwrap();
+        let set = KeyChange::Add(track.to_owned(), time).to_override(&files, &[], Transfer::Srgb).unwrap();
         let after = &TextChange::setting(std::slice::from_ref(&set), &files).unwrap()[0].after;
         assert!(after.contains(key), "{key} in {set}");
     }
+    // A key is set in the file, or in the override of its list.
+    let set = |time: f64, tried: &[Override]| {
+        let change = KeyChange::Set("animate.0.track.0".to_owned(), time, "(7, 7, 7)".to_owned());
+        change.to_override(&files, tried, Transfer::Srgb).unwrap()
+    };
+    let first = set(2.0, &[]);
+    assert!(first.value().contains("(2, (7, 7, 7), Hold),\n                (3, (0, 0, 0)"), "{first}");
+    let second = set(31.0 / 24.0, std::slice::from_ref(&first));
+    let keys = "// start\n                (1.291666, (7, 7, 7)),\n                (2, (7, 7, 7), Hold)";
+    assert!(second.value().contains(keys), "{second}");
+    assert_eq!(set(31.0 / 24.0, std::slice::from_ref(&second)), second);
     for (change, why) in [
         (KeyChange::Add("animate.0.track.0".to_owned(), 2.0), "there is a key at this time already"),
+        (KeyChange::Set("animate.0.track.0".to_owned(), 2.0, "1, 2".to_owned()), "`1, 2` is no value"),
         (KeyChange::Remove("animate.7.track.0".to_owned(), 0.0), "the file has no such key any more"),
         (KeyChange::Remove("animate.0.track.0".to_owned(), 2.5), "the file has no such key any more"),
         (
@@ -289,7 +301,7 @@ fn added_keys_have_the_value_that_the_track_has() {
             "`Hold), (9, 1` is no easing",
         ),
     ] {
-        assert_eq!(change.to_override(&files, Transfer::Srgb).unwrap_err(), why);
+        assert_eq!(change.to_override(&files, &[], Transfer::Srgb).unwrap_err(), why);
     }
 }
 

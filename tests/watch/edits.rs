@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use rayreel::Engine;
 use rayreel::live::{EditState, Event, Reply, SceneEdit, SessionCommand};
-use rayreel::scene::WrittenValue;
+use rayreel::scene::{KeyChange, WrittenValue};
 
 use crate::AT_MOST;
 use crate::session::{Stage, scene};
@@ -170,7 +170,7 @@ fn cameras_that_can_be_moved_are_described() {
     let camera = || ask(&stage, SessionCommand::Camera);
     let view = camera().unwrap();
     assert_eq!((view.path.as_str(), view.position, view.target), ("camera", [0.0, 0.0, -5.0], [0.0; 3]));
-    assert!(!view.has_direction && !view.right_handed);
+    assert!(!view.has_direction && !view.right_handed && view.position_key.is_none());
     let save = |camera: &str, more: &str| {
         let text = scene(1.0, "").replace("camera: (position: (0, 0, -5), target: (0, 0, 0))", camera);
         stage.save(&text.replace("animate: [", &format!("animate: [{more}")));
@@ -182,17 +182,44 @@ fn cameras_that_can_be_moved_are_described() {
     assert_eq!((view.path.as_str(), view.target), ("cameras.\"near 1.5\"", [0.0, 0.0, -1.0]));
     assert!(view.has_direction && view.right_handed);
     save("camera: (position: (0, 0, -5), look_at: \"ball\")", "");
-    assert_eq!(camera(), None);
+    assert!(camera().unwrap_err().starts_with("`look_at` ties this camera to `ball`"));
     save(
         "camera: (position: (0, 0, -5), target: (0, 0, 0))",
         "(target: \"camera\", channel: Position, track: Keys([(0, (0, 0, -5)), (2, (0, 0, -6))])),",
     );
-    assert_eq!(camera(), None);
+    let view = camera().unwrap();
+    assert_eq!((view.position_key, view.target_key), (Some(("animate.0.track.0".to_owned(), 0.0)), None));
     // The path of a camera whose name has a dot.
     save("cameras: {\"near 1.5\": (position: (0, 0, -4), view: (0, 0, 2))}", "");
     attempt(&stage, &["cameras.\"near 1.5\".view=(0.1, 0, 2)"]).unwrap();
     edit(&stage, SceneEdit::Keep).unwrap();
     assert!(text(&stage).contains("position: (0, 0, -4), view: (0.1, 0, 2)"));
+}
+
+#[test]
+fn keys_and_values_of_a_view_are_one_change() {
+    let track =
+        "animate: [(target: \"camera\", channel: Position, track: Keys([(0, (0, 0, -5)), (2, (0, 0, -6))])),";
+    let before = scene(1.0, "").replace("animate: [", track);
+    let stage = Stage::new(Some(&before));
+    stage.matches_a_cold_start();
+    let try_view = |target: &str, time: f64, position: &str| {
+        let key = KeyChange::Set("animate.0.track.0".to_owned(), time, position.to_owned());
+        edit(&stage, SceneEdit::TryKeys(vec![format!("camera.target={target}")], vec![key]))
+    };
+    try_view("(0, 1, 0)", 1.0, "(0, 0, -4)").unwrap();
+    try_view("(0, 2, 0)", 1.5, "(0, 0, -3)").unwrap();
+    // The places of keys in the file are those of others in the tried list.
+    let error = attempt(&stage, &["animate.0.track.0.1.1=(0, 0, 0)"]).unwrap_err();
+    assert!(error.contains("keep or discard them first"), "{error}");
+    try_view("(0, 2, 0)", 1.0, "(0, 0, )nothing").unwrap_err();
+    edit(&stage, SceneEdit::Keep).unwrap();
+    let after = before
+        .replace("target: (0, 0, 0)", "target: (0, 2, 0)")
+        .replace("(2, (0, 0, -6))", "(1, (0, 0, -4)), (1.5, (0, 0, -3)), (2, (0, 0, -6))");
+    assert_eq!((text(&stage), edits(&stage).undoable), (after, 1));
+    edit(&stage, SceneEdit::Undo).unwrap();
+    assert_eq!((text(&stage), edits(&stage).undoable), (before, 0));
 }
 
 #[test]

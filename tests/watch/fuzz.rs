@@ -70,8 +70,9 @@ fn value(random: &mut Random) -> String {
 
 fn key_change(random: &mut Random) -> KeyChange {
     let path = "animate.0.track.0".to_owned();
-    match random.index(3) {
+    match random.index(4) {
         0 => KeyChange::Add(path, 0.1 * random.index(25) as f64),
+        3 => KeyChange::Set(path, 0.1 * random.index(25) as f64, format!("(0, 0.{}, 0)", random.index(10))),
         1 => KeyChange::Remove(path, random.index(3) as f64),
         _ => KeyChange::Ease(
             path,
@@ -95,7 +96,8 @@ fn act(stage: &Stage, handle: &Handle, answers: &Answers, random: &mut Random) {
         5 => view(ViewChange::Finish),
         6 => view(ViewChange::Measure),
         7..=9 => edit(SceneEdit::Try((0..=random.index(2)).map(|_| value(random)).collect())),
-        10 => edit(SceneEdit::TryKey(key_change(random))),
+        10 if random.once_in(2) => edit(SceneEdit::TryKey(key_change(random))),
+        10 => edit(SceneEdit::TryKeys(vec![value(random)], vec![key_change(random)])),
         11 | 12 => edit(SceneEdit::Keep),
         13 => edit(SceneEdit::Drop),
         14 => edit(SceneEdit::Undo),

@@ -17,7 +17,7 @@ use crate::scene::SourcePosition;
 use crate::scene::document::AnimationDocument;
 use crate::scene::quote::short;
 use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, is_one_value, literal_text, root};
-use crate::scene::spawn::{number_text, value_text};
+use crate::scene::spawn::value_text;
 
 /// Maximum number of keys that are listed, so that a page can show them. Tracks of programs have many more.
 const MAX_KEYS: usize = 4000;
@@ -81,6 +81,8 @@ pub enum KeyChange {
     Remove(String, f64),
     /// Sets the easing of the key at a time.
     Ease(String, f64, String),
+    /// Sets the value of the key at a time. A missing key is added.
+    Set(String, f64, String),
 }
 
 /// A list of keys in the text of a scene.
@@ -154,6 +156,31 @@ impl WrittenTracks {
 }
 
 impl WrittenTrack {
+    /// Returns the time of the key for the frame at a moment: of the key that is in this frame, or of a new one. Keys that repeat have no key
+    /// for frames outside them.
+    ///
+    /// # Errors
+    ///
+    /// If the keys repeat, and the frame is before the first or after the last.
+    #[cfg(feature = "live")]
+    pub(crate) fn key_time(&self, seconds: f64, interval: f64) -> Result<f64, String> {
+        let time = (seconds - self.offset) * self.speed;
+        let distance = |key: &f64| (key - time).abs();
+        let nearest = self.keys.iter().map(|key| key.time).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if let Some(key) = nearest.filter(|key| distance(key) < 0.5 * interval * self.speed.abs()) {
+            return Ok(key);
+        }
+        let is_between = self.keys.first().is_some_and(|first| first.time < time)
+            && self.keys.last().is_some_and(|last| time < last.time);
+        if self.repeats && !is_between {
+            return Err(format!(
+                "the keys of {} repeat: go to a frame between the first and the last of them",
+                self.channel
+            ));
+        }
+        Ok(time)
+    }
+
     /// Returns an animation, given its fields and its keys; `None` if it is incomplete.
     fn of(text: &str, (index, fields): (usize, &Bracket), list: &KeyList<'_>, place: String) -> Option<Self> {
         let field = |name: &str| fields.field(text, name);
@@ -177,25 +204,40 @@ impl WrittenTrack {
 }
 
 impl KeyChange {
-    /// Returns the override that has the effect of the change. The list of keys differs from that in the file only where it must.
+    /// Returns the override that has the effect of the change. The list of keys differs from that in the file, or in the override of it among
+    /// `tried`, only where it must.
     ///
     /// # Errors
     ///
     /// If there is no such track or key, or the change would leave no key or two of the same time.
-    pub fn to_override(&self, files: &[PathBuf], transfer: Transfer) -> Result<Override, String> {
+    pub fn to_override(
+        &self,
+        files: &[PathBuf],
+        tried: &[Override],
+        transfer: Transfer,
+    ) -> Result<Override, String> {
         let path = match self {
-            Self::Add(path, _) | Self::Remove(path, _) | Self::Ease(path, ..) => path,
+            Self::Add(path, _) | Self::Remove(path, _) | Self::Ease(path, ..) | Self::Set(path, ..) => path,
         };
         let path = format!("{path}=0").parse::<Override>().map_err(|error| error.to_string())?.path;
         let missing = || "the file has no such key any more".to_owned();
-        let (_, text) = scene_text(files).ok_or_else(missing)?;
-        let list = value_at(&text, &path).and_then(|span| KeyList::at(&text, span)).ok_or_else(missing)?;
+        let (_, file) = scene_text(files).ok_or_else(missing)?;
+        let (text, span) = match tried.iter().find(|tried| tried.path == path) {
+            Some(tried) => (&tried.value, Some(0..tried.value.len())),
+            None => (&file, value_at(&file, &path)),
+        };
+        let list = span.and_then(|span| KeyList::at(text, span)).ok_or_else(missing)?;
         let key = |time: f64| list.keys.iter().position(|key| key.is_at(time)).ok_or_else(missing);
         let value = match self {
             Self::Add(_, time) => list.with_key(*time, &list.value(&path, *time, transfer)?)?,
             Self::Remove(_, time) => list.without_key(key(*time)?)?,
             Self::Ease(_, time, easing) if is_one_value(easing) => list.with_easing(key(*time)?, easing),
             Self::Ease(.., easing) => return Err(format!("`{}` is no easing", short(easing))),
+            Self::Set(_, time, value) if is_one_value(value) => match key(*time) {
+                Ok(key) => list.replaced(list.keys[key].value.clone(), value),
+                Err(_) => list.with_key(*time, value)?,
+            },
+            Self::Set(.., value) => return Err(format!("`{}` is no value", short(value))),
         };
         Ok(Override { path, value })
     }
@@ -274,7 +316,8 @@ impl<'a> KeyList<'a> {
         }
         let easing = next.checked_sub(1).and_then(|previous| self.keys[previous].easing.clone());
         let easing = easing.map_or_else(String::new, |easing| format!(", {}", &self.text[easing]));
-        let key = format!("({}, {value}{easing})", number_text(time));
+        // Rounded down: a key shortly after its frame would not apply to it where values are held.
+        let key = format!("({}, {value}{easing})", (1e6 * time + 1e-3).floor() / 1e6);
         let space = self.space();
         let (at, added) = match (self.keys.get(next), self.keys.last()) {
             (Some(next), _) => (next.whole.start, format!("{key},{space}")),

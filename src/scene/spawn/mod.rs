@@ -10,7 +10,7 @@ use hashbrown::{HashMap, HashSet};
 use hecs::{Entity, EntityBuilder, World};
 use rayon::prelude::*;
 
-pub(super) use value_text::{number_text, value_text};
+pub(super) use value_text::value_text;
 
 use self::entities::{Links, MaterialComponents, surface};
 use super::document::{

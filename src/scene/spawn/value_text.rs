@@ -39,7 +39,7 @@ pub(in crate::scene) fn value_text(
 }
 
 /// Returns the text of a number, with 7 digits.
-pub(in crate::scene) fn number_text(number: f64) -> String {
+fn number_text(number: f64) -> String {
     let rounded: f64 = format!("{number:.6e}").parse().unwrap_or(number);
     // Zero has no sign.
     (rounded + 0.0).to_string()

@@ -121,6 +121,14 @@ impl PreparedCamera {
         Self { lens: exists.then_some(lens), ..self }
     }
 
+    /// Returns the width and height of a pixel at distance 1 along the view or, with parallel rays, at any distance.
+    #[cfg(feature = "live")]
+    pub(crate) fn pixel_size(&self) -> [f64; 2] {
+        let pitch =
+            |size: f64, pixels: u32| size / f64::from(pixels.saturating_sub(1).max(1)) / self.distance;
+        [pitch(self.width, self.columns), pitch(self.height, self.rows)]
+    }
+
     /// Writes the bytes of everything that pictures depend on.
     pub(crate) fn write(&self, bytes: &mut Bytes) {
         let Self { eye, right, up, forward, width, height, columns, rows, lens, .. } = self;
