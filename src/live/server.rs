@@ -56,7 +56,7 @@ use super::film::{FilmEnd, FilmRequest, FilmState};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 15] = [
+const FILES: [(&str, &str, &str); 17] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
@@ -69,6 +69,8 @@ const FILES: [(&str, &str, &str); 15] = [
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
     ("/edit.js", SCRIPT, include_str!("page/edit.js")),
     ("/camera.js", SCRIPT, include_str!("page/camera.js")),
+    ("/fly.js", SCRIPT, include_str!("page/fly.js")),
+    ("/gizmo.js", SCRIPT, include_str!("page/gizmo.js")),
     ("/values.js", SCRIPT, include_str!("page/values.js")),
     ("/input.js", SCRIPT, include_str!("page/input.js")),
     ("/stream.js", SCRIPT, include_str!("page/stream.js")),

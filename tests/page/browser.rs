@@ -129,6 +129,14 @@ impl Browser {
         let actions = json!([{ "type": "key", "id": "keyboard", "actions": keys }]);
         self.ask_session("actions", &json!({ "actions": actions }));
     }
+
+    /// Presses a key down, or releases it.
+    pub(crate) fn hold(&self, key: char, down: bool) {
+        let kind = if down { "keyDown" } else { "keyUp" };
+        let actions =
+            json!([{ "type": "key", "id": "keyboard", "actions": [{ "type": kind, "value": key }] }]);
+        self.ask_session("actions", &json!({ "actions": actions }));
+    }
 }
 
 impl Drop for Browser {

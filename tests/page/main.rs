@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail loudly")]
 
 mod browser;
+mod camera;
 mod examples;
 mod film;
 mod gallery;

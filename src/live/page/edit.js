@@ -3,7 +3,7 @@
 
 const PATIENCE = 250;  // milliseconds to wait for the picture of a try before the next one
 
-let trying = null;     // the values of the try that waits, or true while one is under way and none waits
+let trying = null;     // the try that waits, or true while one is under way and none waits
 let unsaved = false;   // true after a try, of which the state may not tell yet
 
 async function edit(what) {
@@ -15,15 +15,16 @@ async function edit(what) {
   return refused === "";
 }
 
-// Tries values, the last of those that arrive while another try is under way.
-async function attempt(values) {
-  if (trying !== null) { trying = values; return; }
+// Tries values and changes of keys, the last of those that arrive while another try is under way.
+async function attempt(values, keys = []) {
+  let next = keys.length > 0 ? { try_keys: [values, keys] } : { try: values };
+  if (trying !== null) { trying = next; return; }
   trying = true;
-  while (values) {
-    await edit({ try: values });
+  while (next) {
+    await edit(next);
     const reloads = state.reloads, start = performance.now();
     while (!(shown && shown.reloads >= reloads) && performance.now() - start < PATIENCE) await new Promise(requestAnimationFrame);
-    values = trying === true ? null : trying;
+    next = trying === true ? null : trying;
     trying = true;
   }
   trying = null;

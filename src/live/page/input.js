@@ -9,10 +9,12 @@ const setSwap = () => { if (!at("swap").disabled) compare({ swap: !view.swap });
 const setLanes = () => { if (!at("keyed").hidden) at("keyed").click(); };
 const clearRange = () => { view.range = null; keep(); draw(); };
 const moveEdge = by => { if (view.wipe !== null) compare({ wipe: Math.max(0, Math.min(1, view.wipe + by)) }); };
+const centre = () => film().map(count => count >> 1);
 // Moves the mark to a pixel relative to the marked one, or to the centre.
 function moveSpot(right, down) {
-  const [width, height] = film(), [i, j] = view.spot ?? [width >> 1, height >> 1];
+  const [width, height] = film(), [i, j] = view.spot ?? centre();
   const inside = (place, count) => Math.max(0, Math.min(count - 1, place));
+  hovered = null;
   if (shown) probe([inside(i + right, width), inside(j + down, height)]);
 }
 const finish = () => request("finish");
@@ -58,12 +60,13 @@ at("film").onclick = event => { if (!wiped && !moved && state && shown) probe(pi
 const keys = {
   " ": toggle, ArrowLeft: event => step(event.shiftKey ? -10 : -1), ArrowRight: event => step(event.shiftKey ? 10 : 1),
   i: () => setRange("first", view.frame), o: () => setRange("last", view.frame), x: clearRange, t: setLanes, Home: () => step(-Infinity), End: () => step(Infinity), l: setLoop, "[": () => faster(-1), "]": () => faster(1),
-  f: () => zoom(0), 1: () => zoom(1), "+": () => zoomBy(2), "=": () => zoomBy(2), "-": () => zoomBy(1 / 2),
+  f: event => event.shiftKey ? fly() : shown && focusOn(hovered ?? view.spot ?? centre()), 0: () => zoom(0), 1: () => zoom(1), "+": () => zoomBy(2), "=": () => zoomBy(2), "-": () => zoomBy(1 / 2),
   w: setWipe, b: setSwap, ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("shoot").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
 };
 const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 document.onkeydown = event => {
   if (!state || document.querySelector("dialog[open]")) return;
+  if (event.target.tagName !== "INPUT" && flyKey(event)) { event.preventDefault(); return; }
   if ((event.ctrlKey || event.metaKey) && event.key === "z" && event.target.tagName !== "INPUT") { undo(); event.preventDefault(); }
   if (event.ctrlKey || event.metaKey) return;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, tag = event.target.tagName;
@@ -73,6 +76,8 @@ document.onkeydown = event => {
     event.preventDefault();
     return;
   }
+  const digit = /^(Numpad|Digit)([1379])$/.exec(event.code);
+  if (digit && (digit[1] === "Digit" ? event.shiftKey && !/\d/.test(key) : key === digit[2])) { lookFrom(sides[digit[2]]); event.preventDefault(); return; }
   // Lists, buttons and text fields handle their own keys.
   if (tag === "SELECT" || (tag === "INPUT" && event.target.id !== "scrubber") || (key === " " && ["BUTTON", "SUMMARY"].includes(tag)) || (tag === "PRE" && key.length > 1)) return;
   if (!keys[key]) return;

@@ -100,6 +100,7 @@ function draw() {
   at("scene").textContent = name;
   at("scene").title = state.scene;
   drawStatus();
+  orient();
   drawTransport();
   drawKept();
   drawEdits();
