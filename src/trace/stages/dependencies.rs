@@ -179,11 +179,13 @@ impl DependencyRecorder {
     }
 
     /// Moves what is recorded to the dependencies of a tile.
+    #[inline(always)]
     pub(super) fn move_to(&mut self, tile: &mut TileDependencies) {
         for (slot, lanes) in (0..).zip(&mut self.hulls).filter(|(_, lanes)| !lanes.is_empty) {
             let is_endless = slot % 2 == 1;
-            let HullLanes { from, to, lights, .. } = std::mem::replace(lanes, HullLanes::EMPTY);
-            tile.join(slot, &RayHull { from: from.bounds(), to: to.bounds(), lights, is_endless });
+            let (from, to) = (lanes.from.bounds(), lanes.to.bounds());
+            tile.join(slot, &RayHull { from, to, lights: lanes.lights, is_endless });
+            *lanes = HullLanes::EMPTY;
         }
         tile.materials |= std::mem::take(&mut self.materials);
     }
@@ -231,15 +233,19 @@ impl BoxLanes {
     }
 
     /// Returns the box around those of all lanes.
+    #[inline(always)]
     fn bounds(&self) -> CompactBounds {
-        CompactBounds::between(
-            self.min.map(|lanes| reduced(lanes, f32::min)),
-            self.max.map(|lanes| reduced(lanes, f32::max)),
-        )
+        let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            min[axis] = reduced(self.min[axis], f32::min);
+            max[axis] = reduced(self.max[axis], f32::max);
+        }
+        CompactBounds::between(min, max)
     }
 }
 
 /// Combines all lanes. Halves are combined at a time, which takes vector instructions.
+#[inline(always)]
 fn reduced(mut lanes: [f32; LANES], combine: impl Fn(f32, f32) -> f32) -> f32 {
     let mut half = LANES / 2;
     while half > 0 {
