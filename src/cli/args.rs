@@ -404,7 +404,7 @@ pub(super) struct ExplainArguments {
   rayreel probe scenes/first_light.ron --pixel 480,270 --frame 12 --json
   rayreel probe scenes/first_light.ron --pixel 480,270 --terms
   rayreel probe scenes/first_light.ron --ray 0,1,-8,0,0,1 --terms
-  rayreel probe scenes/first_light.ron --pixel 320,133 --svg rays.svg
+  rayreel probe scenes/first_light.ron --pixel 480,200 --svg rays.svg
   rayreel probe scenes/first_light.ron --rays rays.csv > hits.csv
   echo 0,1,-8,0,0,1 | rayreel probe scenes/first_light.ron --at 1.5s --rays -
 

@@ -84,7 +84,7 @@ fn sheet_of_few_frames_has_no_empty_rows() {
         render(&folder, FIRST_LIGHT, &["--sheet", "9x9", "--frames", "7", "--format", "ppm", "--out", "o"]);
     assert_eq!(
         (&report["sheet"]["file"], &report["width"]),
-        (&"o/first_light.sheet.ppm".into(), &640.into())
+        (&"o/first_light.sheet.ppm".into(), &960.into())
     );
     assert_eq!(files(&folder.path().join("o")), ["first_light.sheet.ppm"]);
 }
@@ -187,12 +187,12 @@ fn impossible_variants_are_rejected() {
 fn drafts_are_small_and_have_their_own_folder() {
     let folder = tempfile::tempdir().unwrap();
     let report = render(&folder, NEWTONS_CRADLE, &["--draft", "--frames", "3"]);
-    assert_eq!((&report["width"], &report["height"]), (&213.into(), &120.into()));
+    assert_eq!((&report["width"], &report["height"]), (&320.into(), &180.into()));
     let out = folder.path().join("out/newtons_cradle");
     assert_eq!(files(&out), ["draft"]);
     assert_eq!(files(&out.join("draft")), ["newtons_cradle.0003.png", "newtons_cradle.sequence.json"]);
     let frame = &report["frames"][0];
-    assert_eq!(frame["rays"]["camera"], 213 * 120, "one sample a pixel");
+    assert_eq!(frame["rays"]["camera"], 320 * 180, "one sample a pixel");
     let needed = frame["needed"].as_array().unwrap();
     assert!(
         !needed.contains(&"motion blur".into()) && !needed.contains(&"antialiasing".into()),
@@ -262,7 +262,7 @@ fn sheets_of_drafts_are_possible() {
     let folder = tempfile::tempdir().unwrap();
     let report = render(&folder, NEWTONS_CRADLE, &["--draft", "--sheet", "3x1"]);
     assert_eq!(report["sheet"]["file"], "out/newtons_cradle/draft/newtons_cradle.sheet.png");
-    assert_eq!((&report["width"], &report["height"]), (&213.into(), &120.into()));
+    assert_eq!((&report["width"], &report["height"]), (&320.into(), &180.into()));
     assert_tiles_are_frames(&folder, NEWTONS_CRADLE, &report, &["--draft"], "alone/draft");
 }
 

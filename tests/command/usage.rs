@@ -311,9 +311,9 @@ fn help_shows_examples_and_completions_are_scripts() {
 /// Starts a long rendering, and waits for its first frames.
 #[cfg(unix)]
 fn start_long_rendering(folder: &Path) -> (Child, PathBuf) {
-    let arguments = ["render", FIRST_LIGHT, "--size", "960x540", "--json"];
+    let arguments = ["render", FIRST_LIGHT, "--size", "800x450", "--json"];
     let child = command(RAYREEL, folder).args(arguments).spawn().unwrap();
-    let out = folder.join("out/first_light/960x540");
+    let out = folder.join("out/first_light/800x450");
     let whole = || files(&out).iter().filter(|name| name.ends_with(".png")).count();
     until("a few frames", || whole() >= 2);
     (child, out)

@@ -57,7 +57,7 @@ impl<'a> EntityLines<'a> {
         Self { world, lines }
     }
 
-    /// Formats the name and line of an entity, as `"globe" (scenes/first_light.ron:26)`.
+    /// Formats the name and line of an entity, as `"globe" (scenes/first_light.ron:25)`.
     pub(super) fn text(&self, entity: Entity) -> String {
         self.described(entity, "", None)
     }
