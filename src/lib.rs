@@ -162,7 +162,8 @@
 //! | `accuracy` | cost of accuracy: errors between pictures, sweeps over settings | engine, systems, components, trace, time, color | glam, rayon |
 //! | `output` | frame files, sequences, sheets, movies | trace, color, time | image, color_quant, png, exr, blake3, font8x8, rayon |
 //! | `sequence` | sequences in folders: existing, missing and corrupt frames; movies of timelines | engine, systems, components, trace, output, color, time | rayon |
-//! | `live` | file watching, reloading, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output, sequence | glam, hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
+//! | `drawing` | drawings of scenes and rays as SVG | components, systems, trace, engine, time | glam, hecs |
+//! | `live` | file watching, reloading, the preview's server and page | color, time, components, scene, systems, engine, accuracy, trace, output, sequence, drawing | glam, hecs, notify, axum, hyper_util, tokio, futures_util, serde, serde_json |
 //! | `book` | chapters for rustdoc, which `build.rs` prepares | | base64 |
 //! | `main`, `cli` | arguments, calls, and all printing; binary only | rayreel | glam, clap, clap_complete, clap_mangen, csv, indicatif, ctrlc, libc, signal_hook, anyhow, base64, libm, perf_event, rayon, serde, serde_json, tempfile |
 
@@ -176,6 +177,9 @@ pub mod book;
 pub mod clouds;
 pub mod color;
 pub mod components;
+#[cfg(feature = "live")]
+#[doc(hidden)]
+pub mod drawing;
 pub mod engine;
 #[cfg(feature = "live")]
 pub mod live;

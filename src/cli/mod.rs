@@ -37,7 +37,6 @@ mod settings;
 mod settings_file;
 mod sheet;
 mod stream;
-mod svg;
 mod values;
 mod verify;
 mod warnings;

@@ -215,6 +215,15 @@ impl TracedRay {
     pub fn contribution(&self) -> Rgb {
         self.throughput * self.passage.of(self.end.light())
     }
+
+    /// Returns the surface at the end of the ray, if there is one.
+    #[must_use]
+    pub fn surface(&self) -> Option<&LitSurface> {
+        match &self.end {
+            RayEnd::Surface(lit) => Some(lit),
+            RayEnd::Background(_) | RayEnd::BeyondDepth(_) => None,
+        }
+    }
 }
 
 impl RayEnd {

@@ -1,6 +1,6 @@
 //! Bar chart of the cost and the worth of every effect, side by side.
 
-use crate::cli::svg::{Area, Svg, TextAnchor};
+use rayreel::drawing::{Area, Svg, TextAnchor};
 
 /// The cost and the worth of an effect.
 pub(super) struct Bar {

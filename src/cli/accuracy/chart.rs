@@ -1,6 +1,6 @@
 //! Charts of errors on logarithmic axes, in the colours of the page.
 
-use crate::cli::svg::{Area, Axis, Labels, PagePoint, Plot, Svg, TextAnchor, directions, escaped};
+use rayreel::drawing::{Area, Axis, Labels, PagePoint, Plot, Svg, TextAnchor, directions, escaped};
 
 /// A mark on a chart.
 #[derive(Clone, Debug)]

@@ -12,13 +12,13 @@ use rayreel::output::encode_quickly;
 use rayreel::trace::Film;
 
 use super::super::report::in_millions;
-use super::super::svg::escaped;
 use super::Measured;
 use super::bars::{self, Bar};
 use super::chart::{Chart, ChartMark, Form, Layout, Series};
 use super::table::{
     self, cell, describe_frames, describe_precision, describe_reference, error, notes, percent, seconds,
 };
+use rayreel::drawing::escaped;
 
 const STYLE: &str = include_str!("page.css");
 /// Brightness factor of difference pictures.

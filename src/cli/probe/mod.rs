@@ -3,7 +3,6 @@
 //! [`pixel`] explains a pixel or a ray, as a [`tree`] or as JSON, with the [`terms`] of its light, or as a [`drawing`].
 //! [`rays`] casts given rays, which [`read`] parses.
 
-mod drawing;
 mod names;
 mod numbers;
 mod pixel;

@@ -1,25 +1,15 @@
-//! The names of rays, and of entities with their lines in the scene's files.
+//! The names of entities, with their lines in the scene's files.
 
 use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
 use rayreel::components::{CloudMember, Name, Order};
+use rayreel::drawing::label;
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::systems::Preparation;
-use rayreel::trace::{RayKind, ShapeId};
+use rayreel::trace::ShapeId;
 use rayreel::{Entity, Hit, World};
-
-/// Returns an entity's name or, without one, its index in document order, as `#17`.
-pub(super) fn label(world: &World, entity: Entity) -> String {
-    match world.get::<&Name>(entity) {
-        Ok(name) => name.0.clone(),
-        Err(_) => match order(world, entity) {
-            Some(order) => format!("#{order}"),
-            None => "#".to_owned(),
-        },
-    }
-}
 
 /// Returns the label of a hit: that of the entity, with the number of the particle, as `gas/1234`, or those of a bond, as `gas/12-57`.
 pub(super) fn hit_label(world: &World, hit: &Hit) -> String {
@@ -31,15 +21,6 @@ pub(super) fn hit_label(world: &World, hit: &Hit) -> String {
 
 fn order(world: &World, entity: Entity) -> Option<u64> {
     world.get::<&Order>(entity).ok().map(|order| order.0)
-}
-
-/// Returns the name of a ray at a depth.
-pub(super) fn ray_name(kind: RayKind, depth: usize) -> String {
-    match kind {
-        RayKind::Camera => "camera ray".to_owned(),
-        RayKind::Reflection => format!("reflection {depth}"),
-        RayKind::Refraction => format!("refraction {depth}"),
-    }
 }
 
 /// Entities with the lines on which they start.

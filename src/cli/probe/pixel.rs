@@ -5,25 +5,22 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use serde_json::{Value, json};
 
-use rayreel::components::{Material, Name};
+use rayreel::components::Name;
+use rayreel::drawing::{ABSORBED, RayDrawing, ray_name, unlit_reason};
 use rayreel::scene::{SourceLine, Sources};
 use rayreel::systems::{Preparation, active_camera};
 use rayreel::trace::{
-    Attenuation, BackgroundTerms, LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay, Unlit,
+    Attenuation, BackgroundTerms, LightReach, LitSurface, RayEnd, RayKind, RayTree, TracedRay,
 };
-use rayreel::{Effect, Engine, Entity, Ray, Rgb, Time};
+use rayreel::{Engine, Entity, Ray, Rgb, Time};
 
 use super::super::exit::Failure;
 use super::super::print;
 use super::super::write_file::{ensure_not_the_scene, write_file};
-use super::drawing::RayDrawing;
-use super::names::{EntityLines, ray_name};
+use super::names::EntityLines;
 use super::numbers::{Shortest, adds, color, column_of, number, vector};
 use super::terms::{self, Terms};
 use super::tree::TreeNode;
-
-/// The reason why nothing of a light arrives behind transparent shapes.
-const ABSORBED: &str = "absorbed by transparent shapes";
 
 /// Number of ray depths that are drawn nested; rays at the next depth become separate trees at the margin.
 const NESTED: usize = 6;
@@ -154,7 +151,7 @@ impl RayExplanation<'_> {
     /// Draws the rays in two views.
     fn drawing(&self) -> String {
         let is_pixel = matches!(self.at.probed, Probed::Pixel { .. });
-        let drawing = RayDrawing::new(self.engine, self.prepared, self.tree, is_pixel);
+        let drawing = RayDrawing::new(self.engine, self.prepared, self.tree, self.at.time, is_pixel);
         let heading = self.heading();
         drawing.draw(heading.trim_end(), &self.summary(), self.bytes())
     }
@@ -315,7 +312,7 @@ impl RayExplanation<'_> {
                         format!("{} ({occluded} of {samples} samples are hidden)", adds(*color))
                     }
                     LightReach::NoShadowRay(reason) => {
-                        format!("no shadow ray: {}", self.reason(*reason, lit))
+                        format!("no shadow ray: {}", unlit_reason(self.engine, self.prepared, *reason, lit))
                     }
                     LightReach::Occluded(slot) => {
                         format!("hidden by {}", self.lines.slot_text(self.prepared, *slot))
@@ -336,27 +333,6 @@ impl RayExplanation<'_> {
         }
         let equation = self.terms.iter().flat_map(|terms| terms.surface(index, lit));
         equation.chain(aligned(all)).collect()
-    }
-
-    /// Explains why a light contributes nothing to a surface.
-    fn reason(&self, unlit: Unlit, lit: &LitSurface) -> &'static str {
-        let disabled = self.engine.settings.without;
-        let material = self.engine.world().get::<&Material>(self.prepared.entity(lit.surface.hit.id));
-        let is_black = material.is_ok_and(|material| material.k_d > 0.0);
-        match unlit {
-            Unlit::Off => "the light is off",
-            Unlit::Behind => "the light is behind the surface",
-            Unlit::OutsideCone => "the point is outside the light's cone",
-            Unlit::OutOfReach => "the point is beyond the light's reach",
-            Unlit::NotDiffuse | Unlit::NoHighlight if disabled.contains(Effect::Diffuse) => {
-                "diffuse light is disabled"
-            }
-            Unlit::NotDiffuse if is_black => "the surface is black",
-            Unlit::NotDiffuse => "k_d is 0, and the surface has no highlights",
-            Unlit::NoHighlight => "the ray is outside the light's highlight",
-            Unlit::OtherColor => "the surface reflects none of the light's colour",
-            Unlit::NoDirection => "the point is at the light",
-        }
     }
 
     fn json(&self) -> Value {
@@ -431,9 +407,13 @@ impl RayExplanation<'_> {
                     LightReach::Reaches { color, occluded } => {
                         ("reaches", Some(color.to_array()), Some(*occluded), None, None)
                     }
-                    LightReach::NoShadowRay(unlit) => {
-                        ("no shadow ray", None, None, None, Some(self.reason(*unlit, lit)))
-                    }
+                    LightReach::NoShadowRay(unlit) => (
+                        "no shadow ray",
+                        None,
+                        None,
+                        None,
+                        Some(unlit_reason(self.engine, self.prepared, *unlit, lit)),
+                    ),
                     LightReach::Occluded(slot) => ("hidden", None, None, Some(entity(*slot)), None),
                     LightReach::Absorbed => ("absorbed", None, None, None, Some(ABSORBED)),
                 };

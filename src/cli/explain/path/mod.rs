@@ -15,7 +15,7 @@ use rayreel::time::FrameList;
 use super::super::exit::Failure;
 use super::super::print;
 use super::super::write_file::{ensure_not_the_scene, write_file};
-use crate::cli::svg::{Area, Svg, TextAnchor, VIEW_STYLE};
+use rayreel::drawing::{Area, Svg, TextAnchor, VIEW_STYLE};
 use sample::CameraPath;
 
 /// Style sheet of the path, in addition to that of the views.

@@ -7,7 +7,7 @@ use rayreel::systems::{ActiveCamera, active_camera};
 use rayreel::time::FrameList;
 use rayreel::{Engine, EngineError, Time};
 
-use crate::cli::svg::{OutlinedShape, Steps, outlined_shapes};
+use rayreel::drawing::{OutlinedShape, Steps, outlined_shapes};
 
 /// The camera's path over the chosen frames.
 pub(super) struct CameraPath {

@@ -1,14 +1,19 @@
 //! Views of the path from above and from the side.
 
+use std::ops::Deref;
+
+use glam::DVec3;
+
 use super::chart::thinned;
 use super::sample::{CameraPath, CameraSample};
-use crate::cli::svg::{Area, Labels, OrthographicView, PagePoint, Svg, TextAnchor, directions};
+use rayreel::drawing::{Area, Labels, OrthographicView, PagePoint, Svg, TextAnchor, directions};
 
 /// Draws the path from above and from the side, at the same scale.
 pub(super) fn draw(svg: &mut Svg, path: &CameraPath, [left, right]: [Area; 2]) {
     let seen = path.samples.iter().flat_map(|sample| [Some(sample.eye), sample.target]).flatten();
     let axes = path.samples.first().map(|sample| sample.axes);
-    let views = OrthographicView::pair(seen, std::iter::empty(), &path.shapes, axes, [left, right]);
+    let views = OrthographicView::pair(seen, std::iter::empty(), &path.shapes, axes, DVec3::Y, [left, right]);
+    let views = views.map(PathView);
     let stride = views.iter().map(|view| view.tick_stride(path)).min().unwrap_or(1);
     for view in &views {
         view.draw(svg, path, stride);
@@ -16,7 +21,18 @@ pub(super) fn draw(svg: &mut Svg, path: &CameraPath, [left, right]: [Area; 2]) {
     legend(svg, [left.left, left.bottom() + 46.0], stride, path);
 }
 
-impl OrthographicView {
+/// A view in which a path is drawn.
+struct PathView(OrthographicView);
+
+impl Deref for PathView {
+    type Target = OrthographicView;
+
+    fn deref(&self) -> &OrthographicView {
+        &self.0
+    }
+}
+
+impl PathView {
     /// Returns the number of frames between ticks. There are at most 240 ticks, at least 4 pixels apart on average.
     fn tick_stride(&self, path: &CameraPath) -> usize {
         const NEAREST: f64 = 4.0;

@@ -1,43 +1,43 @@
 //! Points and rectangles on a drawing.
 
 /// A point on a drawing: pixels to the right and down.
-pub(crate) type PagePoint = [f64; 2];
+pub type PagePoint = [f64; 2];
 
 /// A rectangle on a drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Area {
-    pub(crate) left: f64,
-    pub(crate) top: f64,
-    pub(crate) width: f64,
-    pub(crate) height: f64,
+pub struct Area {
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
 }
 
 impl Area {
     /// Returns the rectangle around a point with these half sides.
-    pub(crate) fn around([x, y]: PagePoint, [across, down]: PagePoint) -> Self {
+    pub fn around([x, y]: PagePoint, [across, down]: PagePoint) -> Self {
         Self { left: x - across, top: y - down, width: 2.0 * across, height: 2.0 * down }
     }
 
-    pub(crate) fn right(&self) -> f64 {
+    pub fn right(&self) -> f64 {
         self.left + self.width
     }
 
-    pub(crate) fn bottom(&self) -> f64 {
+    pub fn bottom(&self) -> f64 {
         self.top + self.height
     }
 
-    pub(crate) fn middle(&self) -> PagePoint {
+    pub fn middle(&self) -> PagePoint {
         [self.left + 0.5 * self.width, self.top + 0.5 * self.height]
     }
 
-    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+    pub fn overlaps(&self, other: &Self) -> bool {
         self.left < other.right()
             && other.left < self.right()
             && self.top < other.bottom()
             && other.top < self.bottom()
     }
 
-    pub(crate) fn holds(&self, other: &Self) -> bool {
+    pub fn holds(&self, other: &Self) -> bool {
         self.left <= other.left
             && other.right() <= self.right()
             && self.top <= other.top
@@ -45,7 +45,7 @@ impl Area {
     }
 
     /// Returns the part of a line that is inside the rectangle, by the algorithm of Liang and Barsky. `None` if that is a point or nothing.
-    pub(crate) fn clip(&self, [from, to]: [PagePoint; 2]) -> Option<[PagePoint; 2]> {
+    pub fn clip(&self, [from, to]: [PagePoint; 2]) -> Option<[PagePoint; 2]> {
         let across = [to[0] - from[0], to[1] - from[1]];
         let (low, high) = ([self.left, self.top], [self.right(), self.bottom()]);
         let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
@@ -65,7 +65,7 @@ impl Area {
     }
 
     /// Returns the point of the rectangle that is nearest to the given point.
-    pub(crate) fn nearest(&self, [x, y]: PagePoint) -> PagePoint {
+    pub fn nearest(&self, [x, y]: PagePoint) -> PagePoint {
         [x.clamp(self.left, self.right()), y.clamp(self.top, self.bottom())]
     }
 }

@@ -1,31 +1,31 @@
 //! A minimal SVG writer.
 
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 use super::{Area, PagePoint};
 
 /// The alignment of a text relative to its point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum TextAnchor {
+pub enum TextAnchor {
     Start,
     Middle,
     End,
 }
 
 /// A drawing under construction.
-pub(crate) struct Svg {
+pub struct Svg {
     text: String,
     clips: usize,
 }
 
 impl Svg {
     /// Begins a drawing that is part of a page, whose style sheet has the class `chart`.
-    pub(crate) fn new(size: PagePoint, name: &str) -> Self {
+    pub fn new(size: PagePoint, name: &str) -> Self {
         Self::open(size, &format!("class=\"chart\" role=\"img\" aria-label=\"{}\"", escaped(name)))
     }
 
     /// Begins a drawing in a file of its own.
-    pub(crate) fn standalone(size @ [width, height]: PagePoint, name: &str, style: &str) -> Self {
+    pub fn standalone(size @ [width, height]: PagePoint, name: &str, style: &str) -> Self {
         let size_in_pixels = format!("width=\"{width}\" height=\"{height}\"");
         let mut svg = Self::open(size, &format!("xmlns=\"http://www.w3.org/2000/svg\" {size_in_pixels}"));
         svg.write(format_args!("<title>{}</title>\n<style>{style}</style>", escaped(name)));
@@ -38,39 +38,36 @@ impl Svg {
         svg
     }
 
-    pub(crate) fn finish(mut self) -> String {
+    pub fn finish(mut self) -> String {
         self.write(format_args!("</svg>"));
         self.text
     }
 
     /// Draws one polyline for each list of points. It is closed if its last point equals its first.
-    pub(crate) fn lines(&mut self, class: &str, lines: &[Vec<PagePoint>]) {
+    pub fn lines(&mut self, class: &str, lines: &[Vec<PagePoint>]) {
         self.titled_lines(class, lines, "");
     }
 
     /// Draws lines with a tooltip.
-    pub(crate) fn titled_lines(&mut self, class: &str, lines: &[Vec<PagePoint>], title: &str) {
-        let mut path = String::new();
-        for line in lines {
-            let is_closed = line.len() > 3 && line.first() == line.last();
-            for (index, place) in line[..line.len() - usize::from(is_closed)].iter().enumerate() {
-                path.push(if index == 0 { 'M' } else { 'L' });
-                let [x, y] = place.map(coordinate);
-                let _ = write!(path, "{x} {y} ");
-            }
-            path.push_str(if is_closed { "Z" } else { "" });
-        }
-        if !path.is_empty() {
-            self.shape(format_args!("path class=\"{class}\" d=\"{path}\""), title);
+    pub fn titled_lines(&mut self, class: &str, lines: &[Vec<PagePoint>], title: &str) {
+        if !lines.is_empty() {
+            self.shape(format_args!("path class=\"{class}\" d=\"{}\"", path(lines)), title);
         }
     }
 
-    pub(crate) fn line(&mut self, class: &str, from: PagePoint, to: PagePoint) {
+    /// Draws lines of a ray, by which a page finds them.
+    pub fn ray_lines(&mut self, class: &str, lines: &[Vec<PagePoint>], ray: impl Display) {
+        if !lines.is_empty() {
+            self.write(format_args!("<path class=\"{class}\" d=\"{}\" data-ray=\"{ray}\"/>", path(lines)));
+        }
+    }
+
+    pub fn line(&mut self, class: &str, from: PagePoint, to: PagePoint) {
         self.lines(class, &[vec![from, to]]);
     }
 
     /// Draws an ellipse that is rotated by `degrees`.
-    pub(crate) fn ellipse(&mut self, class: &str, at: PagePoint, radii: PagePoint, degrees: f64) {
+    pub fn ellipse(&mut self, class: &str, at: PagePoint, radii: PagePoint, degrees: f64) {
         let [x, y] = at.map(coordinate);
         let [rx, ry] = radii.map(coordinate);
         let turned = if rx == ry {
@@ -84,13 +81,13 @@ impl Svg {
     }
 
     /// Draws a disc, with a tooltip unless `title` is empty.
-    pub(crate) fn dot(&mut self, class: &str, at: PagePoint, radius: f64, title: &str) {
+    pub fn dot(&mut self, class: &str, at: PagePoint, radius: f64, title: &str) {
         let [x, y] = at.map(coordinate);
         self.shape(format_args!("circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius}\""), title);
     }
 
     /// Draws a filled rectangle, with a tooltip unless `title` is empty.
-    pub(crate) fn filled(&mut self, class: &str, area: Area, title: &str) {
+    pub fn filled(&mut self, class: &str, area: Area, title: &str) {
         let [x, y, width, height] = [area.left, area.top, area.width, area.height].map(coordinate);
         self.shape(
             format_args!("rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\""),
@@ -99,20 +96,20 @@ impl Svg {
     }
 
     /// Draws the outline of a rectangle.
-    pub(crate) fn outline(&mut self, class: &str, area: Area) {
+    pub fn outline(&mut self, class: &str, area: Area) {
         let Area { left, top, .. } = area;
         let (right, bottom) = (area.right(), area.bottom());
         self.lines(class, &[vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]]);
     }
 
-    pub(crate) fn text(&mut self, class: &str, at: PagePoint, anchor: TextAnchor, text: &str) {
+    pub fn text(&mut self, class: &str, at: PagePoint, anchor: TextAnchor, text: &str) {
         let [x, y] = at.map(coordinate);
         let class = if class.is_empty() { String::new() } else { format!("class=\"{class}\" ") };
         self.write_text(format_args!("{class}x=\"{x}\" y=\"{y}\""), anchor, text);
     }
 
     /// Writes a text upwards, centred at a point.
-    pub(crate) fn upward_text(&mut self, at: PagePoint, text: &str) {
+    pub fn upward_text(&mut self, at: PagePoint, text: &str) {
         let [x, y] = at.map(coordinate);
         self.write_text(
             format_args!("transform=\"translate({x} {y}) rotate(-90)\""),
@@ -133,12 +130,12 @@ impl Svg {
     }
 
     /// Puts everything drawn until [`Svg::end_group`] into a class.
-    pub(crate) fn group(&mut self, class: &str) {
+    pub fn group(&mut self, class: &str) {
         self.write(format_args!("<g class=\"{class}\">"));
     }
 
     /// Clips everything drawn until [`Svg::end_group`] to a rectangle.
-    pub(crate) fn clip(&mut self, area: Area) {
+    pub fn clip(&mut self, area: Area) {
         self.clips += 1;
         let index = self.clips;
         self.write(format_args!("<clipPath id=\"frame{index}\">"));
@@ -146,7 +143,7 @@ impl Svg {
         self.write(format_args!("</clipPath>\n<g clip-path=\"url(#frame{index})\">"));
     }
 
-    pub(crate) fn end_group(&mut self) {
+    pub fn end_group(&mut self) {
         self.write(format_args!("</g>"));
     }
 
@@ -168,6 +165,21 @@ impl Svg {
     }
 }
 
+/// Returns the path of lines.
+fn path(lines: &[Vec<PagePoint>]) -> String {
+    let mut path = String::new();
+    for line in lines {
+        let is_closed = line.len() > 3 && line.first() == line.last();
+        for (index, place) in line[..line.len() - usize::from(is_closed)].iter().enumerate() {
+            path.push(if index == 0 { 'M' } else { 'L' });
+            let [x, y] = place.map(coordinate);
+            let _ = write!(path, "{x} {y} ");
+        }
+        path.push_str(if is_closed { "Z" } else { "" });
+    }
+    path
+}
+
 /// Rounds to a hundredth of a pixel and clamps distant points. Returns 0 for values that are not finite.
 fn coordinate(value: f64) -> f64 {
     const FAR: f64 = 1e5;
@@ -175,7 +187,7 @@ fn coordinate(value: f64) -> f64 {
 }
 
 /// Escapes a text for SVG and HTML. Control characters become spaces.
-pub(crate) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let visible = |character: char| if character.is_control() { ' ' } else { character };
     let text: String = text.chars().map(visible).collect();
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")

@@ -12,23 +12,23 @@ const MARGIN: f64 = 3.0;
 const BELOW: f64 = 3.0;
 
 /// The texts and obstacles in an area.
-pub(crate) struct Labels {
+pub struct Labels {
     within: Area,
     taken: Vec<Area>,
 }
 
 impl Labels {
-    pub(crate) fn within(within: Area) -> Self {
+    pub fn within(within: Area) -> Self {
         Self { within, taken: Vec::new() }
     }
 
     /// Keeps texts off a mark with this radius.
-    pub(crate) fn avoid_mark(&mut self, at: PagePoint, radius: f64) {
+    pub fn avoid_mark(&mut self, at: PagePoint, radius: f64) {
         self.taken.push(Area::around(at, [radius; 2]));
     }
 
     /// Keeps texts off a line.
-    pub(crate) fn avoid(&mut self, line: &[PagePoint]) {
+    pub fn avoid(&mut self, line: &[PagePoint]) {
         const STEP: f64 = 4.0;
         for pair in line.windows(2) {
             let [x, y] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
@@ -41,7 +41,7 @@ impl Labels {
     }
 
     /// Reserves the first free place for a text, in these directions from a point and at these distances from it, nearest first.
-    pub(crate) fn place(
+    pub fn place(
         &mut self,
         at: PagePoint,
         text: &str,
@@ -64,13 +64,13 @@ impl Labels {
     }
 
     /// Writes a text into its [place](Self::place).
-    pub(crate) fn write(svg: &mut Svg, class: &str, place: Area, text: &str) {
+    pub fn write(svg: &mut Svg, class: &str, place: Area, text: &str) {
         svg.text(class, [place.middle()[0], place.bottom() - BELOW], TextAnchor::Middle, text);
     }
 }
 
 /// Returns directions all around, from the upper right.
-pub(crate) fn directions() -> [PagePoint; 16] {
+pub fn directions() -> [PagePoint; 16] {
     std::array::from_fn(|index| {
         let angle = std::f64::consts::TAU * (index as f64 / 16.0 + 0.125);
         [libm::cos(angle), -libm::sin(angle)]

@@ -4,21 +4,21 @@ use super::{Area, PagePoint, Svg, TextAnchor};
 
 /// A plot of two values.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plot {
-    pub(crate) area: Area,
-    pub(crate) x: Axis,
-    pub(crate) y: Axis,
+pub struct Plot {
+    pub area: Area,
+    pub x: Axis,
+    pub y: Axis,
 }
 
 impl Plot {
     /// Returns the position of two values.
-    pub(crate) fn at(&self, [x, y]: [f64; 2]) -> PagePoint {
+    pub fn at(&self, [x, y]: [f64; 2]) -> PagePoint {
         let Area { left, width, height, .. } = self.area;
         [left + self.x.share(x) * width, self.area.bottom() - self.y.share(y) * height]
     }
 
     /// Draws both axes, and a grid line with a label at every tick.
-    pub(crate) fn draw(&self, svg: &mut Svg) {
+    pub fn draw(&self, svg: &mut Svg) {
         let (Area { left, top, width, height }, right, bottom) =
             (self.area, self.area.right(), self.area.bottom());
         for (value, label) in self.x.ticks() {
@@ -37,10 +37,10 @@ impl Plot {
 
 /// The values along a side of a plot.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Axis {
+pub struct Axis {
     /// The values at the ends; on a logarithmic axis, their base-10 logarithms.
-    pub(crate) from: f64,
-    pub(crate) to: f64,
+    pub from: f64,
+    pub to: f64,
     /// Steps between ticks; `None` on a logarithmic axis.
     steps: Option<Steps>,
     unit: &'static str,
@@ -48,19 +48,19 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// Returns a linear axis from one number to another, with ticks at up to `most` steps.
-    pub(crate) fn linear((from, to): (f64, f64), most: f64) -> Self {
+    pub fn linear((from, to): (f64, f64), most: f64) -> Self {
         let to = if to > from { to } else { from + 1.0 };
         Self { from, to, steps: Some(Steps::over(to - from, most)), unit: "" }
     }
 
     /// Returns a linear axis from 0 to the first tick that is not below `highest`, with up to `most` steps.
-    pub(crate) fn from_zero(highest: f64, most: f64) -> Self {
+    pub fn from_zero(highest: f64, most: f64) -> Self {
         let size = Steps::over(highest, most).size;
         Self::linear((0.0, (highest / size - 1e-9).ceil().max(1.0) * size), most)
     }
 
     /// Returns a logarithmic axis that covers all finite values above 0, with a margin.
-    pub(crate) fn logarithmic(values: impl Iterator<Item = f64>) -> Self {
+    pub fn logarithmic(values: impl Iterator<Item = f64>) -> Self {
         let positive = values.filter(|value| *value > 0.0 && value.is_finite()).map(libm::log10);
         let (from, to) = positive
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), value| (from.min(value), to.max(value)));
@@ -70,7 +70,7 @@ impl Axis {
     }
 
     /// Returns the axis with a unit after the numbers of ticks.
-    pub(crate) fn in_unit(self, unit: &'static str) -> Self {
+    pub fn in_unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
     }
 
@@ -123,7 +123,7 @@ fn short(value: f64) -> String {
 
 /// Steps of 1, 2 or 5 times a power of ten.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Steps {
+pub struct Steps {
     size: f64,
     /// Number of decimals that distinguish the multiples of the step.
     decimals: usize,
@@ -131,7 +131,7 @@ pub(crate) struct Steps {
 
 impl Steps {
     /// Creates steps that divide a length into at most `most` parts. The step is 1 if the length is not above 0.
-    pub(crate) fn over(length: f64, most: f64) -> Self {
+    pub fn over(length: f64, most: f64) -> Self {
         let least = length / most;
         if !(least > 0.0 && least.is_finite()) {
             return Self { size: 1.0, decimals: 0 };
@@ -146,7 +146,7 @@ impl Steps {
         Self { size, decimals: decimals as usize }
     }
 
-    pub(crate) fn size(self) -> f64 {
+    pub fn size(self) -> f64 {
         self.size
     }
 

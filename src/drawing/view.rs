@@ -6,7 +6,7 @@ use super::shapes::OutlinedShape;
 use super::{Area, Axis, PagePoint, Plot, Svg, TextAnchor};
 
 /// Style sheet of views, with mid-tones, which are visible on light and on dark backgrounds.
-pub(crate) const VIEW_STYLE: &str = "
+pub const VIEW_STYLE: &str = "
 text { font: 11px sans-serif; fill: #808080 }
 .title { font-size: 15px; font-weight: bold }
 path, ellipse { fill: none; stroke-linejoin: round; stroke-linecap: round }
@@ -15,11 +15,11 @@ path, ellipse { fill: none; stroke-linejoin: round; stroke-linecap: round }
 .thing { stroke: #808080; stroke-width: 1; stroke-opacity: 0.55 }";
 
 /// An orthographic view along a coordinate axis.
-pub(crate) struct OrthographicView {
-    name: &'static str,
+pub struct OrthographicView {
+    name: String,
     /// The indices of the coordinates to the right, upwards, and along the line of sight.
     axes: [usize; 3],
-    pub(crate) frame: Area,
+    pub frame: Area,
     /// World point at the centre of the frame.
     center: DVec3,
     /// Pixels per scene unit.
@@ -29,12 +29,13 @@ pub(crate) struct OrthographicView {
 impl OrthographicView {
     /// Creates two views, at the same scale, that show points and the outlines near them: from above and from the side, unless a path has a
     /// greater extent from the front than in one of these. `axes` are a camera's u, v and n, by which a right-handed space is told from a
-    /// left-handed one.
-    pub(crate) fn pair(
+    /// left-handed one. The coordinate axis nearest to `up` is the vertical one.
+    pub fn pair(
         points: impl Iterator<Item = DVec3>,
         path: impl Iterator<Item = DVec3>,
         shapes: &[OutlinedShape],
         axes: Option<[DVec3; 3]>,
+        up: DVec3,
         frames: [Area; 2],
     ) -> [Self; 2] {
         /// Width of the margin at each side, as a fraction of the frame.
@@ -43,12 +44,15 @@ impl OrthographicView {
         let size = (most - least).max_element();
         let scale = (1.0 - 2.0 * MARGIN) * frames[0].width / if size > 0.0 { size } else { 10.0 };
         let center = 0.5 * least + 0.5 * most;
+        let up = (1..3).fold(0, |most, axis| if up[axis].abs() >= up[most].abs() { axis } else { most });
+        // The cross product of the next axis and the one after it is the vertical one.
+        let (next, last) = ((up + 1) % 3, (up + 2) % 3);
         let above = match axes.is_some_and(|[right, up, ahead]| right.cross(up).dot(ahead) < 0.0) {
-            false => ("from above: x to the right, z upwards", [0, 2, 1]),
-            true => ("from above: z to the right, x upwards", [2, 0, 1]),
+            false => ("from above", [last, next, up]),
+            true => ("from above", [next, last, up]),
         };
-        let side = ("from the side: z to the right, y upwards", [2, 1, 0]);
-        let front = ("from the front: x to the right, y upwards", [0, 1, 2]);
+        let side = ("from the side", [next.max(last), up, next.min(last)]);
+        let front = ("from the front", [next.min(last), up, next.max(last)]);
         let (least, most) = bounds(path, &[]);
         let extent = |(_, [right, up, _]): (&str, [usize; 3])| (most - least)[right] * (most - least)[up];
         let views = [above, side, front];
@@ -60,12 +64,16 @@ impl OrthographicView {
             _ => [above, side],
         };
         let [left, right] = frames;
-        let view = |(name, axes), frame| Self { name, axes, frame, center, scale };
+        let view = |(side, axes): (&str, [usize; 3]), frame| {
+            let [right, up] = [axes[0], axes[1]].map(|axis| ["x", "y", "z"][axis]);
+            let name = format!("{side}: {right} to the right, {up} upwards");
+            Self { name, axes, frame, center, scale }
+        };
         [view(pair[0], left), view(pair[1], right)]
     }
 
     /// Draws the grid and the outlines. Everything drawn until [`Self::end`] is clipped to the frame.
-    pub(crate) fn begin(&self, svg: &mut Svg, shapes: &[OutlinedShape]) {
+    pub fn begin(&self, svg: &mut Svg, shapes: &[OutlinedShape]) {
         self.grid(svg);
         svg.clip(self.frame);
         for shape in shapes {
@@ -73,20 +81,20 @@ impl OrthographicView {
         }
     }
 
-    pub(crate) fn end(&self, svg: &mut Svg) {
+    pub fn end(&self, svg: &mut Svg) {
         svg.end_group();
         svg.outline("axis", self.frame);
     }
 
     /// Projects a point of the world onto the page.
-    pub(crate) fn project(&self, point: DVec3) -> PagePoint {
+    pub fn project(&self, point: DVec3) -> PagePoint {
         let [right, up] = self.across(point - self.center);
         let [x, y] = self.frame.middle();
         [x + right * self.scale, y - up * self.scale]
     }
 
     /// Returns the components of a vector to the right and upwards.
-    pub(crate) fn across(&self, vector: DVec3) -> [f64; 2] {
+    pub fn across(&self, vector: DVec3) -> [f64; 2] {
         [vector[self.axes[0]], vector[self.axes[1]]]
     }
 
@@ -94,7 +102,7 @@ impl OrthographicView {
         let half = 0.5 * self.frame.width / self.scale;
         let [x, y] = self.across(self.center).map(|middle| Axis::linear((middle - half, middle + half), 7.0));
         Plot { area: self.frame, x, y }.draw(svg);
-        svg.text("", [self.frame.left, self.frame.top - 8.0], TextAnchor::Start, self.name);
+        svg.text("", [self.frame.left, self.frame.top - 8.0], TextAnchor::Start, &self.name);
     }
 
     /// Draws an outline, unless it is outside the frame or so large that it would appear as a line.

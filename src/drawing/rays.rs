@@ -1,12 +1,17 @@
-//! `rayreel probe --svg`: the rays of a ray tree, in two views along coordinate axes.
+//! The rays of a ray tree, in two views along coordinate axes: of `rayreel probe --svg`, and of the preview page.
+
+use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use rayreel::trace::{LitSurface, PreparedRay, RayEnd, RayKind, RayTree, ShapeId, TracedRay};
-use rayreel::{Engine, systems::Preparation};
+use crate::components::Camera;
+use crate::engine::Engine;
+use crate::systems::{Preparation, active_camera};
+use crate::time::Time;
+use crate::trace::{LitSurface, PreparedRay, RayEnd, RayKind, RayTree, ShapeId, TracedRay};
 
 use super::names::{label, ray_name};
-use crate::cli::svg::{
+use super::{
     Area, Labels, OrthographicView, OutlinedShape, PagePoint, Svg, TextAnchor, VIEW_STYLE, directions,
     outlined_shapes,
 };
@@ -23,6 +28,9 @@ const STYLE: &str = "
 .point { fill: #808080 }
 .lamp { fill: #b08d00 }
 .swatch { stroke: #808080 }
+.fade1 { stroke-opacity: 0.6 }
+.fade2 { stroke-opacity: 0.35 }
+.fade3 { stroke-opacity: 0.15 }
 ";
 
 /// Maximum number of rays of the tree that are drawn.
@@ -57,9 +65,28 @@ impl LineKind {
     }
 }
 
+/// A ray of a tree, or the shadow rays from its end to a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayKey {
+    /// Index of the ray in the tree.
+    pub ray: usize,
+    /// Index of the light, for shadow rays.
+    pub light: Option<usize>,
+}
+
+impl Display for RayKey {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}", self.ray)?;
+        self.light.map_or(Ok(()), |light| write!(formatter, "-{light}"))
+    }
+}
+
 /// A line from a point to another one.
 struct DrawnLine {
+    key: RayKey,
     kind: LineKind,
+    /// True for a ray without an end, which fades out at the frame.
+    is_endless: bool,
     name: String,
     from: DVec3,
     to: DVec3,
@@ -73,22 +100,26 @@ struct Mark {
 }
 
 /// The contents of a drawing.
-pub(super) struct RayDrawing {
+pub struct RayDrawing {
     shapes: Vec<OutlinedShape>,
     lines: Vec<DrawnLine>,
     marks: Vec<Mark>,
     /// The corners of the screen as seen from the start of the first ray, if that is a camera ray.
     screen: Option<[DVec3; 4]>,
-    /// The camera's u, v and n.
+    /// The camera's u, v and n, and its `up`.
     axes: [DVec3; 3],
+    up: DVec3,
     /// The points that the views show.
     seen: Vec<DVec3>,
     omitted: usize,
 }
 
 impl RayDrawing {
-    /// Collects the rays of a tree. `is_pixel` is true if the first ray starts at the camera.
-    pub(super) fn new(engine: &Engine, prepared: &Preparation, tree: &RayTree, is_pixel: bool) -> Self {
+    /// Collects the rays of a tree at a moment. `is_pixel` is true if the first ray starts at the camera.
+    pub fn new(engine: &Engine, prepared: &Preparation, tree: &RayTree, time: Time, is_pixel: bool) -> Self {
+        let camera = active_camera(engine.world(), time);
+        let up = camera
+            .and_then(|active| engine.world().get::<&Camera>(active.entity).ok().map(|camera| camera.up));
         let mut depths: Vec<usize> = Vec::with_capacity(tree.rays.len());
         for traced in &tree.rays {
             depths.push(traced.parent.map_or(0, |parent| depths[parent] + 1));
@@ -101,11 +132,12 @@ impl RayDrawing {
             marks: Vec::new(),
             screen: is_pixel.then(|| screen(prepared)),
             axes: prepared.camera().axes(),
+            up: up.unwrap_or(DVec3::Y),
             omitted: tree.rays.len().saturating_sub(MOST_RAYS),
             seen,
         };
         let reach = drawing.reach();
-        for (traced, depth) in drawn().zip(depths) {
+        for (ray, (traced, depth)) in drawn().zip(depths).enumerate() {
             let kind = match traced.kind {
                 RayKind::Camera => LineKind::Camera,
                 RayKind::Reflection => LineKind::Reflection,
@@ -117,15 +149,16 @@ impl RayDrawing {
                 _ => "ray".to_owned(),
             };
             let (from, direction) = (traced.ray.origin(), traced.ray.direction().normalize_or_zero());
-            let to = match &traced.end {
-                RayEnd::Surface(lit) => lit.surface.point,
-                RayEnd::Background(_) | RayEnd::BeyondDepth(_) => from + 0.35 * reach * direction,
+            let (to, is_endless) = match &traced.end {
+                RayEnd::Surface(lit) => (lit.surface.point, false),
+                RayEnd::Background(_) | RayEnd::BeyondDepth(_) => (from + 0.35 * reach * direction, true),
             };
             drawing.seen.push(to);
-            drawing.lines.push(DrawnLine { kind, name, from, to });
+            let key = RayKey { ray, light: None };
+            drawing.lines.push(DrawnLine { key, kind, is_endless, name, from, to });
             if let RayEnd::Surface(lit) = &traced.end {
                 let samples = if depth == 0 { MOST_SAMPLES } else { 1 };
-                drawing.add_surface(engine, prepared, lit, samples, reach);
+                drawing.add_surface(engine, prepared, key, lit, samples, reach);
             }
         }
         drawing
@@ -144,6 +177,7 @@ impl RayDrawing {
         &mut self,
         engine: &Engine,
         prepared: &Preparation,
+        key: RayKey,
         lit: &LitSurface,
         samples: u32,
         reach: f64,
@@ -152,7 +186,8 @@ impl RayDrawing {
         let name = label(world, prepared.entity(lit.surface.hit.id));
         self.marks.push(Mark { class: "point", name, at: point });
         let to = point + 0.08 * reach * lit.surface.facing_normal();
-        self.lines.push(DrawnLine { kind: LineKind::Normal, name: String::new(), from: point, to });
+        let (kind, is_endless) = (LineKind::Normal, false);
+        self.lines.push(DrawnLine { key, kind, is_endless, name: String::new(), from: point, to });
         for sample in lit.samples.iter().filter(|sample| sample.sample < samples) {
             let direction = sample.terms.to_light.normalize_or_zero();
             let name = label(world, prepared.lights()[sample.light]);
@@ -176,12 +211,14 @@ impl RayDrawing {
             }
             let is_first = sample.sample == 0;
             let name = if is_first { format!("to {name}") } else { String::new() };
-            self.lines.push(DrawnLine { kind, name, from: point, to });
+            let (key, is_endless) =
+                (RayKey { light: Some(sample.light), ..key }, !is_near && kind == LineKind::Shadow);
+            self.lines.push(DrawnLine { key, kind, is_endless, name, from: point, to });
         }
     }
 
     /// Draws two square views, with a title, a text and the colour of the rays.
-    pub(super) fn draw(&self, title: &str, text: &str, [red, green, blue]: [u8; 3]) -> String {
+    pub fn draw(&self, title: &str, text: &str, [red, green, blue]: [u8; 3]) -> String {
         /// Width of the title.
         const WIDTH: f64 = 910.0;
         /// Font size of short titles, and the mean width of bold characters relative to their font size.
@@ -201,30 +238,73 @@ impl RayDrawing {
             Area { left: 56.0, top: 84.0, width: 420.0, height: 420.0 },
             Area { left: 546.0, top: 84.0, width: 420.0, height: 420.0 },
         ];
+        self.draw_views(&mut svg, frames);
+        self.legend(&mut svg, [frames[0].left, frames[0].bottom() + 50.0]);
+        svg.finish()
+    }
+
+    /// Draws two square views, one above the other, for a page with its own style sheet.
+    pub fn draw_for_page(&self, name: &str) -> String {
+        let frames = [16.0, 316.0].map(|top| Area { left: 34.0, top, width: 260.0, height: 260.0 });
+        let mut svg = Svg::new([300.0, 596.0], name);
+        self.draw_views(&mut svg, frames);
+        svg.finish()
+    }
+
+    /// Returns notes about the rays that are not drawn.
+    pub fn omitted(&self, tree: &RayTree) -> Vec<String> {
+        let surfaces = tree.rays.iter().take(MOST_RAYS).filter_map(TracedRay::surface);
+        let undrawn = |depth: usize, lit: &LitSurface| {
+            let most = if depth == 0 { MOST_SAMPLES } else { 1 };
+            lit.samples.iter().any(|sample| sample.sample >= most)
+        };
+        let mut notes = Vec::new();
+        if self.omitted > 0 {
+            notes.push(format!("{} more rays are not drawn.", self.omitted));
+        }
+        if surfaces.enumerate().any(|(depth, lit)| undrawn(depth, lit)) {
+            notes.push(format!(
+                "{MOST_SAMPLES} shadow rays to each area light are drawn at the first hit, and one at later hits."
+            ));
+        }
+        notes
+    }
+
+    fn draw_views(&self, svg: &mut Svg, frames: [Area; 2]) {
         let seen = self.seen.iter().copied();
         let path =
             self.lines.iter().filter(|line| line.kind.is_of_tree()).flat_map(|line| [line.from, line.to]);
-        for view in OrthographicView::pair(seen, path, &self.shapes, Some(self.axes), frames) {
-            view.begin(&mut svg, &self.shapes);
-            self.draw_lines(&mut svg, &view);
-            view.end(&mut svg);
-            self.draw_labels(&mut svg, &view);
+        for view in OrthographicView::pair(seen, path, &self.shapes, Some(self.axes), self.up, frames) {
+            view.begin(svg, &self.shapes);
+            self.draw_lines(svg, &view);
+            view.end(svg);
+            self.draw_labels(svg, &view);
         }
-        self.legend(&mut svg, [frames[0].left, frames[0].bottom() + 50.0]);
-        svg.finish()
     }
 
     fn draw_lines(&self, svg: &mut Svg, view: &OrthographicView) {
         // Thin lines last, so that they stay visible on thick ones.
         for (kind, class, _) in LEGEND {
-            let lines = self.lines.iter().filter(|line| line.kind == kind);
-            let lines = lines.map(|line| vec![view.project(line.from), view.project(line.to)]);
-            svg.lines(class, &lines.collect::<Vec<_>>());
+            for line in self.lines.iter().filter(|line| line.kind == kind) {
+                let ends = [view.project(line.from), view.project(line.to)];
+                let faded = if line.is_endless { view.frame.clip(ends) } else { None };
+                let Some([from, to]) = faded else {
+                    svg.ray_lines(class, &[ends.to_vec()], line.key);
+                    continue;
+                };
+                let at =
+                    |share: f64| [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
+                svg.ray_lines(class, &[vec![from, at(0.55)]], line.key);
+                for (fade, start) in [(1, 0.55), (2, 0.7), (3, 0.85)] {
+                    let class = format!("{class} fade{fade}");
+                    svg.ray_lines(&class, &[vec![at(start), at(start + 0.15)]], line.key);
+                }
+            }
         }
         for line in self.lines.iter().filter(|line| line.kind != LineKind::Normal) {
             let class =
                 LEGEND.iter().find(|(kind, ..)| *kind == line.kind).map_or("", |(_, class, _)| *class);
-            svg.lines(class, &arrow(view.project(line.from), view.project(line.to)));
+            svg.ray_lines(class, &arrow(view.project(line.from), view.project(line.to)), line.key);
         }
         if let (Some(corners), Some(first)) = (&self.screen, self.lines.first()) {
             let eye = view.project(first.from);

@@ -2,14 +2,14 @@
 
 use glam::{DMat3, DVec3};
 
-use rayreel::Engine;
-use rayreel::components::{Order, Shape, WorldTransform};
+use crate::components::{Order, Shape, WorldTransform};
+use crate::engine::Engine;
 
 /// Maximum number of shapes drawn.
 const MOST: usize = 400;
 
 /// The outline of a shape in world space.
-pub(crate) enum OutlinedShape {
+pub enum OutlinedShape {
     /// The image of the unit ball under a linear map, around a centre.
     Ball { center: DVec3, image: DMat3 },
     /// Eight corners. Two corners share an edge if their indices differ in one bit.
@@ -21,7 +21,7 @@ pub(crate) enum OutlinedShape {
 }
 
 /// Returns the outlines of the first shapes in document order.
-pub(crate) fn outlined_shapes(engine: &Engine) -> Vec<OutlinedShape> {
+pub fn outlined_shapes(engine: &Engine) -> Vec<OutlinedShape> {
     let mut query = engine.world().query::<(&Order, &Shape, &WorldTransform)>();
     let mut found: Vec<_> = query.iter().collect();
     found.sort_by_key(|(order, ..)| **order);
@@ -59,7 +59,7 @@ impl OutlinedShape {
     }
 
     /// Returns the centre and the radius of the outline, or `None` for planes, which are unbounded.
-    pub(crate) fn extent(&self) -> Option<(DVec3, f64)> {
+    pub fn extent(&self) -> Option<(DVec3, f64)> {
         match self {
             Self::Ball { center, image } => Some((
                 *center,
