@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::camera_view::CameraView;
 use super::film::FilmRequest;
 use super::pixel_info::PixelInfo;
+use super::ray_info::RayTreeInfo;
 use crate::scene::{KeyChange, WrittenTracks, WrittenValue};
 
 /// A command to a session.
@@ -21,6 +22,8 @@ pub enum SessionCommand {
     ViewChange(ViewChange),
     /// Describes a pixel of the film, given by column and row.
     Probe((u32, u32), Reply<Option<PixelInfo>>),
+    /// Describes the rays of a sample of a pixel, given by column and row.
+    Rays((u32, u32), u32, Reply<Option<RayTreeInfo>>),
     /// Changes values of the scene.
     Edit(SceneEdit, Reply<Result<(), String>>),
     /// Lists the values in a part of the scene, given by its path.

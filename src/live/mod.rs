@@ -16,7 +16,7 @@
 //! | `progressive` | levels and times of the pictures before and during a picture that takes long |
 //! | `jobs` | the kinds of work, and their results |
 //! | `cache` | finished pictures, for playback and for edits that are undone |
-//! | `measure`, `pixel_info` | costs of effects, the error curve, and single pixels |
+//! | `measure`, `pixel_info`, `ray_info` | costs of effects, the error curve, single pixels and their rays |
 //! | `editor` | the command that opens a file in an editor |
 //! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
 //! | `film` | rendering of films into files |
@@ -39,6 +39,7 @@ mod measure;
 mod pixel_info;
 mod progressive;
 mod publish;
+mod ray_info;
 mod renderer;
 mod server;
 mod session;
@@ -64,5 +65,6 @@ pub use {
     film::{FilmEnd, FilmRequest, FilmState},
     pixel_info::{PixelInfo, SurfaceInfo},
     publish::Picture,
+    ray_info::{RayRow, RayTreeInfo},
     state::{CachedFrames, Planned, State},
 };

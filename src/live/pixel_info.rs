@@ -3,11 +3,13 @@
 use hecs::{Entity, World};
 use serde::Serialize;
 
-use crate::components::{Name, Order};
+use crate::components::Order;
+use crate::drawing::label;
 use crate::engine::{Engine, EngineError};
 use crate::scene::Sources;
+use crate::systems::Preparation;
 use crate::time::Time;
-use crate::trace::{Film, RayEnd, SurfacePoint};
+use crate::trace::{Film, ShapeId, SurfacePoint};
 
 /// A pixel of a picture, and the surface seen by its first sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -56,12 +58,9 @@ impl PixelInfo {
         let sampling = engine.effective_settings().sampling;
         let all = (!sampling.is_adaptive()).then_some(sampling.samples);
         let Some(tree) = engine.probe(time, pixel, 0)? else { return Ok(None) };
-        let surface = tree.rays.first().and_then(|first| match &first.end {
-            RayEnd::Surface(shaded) => {
-                let distance = shaded.surface.distance(&first.ray);
-                SurfaceInfo::of(engine, sources, &shaded.surface, distance)
-            }
-            RayEnd::Background(_) | RayEnd::BeyondDepth(_) => None,
+        let surface = tree.rays.first().and_then(|first| {
+            let surface = &first.surface()?.surface;
+            SurfaceInfo::of(engine, sources, surface, surface.distance(&first.ray))
         });
         let (color, samples) = match picture {
             Some(film) => (film.pixel(pixel.0, pixel.1), all),
@@ -76,12 +75,7 @@ impl SurfaceInfo {
     fn of(engine: &Engine, sources: &Sources, surface: &SurfacePoint, distance: f64) -> Option<Self> {
         let (world, prepared) = (engine.world(), engine.prepared()?);
         let id = prepared.entity(surface.hit.id);
-        let (mut entity, mut place) = name_and_place(world, sources, id);
-        if let Some((member, origin)) = prepared.cloud_member(surface.hit.id) {
-            entity = format!("{entity}/{member}");
-            let places: Vec<String> = place.into_iter().chain(origin.map(str::to_owned)).collect();
-            place = (!places.is_empty()).then(|| places.join(", "));
-        }
+        let (entity, place) = slot_name(engine, prepared, sources, surface.hit.id);
         Some(Self {
             entity,
             material: order_of(world, id).and_then(|order| sources.material(order)),
@@ -93,12 +87,23 @@ impl SurfaceInfo {
     }
 }
 
-/// Returns an entity's name, or `#17` for index 17 in document order, and the line in which its definition starts.
-fn name_and_place(world: &World, sources: &Sources, entity: Entity) -> (String, Option<String>) {
-    let order = order_of(world, entity);
-    let unnamed = || order.map_or_else(|| "#".to_owned(), |order| format!("#{order}"));
-    let place = order.and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()));
-    (world.get::<&Name>(entity).map_or_else(|_| unnamed(), |name| name.0.clone()), place)
+/// Returns the name of the entity in a slot, with the number of a particle, and the line in which its definition starts.
+pub(super) fn slot_name(
+    engine: &Engine,
+    prepared: &Preparation,
+    sources: &Sources,
+    slot: ShapeId,
+) -> (String, Option<String>) {
+    let (world, id) = (engine.world(), prepared.entity(slot));
+    let (name, place) = (label(world, id), place_of(world, sources, id));
+    let Some((member, origin)) = prepared.cloud_member(slot) else { return (name, place) };
+    let places: Vec<String> = place.into_iter().chain(origin.map(str::to_owned)).collect();
+    (format!("{name}/{member}"), (!places.is_empty()).then(|| places.join(", ")))
+}
+
+/// Returns the line in which the definition of an entity starts.
+fn place_of(world: &World, sources: &Sources, entity: Entity) -> Option<String> {
+    order_of(world, entity).and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()))
 }
 
 fn order_of(world: &World, entity: Entity) -> Option<usize> {

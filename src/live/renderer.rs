@@ -21,6 +21,7 @@ use super::progressive::{
     share_of_unfinished, with_deadline,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
+use super::ray_info::RayTreeInfo;
 use super::state::{Planned, State, Times};
 use super::warnings::PictureWarnings;
 use crate::color::Transfer;
@@ -193,6 +194,20 @@ impl Renderer {
         let latest = self.publisher.latest().filter(|(info, _)| info.full);
         let full = latest.and_then(|(_, film)| film).map(|film| &**film);
         PixelInfo::of(&mut self.engine, &self.sources, time, pixel, full)
+    }
+
+    /// Describes the rays of a pixel of the current frame. Returns `None` outside the film, and before a scene is read.
+    pub(super) fn rays(
+        &mut self,
+        pixel: (u32, u32),
+        sample: u32,
+    ) -> Result<Option<RayTreeInfo>, EngineError> {
+        let state = self.publisher.published().state();
+        if state.reloads == 0 {
+            return Ok(None);
+        }
+        let time = self.engine.timeline().time_of(state.frame);
+        RayTreeInfo::of(&mut self.engine, &self.sources, time, pixel, sample)
     }
 
     /// Returns whether the current frame is shown by a finished picture from the cache, which has no film.

@@ -15,6 +15,7 @@
 //! | `GET /movie/1795` | the movie that session 1795 has made last |
 //! | `POST /open` | opens the editor at a place such as `"ball.ron:12"`, as JSON; 409 and the reason if that is not possible |
 //! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
+//! | `POST /rays` | the rays of `[[column, row], sample]`: a [`RayTreeInfo`](super::RayTreeInfo) or null, as JSON |
 //!
 //! A page of another origin can make a browser send requests to this server. It can hide neither its origin (`Origin`, `Sec-Fetch-Site`)
 //! nor, if its name resolves to this machine, that name (`Host`). Such requests are rejected; programs on the same machine are admitted.
@@ -56,7 +57,7 @@ use super::film::{FilmEnd, FilmRequest, FilmState};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 17] = [
+const FILES: [(&str, &str, &str); 18] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
@@ -66,6 +67,7 @@ const FILES: [(&str, &str, &str); 17] = [
     ("/frames.js", SCRIPT, include_str!("page/frames.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
+    ("/rays.js", SCRIPT, include_str!("page/rays.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
     ("/edit.js", SCRIPT, include_str!("page/edit.js")),
     ("/camera.js", SCRIPT, include_str!("page/camera.js")),
@@ -187,6 +189,7 @@ fn router(shared: ServerState) -> Router {
         .route("/frame/{session}/{generation}/{frame}", get(frame))
         .route("/view", post(view))
         .route("/probe", post(probe))
+        .route("/rays", post(rays))
         .route("/edit", post(edit))
         .route("/values", post(values))
         .route("/tracks", post(tracks))
@@ -305,6 +308,15 @@ async fn probe(State(shared): State<ServerState>, body: Bytes) -> Response {
         Err(error) => return refused(&error),
     };
     answer(&shared, |reply| SessionCommand::Probe(pixel, reply), |info| json(&info)).await
+}
+
+async fn rays(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<((u32, u32), u32)>(&body) {
+        Ok((pixel, sample)) => {
+            answer(&shared, |reply| SessionCommand::Rays(pixel, sample, reply), |info| json(&info)).await
+        }
+        Err(error) => refused(&error),
+    }
 }
 
 async fn edit(State(shared): State<ServerState>, body: Bytes) -> Response {

@@ -13,6 +13,7 @@ use super::film::{self, FilmRequest, FilmScene};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
 use super::pixel_info::PixelInfo;
 use super::publish::{Event, Published};
+use super::ray_info::RayTreeInfo;
 use super::renderer::Renderer;
 use super::state::{Mistakes, Times};
 use super::watcher::{Stamp, Watcher};
@@ -111,6 +112,7 @@ impl Worker {
                     }
                     SessionCommand::ViewChange(view) => self.view(view),
                     SessionCommand::Probe(pixel, reply) => self.probe(pixel, reply),
+                    SessionCommand::Rays(pixel, sample, reply) => self.rays(pixel, sample, reply),
                     SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(edit)),
                     SessionCommand::Values(path, Reply(reply)) => reply(self.values(&path)),
                     SessionCommand::Tracks(Reply(reply)) => reply(self.tracks()),
@@ -366,6 +368,13 @@ impl Worker {
         if matches!(self.next, Task::Idle | Task::Fill(_)) && self.renderer.shows_cached_picture() {
             self.next = self.picture(self.detail);
         }
+    }
+
+    fn rays(&mut self, pixel: (u32, u32), sample: u32, Reply(reply): Reply<Option<RayTreeInfo>>) {
+        reply(self.renderer.rays(pixel, sample).unwrap_or_else(|error| {
+            self.fail(error);
+            None
+        }));
     }
 
     fn fail(&mut self, error: EngineError) {

@@ -71,6 +71,7 @@ async function probe(pixel) {
   if (spot && spot.all !== 1) parts.push(element("small", describeSamples(spot)));
   at("spot").replaceChildren(...parts);
   drawValues(spot?.surface);
+  traceRays();
 }
 
 function drawMistakes(wrong) {
