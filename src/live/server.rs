@@ -57,7 +57,7 @@ use super::film::{FilmEnd, FilmRequest, FilmState};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 18] = [
+const FILES: [(&str, &str, &str); 19] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
@@ -68,6 +68,7 @@ const FILES: [(&str, &str, &str); 18] = [
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
     ("/rays.js", SCRIPT, include_str!("page/rays.js")),
+    ("/pixels.js", SCRIPT, include_str!("page/pixels.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
     ("/edit.js", SCRIPT, include_str!("page/edit.js")),
     ("/camera.js", SCRIPT, include_str!("page/camera.js")),
@@ -81,7 +82,7 @@ const FILES: [(&str, &str, &str); 18] = [
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// Content security policy of the page, which permits requests to this server only.
-const POLICY: &str = "default-src 'none'; img-src 'self' data:; connect-src 'self'; style-src 'self'; script-src 'self'; \
+const POLICY: &str = "default-src 'none'; img-src 'self' data: blob:; connect-src 'self'; style-src 'self'; script-src 'self'; \
                       worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 /// Time within which a request must arrive completely. Slower requests are dropped, so that they do not hold connections. Requests of this
 /// machine arrive within milliseconds, even when it is busy rendering.

@@ -10,6 +10,7 @@ mod film;
 mod gallery;
 mod http;
 mod lanes;
+mod pixels;
 mod rays;
 mod studio;
 mod warnings;

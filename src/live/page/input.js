@@ -4,8 +4,8 @@
 const step = frames => { pause(); seek(view.frame + frames); };
 const toggle = () => playing ? pause() : play();
 const setLoop = () => { view.loop = !view.loop; keep(); draw(); };
-const setWipe = () => { if (!at("wipe").disabled) compare({ wipe: view.wipe === null ? 0.5 : null, swap: false }); };
-const setSwap = () => { if (!at("swap").disabled) compare({ swap: !view.swap }); };
+const setWipe = () => { if (!at("wipe").disabled) compare({ wipe: view.wipe === null ? 0.5 : null, swap: false, gain: null }); };
+const setSwap = () => { if (!at("swap").disabled) compare({ swap: !view.swap, gain: null }); };
 const setLanes = () => { if (!at("keyed").hidden) at("keyed").click(); };
 const clearRange = () => { view.range = null; keep(); draw(); };
 const moveEdge = by => { if (view.wipe !== null) compare({ wipe: Math.max(0, Math.min(1, view.wipe + by)) }); };
@@ -61,7 +61,7 @@ const keys = {
   " ": toggle, ArrowLeft: event => step(event.shiftKey ? -10 : -1), ArrowRight: event => step(event.shiftKey ? 10 : 1),
   i: () => setRange("first", view.frame), o: () => setRange("last", view.frame), x: clearRange, t: setLanes, Home: () => step(-Infinity), End: () => step(Infinity), l: setLoop, "[": () => faster(-1), "]": () => faster(1),
   f: event => event.shiftKey ? fly() : shown && focusOn(hovered ?? view.spot ?? centre()), 0: () => zoom(0), 1: () => zoom(1), "+": () => zoomBy(2), "=": () => zoomBy(2), "-": () => zoomBy(1 / 2),
-  w: setWipe, b: setSwap, ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("shoot").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
+  w: setWipe, b: setSwap, d: setDifference, p: pin, z: () => holdLoupe(true), ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("shoot").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
 };
 const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 document.onkeydown = event => {

@@ -9,7 +9,7 @@ const element = (name, text, attributes = {}) => {
 };
 
 // The view: it survives reloads of the scene, of the page, and of the server.
-const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, wipe: null, swap: false, scene: null };
+const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, wipe: null, swap: false, gain: null, scene: null };
 const storage = "rayreel" + location.host;
 try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* keep the defaults */ }
 const keep = () => { try { sessionStorage.setItem(storage, JSON.stringify(view)); } catch { /* not kept */ } };
@@ -115,6 +115,8 @@ function draw() {
   at("whole").setAttribute("aria-pressed", view.zoom === 1);
   at("wipe").setAttribute("aria-pressed", view.wipe !== null);
   at("swap").setAttribute("aria-pressed", view.swap);
+  at("differ").setAttribute("aria-pressed", view.gain !== null);
+  at("pin").setAttribute("aria-pressed", pinned !== null);
 }
 
 function drawStatus() {

@@ -41,6 +41,8 @@ function display(image, picture) {
   const resized = !shown || String(shown.film) !== String(picture.film) || shown.full !== picture.full;
   shown = picture;
   if (resized) layout();
+  if (view.gain !== null) drawComparison();
+  magnify();
 }
 
 // Width and height of the film of the picture.
@@ -84,20 +86,24 @@ function compare(change) {
 }
 
 function drawComparison() {
-  const before = state.before, wiping = view.wipe !== null;
-  at("wipe").disabled = at("swap").disabled = !before;
-  if (before && before.id !== compared) {
-    compared = before.id;
-    at("before").src = address(before);
+  const before = reference(), wiping = view.wipe !== null, what = pinned ? "pinned" : "before the edit";
+  at("wipe").disabled = at("swap").disabled = at("differ").disabled = !before;
+  at("swap").textContent = pinned ? "Pinned" : "Before";
+  if (before && before.url !== compared) {
+    compared = before.url;
+    at("before").src = before.url;
   }
   if (before) keepShape(at("before"), before.film);
   at("film").classList.toggle("wipe", Boolean(before) && wiping && !view.swap);
   at("film").classList.toggle("swap", Boolean(before) && view.swap);
   at("film").style.setProperty("--wipe", 100 * (view.wipe ?? 0.5) + "%");
-  at("compared").hidden = !before || !(wiping || view.swap);
+  const differs = Boolean(before) && view.gain !== null;
+  at("difference").hidden = !differs;
+  at("compared").hidden = !before || !(wiping || view.swap || differs);
   if (before) {
-    const where = wiping && !view.swap ? "left: before the edit" : "before the edit";
-    at("compared").textContent = before.frame === view.frame ? where : `${where}, frame ${before.frame}`;
+    const where = differs ? `difference × ${view.gain} from ${pinned ? "the pinned picture" : "before the edit"}` : wiping && !view.swap ? `left: ${what}` : what;
+    const which = (before.frame === view.frame ? where : `${where}, frame ${before.frame}`) + (before.coarse ? ", unfinished" : "");
+    at("compared").textContent = differs ? `${which}: ${drawDifference()}` : which;
   }
 }
 
