@@ -44,11 +44,12 @@ function drawLanes() {
   at("keyed").hidden = count === 0 || state.frames < 2;
   at("keyed").setAttribute("aria-pressed", showsLanes());
   at("lanes").hidden = at("keyed").hidden || !showsLanes();
+  at("transport").classList.toggle("laned", !at("lanes").hidden);
   if (at("lanes").hidden) return;
   const rows = tracks.tracks.map(track => {
     const row = element("div", undefined, { className: "lane", title: "Double click for a new key" });
-    // The lane of the shots has the names of cameras instead.
-    row.append(element("span", track.channel ? nameOf(track) : ""), ...track.keys.flatMap((key, index) => keyButton(track, index)));
+    const name = track.channel ? nameOf(track) : "shots";
+    row.append(element("span", name, { title: name }), ...track.keys.flatMap((key, index) => keyButton(track, index)));
     row.ondblclick = event => { if (event.target === row) addKey(track, Math.round(frameAt(event))); };
     return row;
   });

@@ -78,8 +78,11 @@ function update(latest) {
   // The frame will not arrive: it cannot be rendered, or another page has requested another one.
   const rests = !state.rendering && (!state.picture || state.picture.frame === state.frame);
   if (requested !== null && (state.frame_mistakes || rests && state.frame !== Math.min(requested, state.frames - 1))) requested = null;
-  // A frame that could not be rendered is not requested again.
-  if (state.frame_mistakes) playing = null;
+  // Playback stops at a frame that could not be rendered, even if it has gone on meanwhile; the frame is not requested again.
+  if (state.frame_mistakes && playing) {
+    playing = scrubbed = null;
+    view.frame = state.frame;
+  }
   follow();
   fetchPicture();
   fetchTracks();

@@ -7,6 +7,8 @@ async function valuesAt(path) {
 }
 
 const quoted = name => `"${name}"`;
+const reaches = new Map();  // the ends of sliders without a valid range by path, which stay while the same thing is selected
+let selected = "";          // the paths of that thing
 
 // Names are unique in the scene's own file only: other files may have the same ones.
 function isInSceneFile(place) {
@@ -22,6 +24,9 @@ async function drawValues(surface) {
     if (surface.material) parts.push([`material ${surface.material}`, `materials.${quoted(surface.material)}`]);
     for (const part of parts) part.push(await valuesAt(part[1]));
   }
+  const paths = parts.map(part => part[1]).join();
+  if (paths !== selected) reaches.clear();
+  selected = paths;
   const sections = parts.filter(([, , values]) => values.length > 0).map(([title, , values]) => {
     const section = element("section"), names = namesOf(values);
     section.append(element("h3", title), ...values.map((value, index) => valueRow(value, names[index])));
@@ -91,9 +96,10 @@ function colorInput(value, input) {
 function numberInputs(value, input) {
   const now = Number(value.text), whole = value.kind === "whole";
   const bounded = value.least !== null && value.most !== null && value.most - value.least <= 1000;
-  const reach = Math.max(Math.abs(now), 0.5);
-  const low = bounded ? value.least : Math.max(value.least ?? -Infinity, now >= 0 ? 0 : now - reach);
-  const high = bounded ? value.most : Math.min(value.most ?? Infinity, now + 2 * reach);
+  const reach = Math.max(Math.abs(now), 0.5), [from, to] = reaches.get(value.path) ?? [now >= 0 ? 0 : now - reach, now + 2 * reach];
+  reaches.set(value.path, [Math.min(from, now), Math.max(to, now)]);
+  const low = bounded ? value.least : Math.max(value.least ?? -Infinity, Math.min(from, now));
+  const high = bounded ? value.most : Math.min(value.most ?? Infinity, Math.max(to, now));
   const step = whole ? 1 : 10 ** Math.floor(Math.log10(Math.max(high - low, 1e-9) / 200));
   const text = box => box.value === "" ? null : formatted(Number(box.value));
   const slider = input("range", now, box => { number.value = box.value; return text(box); }, { min: low, max: high, step });
