@@ -180,6 +180,8 @@ fn changes_of_keys_leave_the_others() {
     let scenes = copied(folder.path());
     let all: Vec<(PathBuf, WrittenTracks)> = scenes
         .into_iter()
+        // Not all random scenes are valid, and the page changes only keys of those that are.
+        .filter(|scene| Scene::load(scene).is_ok())
         .map(|scene| (scene.clone(), WrittenTracks::of(&[scene])))
         .filter(|(_, tracks)| !tracks.tracks.is_empty())
         .collect();
