@@ -39,7 +39,8 @@ impl PreparedScene {
         ShapeSnapshot { geometry: self.geometry().clone(), materials: self.materials().clone() }
     }
 
-    /// Returns the differences from former shapes. `None` if one has no bounds and may reach any pixel.
+    /// Returns the differences from former shapes. `None` if one may reach any pixel: a shape without bounds, or one that
+    /// a light names as its own by its place in the order.
     pub(crate) fn differences(&self, former: &ShapeSnapshot) -> Option<ShapeDifferences> {
         let before = ShapeList { geometry: &former.geometry, materials: &former.materials };
         let after = ShapeList { geometry: self.geometry(), materials: self.materials() };
@@ -96,8 +97,8 @@ impl ShapeList<'_> {
 }
 
 impl ShapeDifferences {
-    /// Maximum number of boxes after condensing. A test takes some 20 ns for each of at most four joined hulls: this many take some 20 us for a tile that is far
-    /// from all of them.
+    /// Maximum number of boxes after condensing. A test takes some 20 ns for each of at most four joined hulls: this many take some 20 us for
+    /// a tile that is far from all of them.
     const MOST: usize = 256;
 
     /// Adds the differences of another instant.
