@@ -10,8 +10,8 @@ use anyhow::{Context, anyhow, bail};
 
 use indicatif::FormattedDuration;
 use rayreel::live::{
-    DEFAULT_CACHE, Event, FilmEnd, FilmState, PictureWarning, Server, Session, SessionSettings, Shown, Times,
-    Watching,
+    DEFAULT_CACHE, Event, ExportEnd, ExportState, PictureWarning, Server, Session, SessionSettings, Shown,
+    Times, Watching,
 };
 use rayreel::output::{self, Channels, FrameFormat};
 use rayreel::scene::input::is_stream;
@@ -23,8 +23,8 @@ use super::interrupt::Interruption;
 use super::print;
 use super::report::in_millions;
 
-/// Interval between lines about the progress of a film in files.
-const FILM_INTERVAL: Duration = Duration::from_secs(10);
+/// Interval between lines about the progress of an export.
+const EXPORT_INTERVAL: Duration = Duration::from_secs(10);
 /// Maximum delay until Ctrl-C is noticed.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         cache: arguments.cache.map_or(DEFAULT_CACHE, |mebibytes| usize::from(mebibytes) << 20),
     };
     let mut reported = 0;
-    // The session ends with the program, which does not wait for loading or rendering, only for the end of a film in files.
+    // The session ends with the program, which does not wait for loading or rendering, only for the end of an export.
     let session = ManuallyDrop::new(Session::start(settings, move |event| {
         if should_report(&event, &mut reported) {
             // The receiver is dropped when the program ends.
@@ -65,14 +65,14 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
     while !interrupted.load(Ordering::Relaxed) {
         match events.recv_timeout(POLL_INTERVAL) {
             Ok(event) => printer.print(event),
-            Err(RecvTimeoutError::Timeout) => printer.print_film(session.handle().film()),
+            Err(RecvTimeoutError::Timeout) => printer.print_export(session.handle().export()),
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(anyhow::anyhow!("the session has come to an end by itself").into());
             }
         }
     }
-    session.handle().cancel_film();
-    printer.print_film(session.handle().film());
+    session.handle().cancel_export();
+    printer.print_export(session.handle().export());
     Err(interruption.failure())
 }
 
@@ -91,8 +91,8 @@ struct WatchPrinter {
     out: Option<(PathBuf, FrameFormat)>,
     /// True once a scene has been loaded without mistakes.
     good: bool,
-    /// The state of the film in files that was printed last, and when.
-    film: Option<(FilmState, Instant)>,
+    /// The state of the export that was printed last, and when.
+    export: Option<(ExportState, Instant)>,
 }
 
 impl WatchPrinter {
@@ -105,31 +105,31 @@ impl WatchPrinter {
             scene: arguments.scene.display().to_string(),
             out: out.transpose()?,
             good: false,
-            film: None,
+            export: None,
         })
     }
 
-    /// Prints the beginning and the end of a film that is rendered into files, and its progress from time to time.
-    fn print_film(&mut self, film: Option<FilmState>) {
-        let Some(film) = film else { return };
-        let is_known = |(last, at): &(FilmState, Instant)| {
-            (&last.target, &last.end) == (&film.target, &film.end)
-                && (film.end.is_some() || last.done == film.done || at.elapsed() < FILM_INTERVAL)
+    /// Prints the beginning and the end of an export, and its progress from time to time.
+    fn print_export(&mut self, export: Option<ExportState>) {
+        let Some(export) = export else { return };
+        let is_known = |(last, at): &(ExportState, Instant)| {
+            (&last.target, &last.end) == (&export.target, &export.end)
+                && (export.end.is_some() || last.done == export.done || at.elapsed() < EXPORT_INTERVAL)
         };
-        if self.film.as_ref().is_some_and(is_known) {
+        if self.export.as_ref().is_some_and(is_known) {
             return;
         }
-        let FilmState { target, done, total, left, end, .. } = &film;
+        let ExportState { target, done, total, left, end, .. } = &export;
         let left = left.map_or_else(String::new, |left| {
             format!(", {} left", FormattedDuration(Duration::from_secs_f64(left)))
         });
         print::error_line(&match end {
             None => format!("{target}: {done} of {total} frames are done{left}"),
-            Some(FilmEnd::Complete) => format!("{target}: all {total} frames are done"),
-            Some(FilmEnd::Cancelled) => format!("{target}: cancelled after {done} of {total} frames"),
-            Some(FilmEnd::Failed(message)) => format!("{target}: {message}"),
+            Some(ExportEnd::Complete) => format!("{target}: all {total} frames are done"),
+            Some(ExportEnd::Cancelled) => format!("{target}: cancelled after {done} of {total} frames"),
+            Some(ExportEnd::Failed(message)) => format!("{target}: {message}"),
         });
-        self.film = Some((film, Instant::now()));
+        self.export = Some((export, Instant::now()));
     }
 
     fn print(&mut self, event: Event) {

@@ -8,7 +8,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::camera_view::CameraView;
-use super::film::FilmRequest;
+use super::export::ExportRequest;
 use super::pixel_info::PixelInfo;
 use super::ray_info::RayTreeInfo;
 use crate::scene::{KeyChange, WrittenTracks, WrittenValue};
@@ -31,9 +31,9 @@ pub enum SessionCommand {
     /// Lists the keys of tracks, and the shots.
     Tracks(Reply<WrittenTracks>),
     /// Renders frames into files, on another thread.
-    Film(FilmRequest, Reply<Result<(), String>>),
-    /// Continues what a film has delayed.
-    FilmEnded,
+    Export(ExportRequest, Reply<Result<(), String>>),
+    /// Continues what an export has delayed.
+    ExportEnded,
     /// Opens a file of the scene in an editor, at a place such as `ball.ron:12`.
     Open(String, Reply<Result<(), String>>),
     /// Describes the camera of the current frame, or the reason why it cannot be moved.

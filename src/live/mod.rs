@@ -19,7 +19,7 @@
 //! | `measure`, `pixel_info`, `ray_info` | costs of effects, the error curve, single pixels and their rays |
 //! | `editor` | the command that opens a file in an editor |
 //! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
-//! | `film` | rendering of films into files |
+//! | `export` | rendering of films into files |
 //! | `warnings` | warnings about the scene and its full pictures |
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
 //! | `server`, `page` | the HTTP server for browsers on the same machine, and its page |
@@ -33,7 +33,7 @@ mod camera_view;
 mod commands;
 mod editor;
 mod edits;
-mod film;
+mod export;
 mod jobs;
 mod measure;
 mod pixel_info;
@@ -62,7 +62,7 @@ pub use {
     camera_view::CameraView,
     commands::{Detail, Reply, SceneEdit, SessionCommand, ViewChange},
     edits::EditState,
-    film::{FilmEnd, FilmRequest, FilmState},
+    export::{ExportEnd, ExportRequest, ExportState},
     pixel_info::{PixelInfo, SurfaceInfo},
     publish::Picture,
     ray_info::{RayRow, RayTreeInfo},

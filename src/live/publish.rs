@@ -8,7 +8,7 @@ use tokio::sync::watch;
 
 use super::cache::{CachedPicture, FrameCache};
 use super::commands::Detail;
-use super::film::{FilmControl, FilmState};
+use super::export::{ExportControl, ExportState};
 use super::state::{Mistakes, PictureInfo, Planned, State, Times};
 use super::warnings::PictureWarnings;
 use crate::color::Transfer;
@@ -70,7 +70,7 @@ pub(super) struct Published {
     state: watch::Sender<State>,
     pictures: Mutex<Pictures>,
     cache: Mutex<FrameCache>,
-    film: Arc<FilmControl>,
+    export: Arc<ExportControl>,
 }
 
 #[derive(Debug, Default)]
@@ -83,18 +83,18 @@ impl Published {
     /// Publishes a state. `cache` is the maximum size of the pictures that are kept, in bytes.
     pub(super) fn new(state: State, cache: usize) -> Self {
         let cache = Mutex::new(FrameCache::new(cache));
-        let film = Arc::default();
-        Self { state: watch::Sender::new(state), pictures: Mutex::default(), cache, film }
+        let export = Arc::default();
+        Self { state: watch::Sender::new(state), pictures: Mutex::default(), cache, export }
     }
 
-    /// Returns the control of the film that is rendered into files.
-    pub(super) fn film(&self) -> &Arc<FilmControl> {
-        &self.film
+    /// Returns the control of the export.
+    pub(super) fn export(&self) -> &Arc<ExportControl> {
+        &self.export
     }
 
-    /// Returns the film that is rendered into files, or was rendered last.
-    pub(super) fn film_state(&self) -> Option<FilmState> {
-        self.state.borrow().film_files.clone()
+    /// Returns the export that is running, or was the last.
+    pub(super) fn export_state(&self) -> Option<ExportState> {
+        self.state.borrow().export.clone()
     }
 
     /// Returns whether the scene has values that are tried on the page.

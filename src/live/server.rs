@@ -11,7 +11,7 @@
 //! | `POST /values` | the values in the part of the scene at a path, such as `"entities.ball"`, as JSON |
 //! | `POST /tracks` | the keys of tracks, and the shots, as JSON |
 //! | `POST /camera` | the camera of the current frame, as JSON; 409 and the reason if it cannot be moved |
-//! | `POST /film` | renders frames into files according to a [`FilmRequest`](super::FilmRequest), or cancels that for null, as JSON; 409 and the reason if that is not possible |
+//! | `POST /export` | renders frames into files according to a [`ExportRequest`](super::ExportRequest), or cancels that for null, as JSON; 409 and the reason if that is not possible |
 //! | `GET /movie/1795` | the movie that session 1795 has made last |
 //! | `POST /open` | opens the editor at a place such as `"ball.ron:12"`, as JSON; 409 and the reason if that is not possible |
 //! | `POST /probe` | the description of pixel `[column, row]`: a [`PixelInfo`](super::PixelInfo) or null, as JSON |
@@ -53,7 +53,7 @@ use tokio::time::timeout;
 
 use super::camera_view::CameraView;
 use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
-use super::film::{FilmEnd, FilmRequest, FilmState};
+use super::export::{ExportEnd, ExportRequest, ExportState};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
@@ -62,7 +62,7 @@ const FILES: [(&str, &str, &str); 19] = [
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
     ("/timeline.js", SCRIPT, include_str!("page/timeline.js")),
-    ("/film.js", SCRIPT, include_str!("page/film.js")),
+    ("/export.js", SCRIPT, include_str!("page/export.js")),
     ("/lanes.js", SCRIPT, include_str!("page/lanes.js")),
     ("/frames.js", SCRIPT, include_str!("page/frames.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
@@ -194,7 +194,7 @@ fn router(shared: ServerState) -> Router {
         .route("/edit", post(edit))
         .route("/values", post(values))
         .route("/tracks", post(tracks))
-        .route("/film", post(film))
+        .route("/export", post(export))
         .route("/movie/{session}", get(movie))
         .route("/camera", post(camera))
         .route("/open", post(open))
@@ -327,12 +327,12 @@ async fn edit(State(shared): State<ServerState>, body: Bytes) -> Response {
     }
 }
 
-async fn film(State(shared): State<ServerState>, body: Bytes) -> Response {
-    match serde_json::from_slice::<Option<FilmRequest>>(&body) {
-        Ok(Some(request)) => answer(&shared, |reply| SessionCommand::Film(request, reply), done).await,
+async fn export(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<Option<ExportRequest>>(&body) {
+        Ok(Some(request)) => answer(&shared, |reply| SessionCommand::Export(request, reply), done).await,
         Ok(None) => {
             let session = shared.session.clone();
-            let _ = spawn_blocking(move || session.cancel_film()).await;
+            let _ = spawn_blocking(move || session.cancel_export()).await;
             StatusCode::NO_CONTENT.into_response()
         }
         Err(error) => refused(&error),
@@ -341,9 +341,9 @@ async fn film(State(shared): State<ServerState>, body: Bytes) -> Response {
 
 async fn movie(State(shared): State<ServerState>, Path(session): Path<u64>) -> Response {
     let state = shared.session.state();
-    let is_made = |film: &FilmState| film.is_movie && film.end == Some(FilmEnd::Complete);
-    let film = state.film_files.filter(|film| is_made(film) && state.session == session);
-    let Some(FilmState { target, .. }) = film else {
+    let is_made = |export: &ExportState| export.is_movie && export.end == Some(ExportEnd::Complete);
+    let export = state.export.filter(|export| is_made(export) && state.session == session);
+    let Some(ExportState { target, .. }) = export else {
         return (StatusCode::NOT_FOUND, "no movie was made\n").into_response();
     };
     match spawn_blocking(move || fs::read(target)).await {

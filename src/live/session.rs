@@ -10,7 +10,7 @@ use tokio::sync::watch;
 
 use super::commands::{CommandQueue, SessionCommand};
 use super::editor::EditorCommand;
-use super::film::FilmState;
+use super::export::ExportState;
 use super::publish::{Event, Picture, Published, Publisher};
 use super::renderer::Renderer;
 use super::state::State;
@@ -154,13 +154,13 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        self.handle.cancel_film();
+        self.handle.cancel_export();
         self.handle.send(SessionCommand::Stop);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
         // One that was requested just before.
-        self.handle.cancel_film();
+        self.handle.cancel_export();
     }
 }
 
@@ -171,17 +171,17 @@ impl Handle {
         self.commands.send(command);
     }
 
-    /// Cancels the film that is being rendered into files, if there is one, and waits for its end.
+    /// Cancels the export, if there is one, and waits for its end.
     #[doc(hidden)]
-    pub fn cancel_film(&self) {
-        self.published.film().cancel();
+    pub fn cancel_export(&self) {
+        self.published.export().cancel();
     }
 
-    /// Returns the film that is rendered into files, or was rendered last.
+    /// Returns the export that is running, or was the last.
     #[doc(hidden)]
     #[must_use]
-    pub fn film(&self) -> Option<FilmState> {
-        self.published.film_state()
+    pub fn export(&self) -> Option<ExportState> {
+        self.published.export_state()
     }
 
     /// Returns the current state of the session.

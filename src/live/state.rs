@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::commands::Detail;
 use super::edits::EditState;
-use super::film::FilmState;
+use super::export::ExportState;
 use super::warnings::PictureWarnings;
 use crate::engine::{EngineError, FrameReport};
 use crate::scene::{LoadError, ScriptMistake, SourcePosition};
@@ -39,8 +39,8 @@ pub struct State {
     pub edits: EditState,
     /// The frames whose finished pictures are kept.
     pub cached: CachedFrames,
-    /// The film that is rendered into files, or was rendered last.
-    pub film_files: Option<FilmState>,
+    /// The export that is running, or was the last.
+    pub export: Option<ExportState>,
     /// True while a better picture is being rendered.
     pub rendering: bool,
     /// Finished fraction of the better picture, 0 to 1.

@@ -9,7 +9,7 @@ use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail, Reply, SceneEdit, SessionCommand, ViewChange};
 use super::editor::{EditorCommand, Place};
 use super::edits::{EditState, Edits, UNSAVED};
-use super::film::{self, FilmRequest, FilmScene};
+use super::export::{self, ExportRequest, ExportScene};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
 use super::pixel_info::PixelInfo;
 use super::publish::{Event, Published};
@@ -116,9 +116,9 @@ impl Worker {
                     SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(edit)),
                     SessionCommand::Values(path, Reply(reply)) => reply(self.values(&path)),
                     SessionCommand::Tracks(Reply(reply)) => reply(self.tracks()),
-                    SessionCommand::Film(request, Reply(reply)) => reply(self.film(request)),
-                    SessionCommand::FilmEnded if self.next == Task::Idle => self.next = self.rest(),
-                    SessionCommand::FilmEnded => {}
+                    SessionCommand::Export(request, Reply(reply)) => reply(self.export(request)),
+                    SessionCommand::ExportEnded if self.next == Task::Idle => self.next = self.rest(),
+                    SessionCommand::ExportEnded => {}
                     SessionCommand::Open(place, Reply(reply)) => reply(self.open(&place)),
                     SessionCommand::Camera(Reply(reply)) => reply(self.camera()),
                     SessionCommand::Stop => return,
@@ -309,8 +309,8 @@ impl Worker {
         self.files.as_ref().map_or_else(WrittenTracks::default, |files| WrittenTracks::of(&files.paths))
     }
 
-    /// Starts to render a film of the scene in the files. Returns the reason why that is not possible.
-    fn film(&mut self, request: FilmRequest) -> Result<(), String> {
+    /// Starts an export of the scene in the files. Returns the reason why that is not possible.
+    fn export(&mut self, request: ExportRequest) -> Result<(), String> {
         let Some(files) = &self.files else {
             return Err("this world is built by a program: `Engine::render_to` renders it".to_owned());
         };
@@ -324,16 +324,16 @@ impl Worker {
         if request.last >= frames {
             return Err(format!("the last frame is {}", frames - 1));
         }
-        let scene = FilmScene {
+        let scene = ExportScene {
             file: files.scene.clone(),
             overrides: files.edits.overrides(),
             without: self.renderer.without(),
         };
         let (published, commands) = (Arc::clone(&self.published), Arc::clone(&self.commands));
-        film::start(scene, request, self.published.film(), move |film| {
-            published.update(|state| state.film_files = Some(film.clone()));
-            if film.end.is_some() {
-                commands.send(SessionCommand::FilmEnded);
+        export::start(scene, request, self.published.export(), move |export| {
+            published.update(|state| state.export = Some(export.clone()));
+            if export.end.is_some() {
+                commands.send(SessionCommand::ExportEnded);
             }
         })
     }

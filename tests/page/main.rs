@@ -6,7 +6,7 @@
 mod browser;
 mod camera;
 mod examples;
-mod film;
+mod export;
 mod gallery;
 mod http;
 mod lanes;

@@ -195,12 +195,12 @@ fn film_is_made_on_the_page() {
     // Render a part of it into a movie.
     browser.evaluate("(setRange('first', 30), setRange('last', 53), true)");
     browser.press('R');
-    person.until("at('shooting').open");
+    person.until("at('export-dialog').open");
     let movie = preview.folder.path().join("ball.gif");
-    browser.evaluate(&format!("(at('shot-target').value = {:?}, true)", movie.display().to_string()));
+    browser.evaluate(&format!("(at('export-target').value = {:?}, true)", movie.display().to_string()));
     person.look(1.5);
-    browser.click("#shot-start");
-    person.until("state.film_files?.end === 'complete'");
+    browser.click("#export-start");
+    person.until("state.export?.end === 'complete'");
     person.look(2.0);
     assert!(movie.is_file() && file() == moved);
     assert_eq!(browser.console(), json!([]));

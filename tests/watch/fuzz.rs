@@ -10,7 +10,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rayreel::Engine;
-use rayreel::live::{Detail, FilmRequest, Handle, Reply, SceneEdit, SessionCommand, ViewChange};
+use rayreel::live::{Detail, ExportRequest, Handle, Reply, SceneEdit, SessionCommand, ViewChange};
 use rayreel::output::encode_quickly;
 use rayreel::scene::KeyChange;
 
@@ -109,9 +109,10 @@ fn act(stage: &Stage, handle: &Handle, answers: &Answers, random: &mut Random) {
         }
         17 => {
             let target = stage.path(["film", "film.gif"][random.index(2)]);
-            handle.send(SessionCommand::Film(FilmRequest { first: 0, last: 9, target }, answers.result()));
+            handle
+                .send(SessionCommand::Export(ExportRequest { first: 0, last: 9, target }, answers.result()));
         }
-        18 if random.once_in(2) => handle.cancel_film(),
+        18 if random.once_in(2) => handle.cancel_export(),
         _ => {
             let text = scene(0.5 + 0.1 * random.index(9) as f64, &format!("// {}", random.bits()));
             stage.save(if random.once_in(4) { &text[..text.len() / 2] } else { &text });

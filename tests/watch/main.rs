@@ -11,7 +11,7 @@ mod command;
 mod drafts;
 mod editors;
 mod edits;
-mod film;
+mod export;
 mod fuzz;
 #[cfg(unix)]
 #[path = "../signals/ignored.rs"]

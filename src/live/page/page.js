@@ -107,7 +107,7 @@ function draw() {
   drawTransport();
   drawKept();
   drawEdits();
-  drawFilm();
+  drawExport();
   drawComparison();
   drawMistakes(wrong);
   drawWarnings(wrong);

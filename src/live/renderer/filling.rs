@@ -40,10 +40,10 @@ impl Renderer {
         self.publisher.published().cache().set_key(frame, key);
     }
 
-    /// Returns whether a picture can be added to the cache. A film that is rendered into files comes first.
+    /// Returns whether a picture can be added to the cache. An export comes first.
     pub(in crate::live) fn can_fill_cache(&self) -> bool {
         let published = self.publisher.published();
-        !published.film().is_running()
+        !published.export().is_running()
             && (self.filling.is_some() || published.cache().next_missing(published.state().frame).is_some())
     }
 

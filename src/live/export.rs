@@ -1,4 +1,4 @@
-//! Rendering of a film into files, on a thread of its own, while its scene stays on display.
+//! Export: rendering of frames into files, on a thread of its own, while the scene stays on display.
 
 use std::ops::ControlFlow::Continue;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,13 +17,13 @@ use crate::sequence::{SequenceProgress, SequenceReport, render_movie_until, rend
 use crate::systems::{EffectSet, RenderSettings};
 use crate::time::FrameList;
 
-/// Maximum time for the end of a film that is cancelled.
+/// Maximum time for the end of an export that is cancelled.
 const CANCEL_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// A request to render frames into files.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FilmRequest {
+pub struct ExportRequest {
     /// Index of the first frame.
     pub first: u32,
     /// Index of the last frame.
@@ -32,9 +32,9 @@ pub struct FilmRequest {
     pub target: PathBuf,
 }
 
-/// The film that was requested last.
+/// The export that was requested last.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct FilmState {
+pub struct ExportState {
     /// Absolute path of the folder, or of the movie.
     pub target: String,
     /// True if the target is a movie.
@@ -45,36 +45,36 @@ pub struct FilmState {
     pub total: usize,
     /// Estimated time until the end in seconds, once a frame is rendered.
     pub left: Option<f64>,
-    /// The end of the film; `None` while it is being rendered.
-    pub end: Option<FilmEnd>,
+    /// The end of the export; `None` while it is running.
+    pub end: Option<ExportEnd>,
 }
 
-/// The end of a film.
+/// The end of an export.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum FilmEnd {
+pub enum ExportEnd {
     /// All frames are done.
     Complete,
-    /// The film was cancelled. Frames that were done stay; there is no movie.
+    /// The export was cancelled. Frames that were done stay; there is no movie.
     Cancelled,
-    /// The film could not be rendered.
+    /// The frames could not be rendered.
     Failed(String),
 }
 
-/// The control of the thread that renders a film.
+/// The control of the thread of an export.
 #[derive(Debug, Default)]
-pub(super) struct FilmControl {
+pub(super) struct ExportControl {
     cancelled: AtomicBool,
     is_running: Mutex<bool>,
     ended: Condvar,
 }
 
-impl FilmControl {
+impl ExportControl {
     pub(super) fn is_running(&self) -> bool {
         *self.is_running.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins a film. Returns `false` if there is one already.
+    /// Begins an export. Returns `false` if there is one already.
     fn begin(&self) -> bool {
         let mut is_running = self.is_running.lock().unwrap_or_else(PoisonError::into_inner);
         if !*is_running {
@@ -83,7 +83,7 @@ impl FilmControl {
         !std::mem::replace(&mut *is_running, true)
     }
 
-    /// Ends the film, and publishes that before another one can begin.
+    /// Ends the export, and publishes that before another one can begin.
     fn end(&self, publish: impl FnOnce()) {
         let mut is_running = self.is_running.lock().unwrap_or_else(PoisonError::into_inner);
         *is_running = false;
@@ -92,7 +92,7 @@ impl FilmControl {
         self.ended.notify_all();
     }
 
-    /// Cancels the film, and waits until it has ended.
+    /// Cancels the export, and waits until it has ended.
     pub(super) fn cancel(&self) {
         let is_running = self.is_running.lock().unwrap_or_else(PoisonError::into_inner);
         self.cancelled.store(*is_running, Ordering::Relaxed);
@@ -100,21 +100,21 @@ impl FilmControl {
     }
 }
 
-/// The scene of a film.
-pub(super) struct FilmScene {
+/// The scene of an export.
+pub(super) struct ExportScene {
     pub(super) file: PathBuf,
     pub(super) overrides: Vec<Override>,
     pub(super) without: EffectSet,
 }
 
-/// Starts to render a film, whose state is published after every frame. Returns the reason why that is not possible.
+/// Starts an export, whose state is published after every frame. Returns the reason why that is not possible.
 pub(super) fn start(
-    scene: FilmScene,
-    request: FilmRequest,
-    control: &Arc<FilmControl>,
-    publish: impl Fn(&FilmState) + Send + 'static,
+    scene: ExportScene,
+    request: ExportRequest,
+    control: &Arc<ExportControl>,
+    publish: impl Fn(&ExportState) + Send + 'static,
 ) -> Result<(), String> {
-    let FilmRequest { first, last, target } = request;
+    let ExportRequest { first, last, target } = request;
     let frames = FrameList::of(first..=last).ok_or("the last frame comes before the first")?;
     let is_movie = MovieFormat::of(&target).is_ok() && !target.is_dir();
     if target.as_os_str().is_empty() || !is_movie && target.is_file() {
@@ -124,48 +124,49 @@ pub(super) fn start(
         return Err("a film is being rendered: wait for its end, or cancel it".to_owned());
     }
     let absolute = path::absolute(&target).unwrap_or_else(|_| target.clone()).display().to_string();
-    let mut film = FilmState { target: absolute, is_movie, total: frames.count(), ..FilmState::default() };
-    publish(&film);
+    let mut export =
+        ExportState { target: absolute, is_movie, total: frames.count(), ..ExportState::default() };
+    publish(&export);
     let control = Arc::clone(control);
     thread::spawn(move || {
         let rendered = catch_unwind(AssertUnwindSafe(|| {
-            render(&scene, &frames, &target, &control.cancelled, &mut film, &publish)
+            render(&scene, &frames, &target, &control.cancelled, &mut export, &publish)
         }));
         let rendered =
             rendered.unwrap_or_else(|_| Err("the renderer has failed; please report it".to_owned()));
-        film.end = Some(match rendered {
-            Err(message) => FilmEnd::Failed(message),
-            Ok(count) if count < film.total => FilmEnd::Cancelled,
-            Ok(_) => FilmEnd::Complete,
+        export.end = Some(match rendered {
+            Err(message) => ExportEnd::Failed(message),
+            Ok(count) if count < export.total => ExportEnd::Cancelled,
+            Ok(_) => ExportEnd::Complete,
         });
-        control.end(|| publish(&film));
+        control.end(|| publish(&export));
     });
     Ok(())
 }
 
 /// Renders the scene as it is in its files now. Returns the number of frames that are done.
 fn render(
-    scene: &FilmScene,
+    scene: &ExportScene,
     frames: &FrameList,
     target: &Path,
     cancelled: &AtomicBool,
-    film: &mut FilmState,
-    publish: &impl Fn(&FilmState),
+    export: &mut ExportState,
+    publish: &impl Fn(&ExportState),
 ) -> Result<usize, String> {
-    let FilmScene { file, overrides, without } = scene;
+    let ExportScene { file, overrides, without } = scene;
     let read = Reader::overriding(overrides.clone()).load(file);
     let (scene, _) = read.map_err(|error| error.render(false))?;
     let mut engine = Engine::from_scene(scene);
     engine.settings = RenderSettings { without: *without, ..RenderSettings::default() };
     let (start, mut rendered) = (Instant::now(), 0.0);
-    let is_movie = film.is_movie;
+    let is_movie = export.is_movie;
     let on_progress = |SequenceProgress { kept, done, total, .. }: SequenceProgress| {
         rendered += f64::from(u8::from(!kept));
-        film.left =
+        export.left =
             (rendered > 0.0).then(|| start.elapsed().as_secs_f64() / rendered * (total - done) as f64);
-        // The film may have become shorter.
-        (film.done, film.total) = (done, total);
-        publish(film);
+        // The scene may have become shorter.
+        (export.done, export.total) = (done, total);
+        publish(export);
         Continue(())
     };
     let report = if is_movie {

@@ -1,27 +1,27 @@
-//! Tests of films that a session renders into files.
+//! Tests of exports: frames that a session renders into files.
 
 use std::fs;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rayreel::Engine;
-use rayreel::live::{FilmEnd, FilmRequest, FilmState, SceneEdit, SessionCommand};
+use rayreel::live::{ExportEnd, ExportRequest, ExportState, SceneEdit, SessionCommand};
 
 use crate::AT_MOST;
 use crate::edits::ask;
 use crate::session::{Stage, scene};
 
-fn film(stage: &Stage, first: u32, last: u32, target: &str) -> Result<(), String> {
-    let request = FilmRequest { first, last, target: stage.path(target) };
-    ask(stage, |reply| SessionCommand::Film(request, reply))
+fn export(stage: &Stage, first: u32, last: u32, target: &str) -> Result<(), String> {
+    let request = ExportRequest { first, last, target: stage.path(target) };
+    ask(stage, |reply| SessionCommand::Export(request, reply))
 }
 
-/// Waits for the end of the film.
-fn ended(stage: &Stage) -> FilmState {
+/// Waits for the end of the export.
+fn ended(stage: &Stage) -> ExportState {
     let start = Instant::now();
     loop {
-        if let Some(film) = stage.session().handle().film().filter(|film| film.end.is_some()) {
-            return film;
+        if let Some(export) = stage.session().handle().export().filter(|export| export.end.is_some()) {
+            return export;
         }
         assert!(start.elapsed() < AT_MOST);
         sleep(Duration::from_millis(5));
@@ -35,9 +35,9 @@ fn frames_are_those_of_render_and_stay() {
     let mut engine = Engine::load(stage.path("ball.ron")).unwrap();
     let last = engine.timeline().frame_count() - 1;
     engine.render_to(stage.path("ball")).unwrap();
-    film(&stage, 1, 3, "made").unwrap();
-    let FilmState { done, total, end, is_movie, .. } = ended(&stage);
-    assert_eq!((done, total, end, is_movie), (3, 3, Some(FilmEnd::Complete), false));
+    export(&stage, 1, 3, "made").unwrap();
+    let ExportState { done, total, end, is_movie, .. } = ended(&stage);
+    assert_eq!((done, total, end, is_movie), (3, 3, Some(ExportEnd::Complete), false));
     for frame in 0..=last {
         let name = format!("ball.{frame:04}.png");
         let made = fs::read(stage.path("made").join(&name)).ok();
@@ -47,19 +47,19 @@ fn frames_are_those_of_render_and_stay() {
     // Frames that are done are kept.
     let written = || fs::metadata(stage.path("made").join("ball.0002.png")).unwrap().modified().unwrap();
     let before = written();
-    film(&stage, 0, last, "made").unwrap();
+    export(&stage, 0, last, "made").unwrap();
     assert_eq!(ended(&stage).done, last as usize + 1);
     assert_eq!(written(), before);
-    film(&stage, 0, last, "ball.gif").unwrap();
+    export(&stage, 0, last, "ball.gif").unwrap();
     assert!(ended(&stage).is_movie && stage.path("ball.gif").is_file());
 }
 
 #[test]
-fn impossible_films_are_refused() {
+fn impossible_exports_are_refused() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.matches_a_cold_start();
     let frames = stage.session().handle().state().frames;
-    let why = |first, last, target| film(&stage, first, last, target).unwrap_err();
+    let why = |first, last, target| export(&stage, first, last, target).unwrap_err();
     assert_eq!(why(0, frames, "made"), format!("the last frame is {}", frames - 1));
     assert_eq!(why(2, 1, "made"), "the last frame comes before the first");
     assert_eq!(why(0, 1, "ball.ron"), "name a folder for the frames, or a movie, as film.mp4");
@@ -78,26 +78,26 @@ fn impossible_films_are_refused() {
 }
 
 #[test]
-fn films_are_cancelled_in_the_middle_of_a_frame() {
+fn exports_are_cancelled_in_the_middle_of_a_frame() {
     let slow = scene(1.0, "").replacen("film: (", "sampling: (samples: 20000), film: (", 1);
     let stage = Stage::new(Some(&slow));
     for target in ["made", "made.gif"] {
-        film_when_read(&stage, target);
-        let again: Result<(), String> = film(&stage, 0, 3, "other");
+        export_when_read(&stage, target);
+        let again: Result<(), String> = export(&stage, 0, 3, "other");
         assert_eq!(again.unwrap_err(), "a film is being rendered: wait for its end, or cancel it");
         let start = Instant::now();
-        stage.session().handle().cancel_film();
+        stage.session().handle().cancel_export();
         assert!(start.elapsed() < Duration::from_secs(5));
-        assert_eq!(ended(&stage).end, Some(FilmEnd::Cancelled));
+        assert_eq!(ended(&stage).end, Some(ExportEnd::Cancelled));
     }
     let left = fs::read_dir(stage.path("made")).unwrap().count();
     assert!(left < 4 && !stage.path("made.gif").exists() && !stage.path("other").exists());
 }
 
-/// Starts a film once the scene is read.
-fn film_when_read(stage: &Stage, target: &str) {
+/// Starts an export once the scene is read.
+fn export_when_read(stage: &Stage, target: &str) {
     let start = Instant::now();
-    while let Err(why) = film(stage, 0, 3, target) {
+    while let Err(why) = export(stage, 0, 3, target) {
         assert!(start.elapsed() < AT_MOST, "{why}");
         sleep(Duration::from_millis(5));
     }
