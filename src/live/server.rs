@@ -57,7 +57,7 @@ use super::export::{ExportEnd, ExportRequest, ExportState};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 19] = [
+const FILES: [(&str, &str, &str); 20] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
@@ -67,6 +67,7 @@ const FILES: [(&str, &str, &str); 19] = [
     ("/frames.js", SCRIPT, include_str!("page/frames.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
+    ("/mistakes.js", SCRIPT, include_str!("page/mistakes.js")),
     ("/rays.js", SCRIPT, include_str!("page/rays.js")),
     ("/pixels.js", SCRIPT, include_str!("page/pixels.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),

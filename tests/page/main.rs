@@ -10,6 +10,7 @@ mod export;
 mod gallery;
 mod http;
 mod lanes;
+mod mistakes;
 mod pixels;
 mod rays;
 mod studio;
@@ -509,43 +510,6 @@ fn slow_pictures_show_their_progress() {
     // An edit interrupts the work after the picture.
     preview.save(SCENE);
     until(&browser, "shown.full && shown.reloads === 3");
-}
-
-#[test]
-fn mistakes_are_readable_on_phones() {
-    let preview = Preview::new();
-    let Some(browser) = open(&preview) else { return };
-    let phone = json!({ "width": 360, "height": 640, "deviceScaleFactor": 2, "mobile": true });
-    browser.emulate("Emulation.setDeviceMetricsOverride", &phone);
-    until(&browser, "shown !== null && shown.full && innerWidth === 360");
-    let far = " ".repeat(150);
-    for broken in [
-        SCENE.replace("\"clay\"),", "\"caly\"),"),
-        SCENE.replace("(name: \"ball\",", &format!("(name: \"ball\",{far}shope: 3,")),
-        SCENE.replace("width: 160", &format!("{far}width: -160")),
-        "Scene(".to_owned(),
-    ] {
-        let before = browser.evaluate("wrongText");
-        preview.save(&broken);
-        until(
-            &browser,
-            &format!("!at('wrong').hidden && wrongText !== {before} && wrongText === state.mistakes.text"),
-        );
-        // All text is within the page. Only lines of the file scroll, to the caret.
-        let outside =
-            "[...at('wrong').querySelectorAll('h2, p')].some(part => { const range = document.createRange();
-            range.selectNodeContents(part);
-            return [...range.getClientRects()].some(box => box.left < 0 || box.right > innerWidth); })";
-        assert_eq!(browser.evaluate(outside), json!(false), "{broken}");
-        assert_eq!(browser.evaluate("at('wrong').scrollLeft"), json!(0));
-        let caret = "[...at('wrong').querySelectorAll('pre')].every(lines => {
-            const at = lines.firstChild.data.indexOf('^'), range = document.createRange();
-            if (at < 0) return true;
-            range.setStart(lines.firstChild, at); range.setEnd(lines.firstChild, at + 1);
-            const box = range.getBoundingClientRect();
-            return box.left >= 0 && box.right <= innerWidth; })";
-        assert_eq!(browser.evaluate(caret), json!(true), "{broken}");
-    }
 }
 
 #[test]

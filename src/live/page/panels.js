@@ -1,5 +1,5 @@
 "use strict";
-// The text panels: the pixel, mistakes, warnings, times and the plan.
+// The text panels: the pixel, warnings, times and the plan.
 
 function pixelOf(event) {
   const box = at("film").getBoundingClientRect(), [width, height] = film();
@@ -72,39 +72,6 @@ async function probe(pixel) {
   at("spot").replaceChildren(...parts);
   drawValues(spot?.surface);
   traceRays();
-}
-
-function drawMistakes(wrong) {
-  at("wrong").hidden = !wrong;
-  if (!wrong) return;
-  const count = wrong.count === 1 ? "1 mistake" : `${wrong.count} mistakes`;
-  const title = wrong.place ? `${count}, first at ${wrong.place}` : count, heading = at("wrong").querySelector("h2");
-  if (heading.textContent !== title) heading.replaceChildren(...wrong.place ? [`${count}, first at `, placeLink(wrong.place, wrong.place)] : [count]);
-  if (wrongText === wrong.text) return;
-  wrongText = wrong.text;
-  at("messages").replaceChildren(...messages(wrong.text));
-  for (const lines of at("messages").querySelectorAll("pre")) lines.scrollLeft = caretLeft(lines);
-}
-
-let wrongText = null;  // that is shown
-
-// Prose wraps; quoted lines of files, which have line numbers and bars, scroll on their own.
-function messages(text) {
-  const parts = [];
-  for (const line of text.split("\n")) {
-    const name = /^(\s*\d*\s*\||\.\.\.)/.test(line) ? "pre" : "p", last = parts.at(-1);
-    if (last?.name === name) last.lines.push(line);
-    else parts.push({ name, lines: [line] });
-  }
-  const made = ({ name, lines }) => element(name, lines.join("\n"), name === "pre" ? { tabIndex: 0 } : {});
-  return parts.filter(({ lines }) => lines.some(line => line.trim())).map(made);
-}
-
-// Returns the horizontal offset of the first caret, if it is out of sight.
-function caretLeft(text) {
-  const lines = text.textContent.split("\n"), carets = lines.find(line => line.includes("^")) ?? "";
-  const left = text.scrollWidth * carets.indexOf("^") / Math.max(...lines.map(line => line.length));
-  return left < 0.7 * text.clientWidth ? 0 : left - text.clientWidth / 3;
 }
 
 // Warnings are about the picture, which mistakes replace by the last good one.
