@@ -57,12 +57,13 @@ use super::export::{ExportEnd, ExportRequest, ExportState};
 use super::session::Handle;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 20] = [
+const FILES: [(&str, &str, &str); 21] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
     ("/timeline.js", SCRIPT, include_str!("page/timeline.js")),
     ("/export.js", SCRIPT, include_str!("page/export.js")),
+    ("/passes.js", SCRIPT, include_str!("page/passes.js")),
     ("/lanes.js", SCRIPT, include_str!("page/lanes.js")),
     ("/frames.js", SCRIPT, include_str!("page/frames.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),

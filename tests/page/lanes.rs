@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
+use crate::browser::Browser;
 use crate::{AT_MOST, Preview, SCENE, open, until};
 
 #[test]
@@ -43,7 +44,7 @@ fn keys_are_dragged_eased_added_and_removed() {
     run("document.querySelectorAll('.key')[1].focus()");
     browser.press('\u{e012}');
     becomes("(0.8, (0, 0, 0), EaseInOut), (1.3, (0, 0.25, 0), EaseInOut), (2, (0, 0.5, 0))");
-    until(&browser, "document.activeElement.dataset.key === 'animate.0.track.0.1'");
+    until(&browser, "document.activeElement.dataset.key === 'animate.0.track.0.1' && view.frame === 13");
     browser.press('\u{e017}');
     becomes("(0.8, (0, 0, 0), EaseInOut), (2, (0, 0.5, 0))");
     keys(2);
@@ -74,4 +75,84 @@ fn keys_are_dragged_eased_added_and_removed() {
     );
     until(&browser, "seen.length > 8");
     until(&browser, "seen.every(frame => frame >= 5 && frame <= 8)");
+}
+
+/// Presses the mouse button at the middle of an element, and moves right by some pixels.
+fn pull(browser: &Browser, selector: &str, right: f64) {
+    let place = format!(
+        "(({{ left, top, width, height }}) => [left + width / 2, top + height / 2])(document.querySelector('{selector}').getBoundingClientRect())"
+    );
+    let [x, y]: [f64; 2] = serde_json::from_value(browser.evaluate(&place)).unwrap();
+    let to = |right: f64| json!({ "type": "pointerMove", "duration": 50, "x": (x + right).round(), "y": y.round() });
+    browser.point(&[to(0.0), json!({ "type": "pointerDown", "button": 0 }), to(0.5 * right), to(right)]);
+}
+
+#[test]
+fn dragged_keys_show_their_time_and_new_keys_are_selected() {
+    let looping = "repeat: Loop, track: Keys([(0, (0, 0, 0), EaseIn), (0.5, (0, 0.5, 0))])";
+    let preview = Preview::of(&SCENE.replace("track: Keys([(0, (0, 0, 0)), (2, (0, 0.5, 0))])", looping));
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full && document.querySelectorAll('.key').length === 2");
+    let frame =
+        browser.evaluate("document.querySelector('.lane').clientWidth / lastFrame()").as_f64().unwrap();
+    // The repeats at frames 10 and 15; a loop ends where it begins.
+    let marks = "[...document.querySelectorAll('.passes i')].map(mark => Math.round(parseFloat(mark.style.left) / 100 * lastFrame()))";
+    assert_eq!(browser.evaluate(marks), json!([10, 15]));
+    assert_eq!(browser.evaluate("document.querySelectorAll('.passes svg').length"), json!(0));
+    // The picture is that of the key's time while it is dragged, and the repeats follow.
+    pull(&browser, "[data-key$=\".1\"]", 4.0 * frame);
+    until(&browser, "at('key-time').textContent === '0.90 s · frame 9' && !at('key-time').hidden");
+    until(&browser, "view.frame === 9 && shown.frame === 9 && state.edits.tried.length === 1");
+    assert_eq!(browser.evaluate(marks), json!([18]));
+    browser.point(&[json!({ "type": "pointerUp", "button": 0 })]);
+    until(
+        &browser,
+        "at('key-time').hidden && trying === null && moving === null && tracks.of === reload() && tracks.tracks[0].keys[1].time === 0.9",
+    );
+    // The lane of the selected key shows the easing: half of the time is a quarter of the way.
+    until(&browser, "picked?.index === 1 && document.querySelectorAll('.passes path').length === 3");
+    let points = "document.querySelector('.passes path').getAttribute('d').slice(1).split('L').map(point => point.split(' ').map(Number))";
+    let points: Vec<[f64; 2]> = serde_json::from_value(browser.evaluate(points)).unwrap();
+    assert!(
+        points.len() > 20 && points[0] == [0.0, 1.0] && points[points.len() - 1] == [9.0, 0.0],
+        "{points:?}"
+    );
+    assert_eq!(points[points.len() / 2], [4.5, 0.75]);
+    // A double click within a repeat adds a key to the first pass, and selects it.
+    let place = "(({ left, top, height }) => [left, top + height / 2])(document.querySelector('.lane').getBoundingClientRect())";
+    let [left, top]: [f64; 2] = serde_json::from_value(browser.evaluate(place)).unwrap();
+    let (press, release) =
+        (json!({ "type": "pointerDown", "button": 0 }), json!({ "type": "pointerUp", "button": 0 }));
+    let there =
+        json!({ "type": "pointerMove", "duration": 0, "x": (left + 13.0 * frame).round(), "y": top.round() });
+    browser.point(&[there, press.clone(), release.clone(), press, release]);
+    until(&browser, "picked?.index === 1 && tracks.tracks[0].keys.length === 3 && view.frame === 4");
+    until(&browser, "document.activeElement.dataset.key === 'animate.0.track.0.1'");
+    until(&browser, "document.querySelector('#key input').value === '0.4'");
+    assert_eq!(browser.console(), json!([]));
+}
+
+#[test]
+fn alternating_tracks_show_mirrored_passes() {
+    let keys = "repeat: PingPong, offset: 0.2, track: Keys([(0, (0, 0, 0)), (0.1, (0, 0.1, 0)), (0.6, (0, 0.5, 0))])";
+    let preview = Preview::of(&SCENE.replace("track: Keys([(0, (0, 0, 0)), (2, (0, 0.5, 0))])", keys));
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full && document.querySelectorAll('.key').length === 3");
+    // Passes of 6 frames, from frame 2 on: backwards before it and from frame 8, forwards from frame 14.
+    let marks = "[...document.querySelectorAll('.passes i')].map(mark => Math.round(parseFloat(mark.style.left) / 100 * lastFrame())).sort((a, b) => a - b)";
+    assert_eq!(browser.evaluate(marks), json!([1, 13, 14, 15]));
+    assert_eq!(
+        browser.evaluate(
+            "[0.1, 0.6, 0.7, 1.15, 1.3].map(time => Number(folded(tracks.tracks[0], time).toFixed(6)))"
+        ),
+        json!([0.1, 0.6, 0.5, 0.05, 0.1])
+    );
+    // The time of the key is named apart from that of the timeline.
+    let frame =
+        browser.evaluate("document.querySelector('.lane').clientWidth / lastFrame()").as_f64().unwrap();
+    pull(&browser, "[data-key$=\".1\"]", 2.0 * frame);
+    until(&browser, "at('key-time').textContent === '0.50 s · frame 5 · key at 0.3 s'");
+    browser.point(&[json!({ "type": "pointerUp", "button": 0 })]);
+    until(&browser, "trying === null && moving === null && state.edits.tried.length === 0");
+    assert_eq!(browser.console(), json!([]));
 }

@@ -507,6 +507,8 @@ fn slow_pictures_show_their_progress() {
     assert!(values.is_sorted() && values.last() > values.first(), "{values:?}");
     assert!(seen.iter().any(|seen| seen[1].as_str().unwrap().ends_with(" %")), "{seen:?}");
     until(&browser, "at('progress').hidden && at('percent').textContent === ''");
+    let times = browser.evaluate("[0.031, 45.3, 999.6, 13533].map(duration)");
+    assert_eq!(times, json!(["0.03 ms", "45.3 ms", "1.00 s", "13.53 s"]));
     // An edit interrupts the work after the picture.
     preview.save(SCENE);
     until(&browser, "shown.full && shown.reloads === 3");

@@ -20,7 +20,7 @@ function drawCurve() {
     return { at, ticks };
   };
   const x = axis(places.map(place => place.milliseconds), left, right), y = axis(places.map(place => place.error), bottom, top);
-  const drawn = [];
+  const unit = Math.max(...x.ticks) < 1000 ? 1 : 1000, drawn = [];
   const draw = (name, attributes, text) => {
     const made = document.createElementNS(at("plot").namespaceURI, name);
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
@@ -30,18 +30,18 @@ function drawCurve() {
   };
   for (const tick of x.ticks) {
     draw("path", { class: "grid", d: `M${x.at(tick)} ${top}V${bottom}` });
-    draw("text", { x: x.at(tick), y: bottom + 13, "text-anchor": "middle" }, String(Number(tick.toPrecision(1))));
+    draw("text", { x: x.at(tick), y: bottom + 13, "text-anchor": "middle" }, String(Number((tick / unit).toPrecision(1))));
   }
   for (const tick of y.ticks) {
     draw("path", { class: "grid", d: `M${left} ${y.at(tick)}H${right}` });
     draw("text", { x: left - 4, y: y.at(tick) + 4, "text-anchor": "end" }, String(Number(tick.toPrecision(1))));
   }
-  draw("text", { x: right, y: bottom + 27, "text-anchor": "end" }, "milliseconds");
+  draw("text", { x: right, y: bottom + 27, "text-anchor": "end" }, unit === 1 ? "milliseconds" : "seconds");
   draw("polyline", { points: others.map(place => `${x.at(place.milliseconds)},${y.at(place.error)}`).join(" ") });
   const mark = (place, name) => {
     const dot = draw("circle", { cx: x.at(place.milliseconds), cy: y.at(place.error), r: name ? 5 : 3.5, class: name });
     const title = document.createElementNS(at("plot").namespaceURI, "title");
-    title.textContent = `${samplesOf(place)}: off by ${steps(place.error)} steps, ${milliseconds(place.milliseconds)} ms`;
+    title.textContent = `${samplesOf(place)}: off by ${steps(place.error)} steps, ${duration(place.milliseconds)}`;
     dot.append(title);
   };
   for (const place of others) mark(place, "");

@@ -4,11 +4,12 @@
 const EASINGS = ["Linear", "Hold", "EaseIn", "EaseOut", "EaseInOut", "Cubic", "CatmullRom", "Monotone",
   ...["Sine", "Quad", "Cubic", "Quart", "Quint", "Expo", "Circ", "Back", "Elastic", "Bounce"].flatMap(curve => ["In", "Out", "InOut"].map(end => end + curve))];
 
-let tracks = null;     // { of, tracks, unlisted, cameras }, as in the file after the reload `of`
+let tracks = null;     // { of, tracks, unlisted, cameras, easings }, as in the file after the reload `of`
 let fetching = null;   // the reload whose tracks are being fetched
 let changing = false;  // true while a key is added, removed or eased
 let picked = null;     // { path, index }: the key in the panel
 let moving = null;     // { path, index, time } while a key is moved
+let added = null;      // { path, time }: the new key, which is selected once it is listed
 
 // Without a choice, keys are shown unless there is little room.
 const narrow = matchMedia("(max-width: 760px)");
@@ -35,8 +36,7 @@ async function fetchTracks() {
   if (!found) return;
   tracks = { ...found, of };
   if (picked && !trackAt(picked.path)?.keys[picked.index]) picked = null;
-  drawLanes();
-  drawKey();
+  if (!pickAdded()) { drawLanes(); drawKey(); }
 }
 
 function drawLanes() {
@@ -49,11 +49,12 @@ function drawLanes() {
   const rows = tracks.tracks.map(track => {
     const row = element("div", undefined, { className: "lane", title: "Double click for a new key" });
     const name = track.channel ? nameOf(track) : "shots";
-    row.append(element("span", name, { title: name }), ...track.keys.flatMap((key, index) => keyButton(track, index)));
+    row.append(element("div", undefined, { className: "passes" }), element("span", name, { title: name }), ...track.keys.flatMap((key, index) => keyButton(track, index)));
     row.ondblclick = event => { if (event.target === row) addKey(track, Math.round(frameAt(event))); };
+    drawPasses(track, row);
     return row;
   });
-  if (tracks.unlisted > 0) rows.push(element("p", `${tracks.unlisted} tracks with more keys are not shown`, { className: "faint" }));
+  if (tracks.unlisted > 0) rows.push(element("p", tracks.unlisted === 1 ? "1 track with more keys is not shown" : `${tracks.unlisted} tracks with more keys are not shown`, { className: "faint" }));
   const playhead = element("div", undefined, { id: "playhead" });
   at("lanes").replaceChildren(playhead, ...rows);
   // The lanes end where the scrubber does, whatever the width of the scroll bar.
@@ -79,7 +80,7 @@ function frameAt(event) {
 function keyButton(track, index) {
   const { time, text, easing } = track.keys[index], button = element("button", undefined, { className: "key" });
   const place = () => {
-    const frame = frameOf(track, moving?.path === track.path && moving.index === index ? moving.time : time);
+    const frame = frameOf(track, timeOf(track, index));
     for (const part of parts) part.style.left = percentage(frame);
     button.classList.toggle("outside", frame < 0 || frame > lastFrame() + 1);
   };
@@ -99,14 +100,17 @@ function keyButton(track, index) {
       if (by === 0 && !moving) return;
       moveKey(track, index, by);
       place();
+      drawPasses(track, button.parentElement);
+      showKeyTime(button, track, index);
+      seekKey(track, moving.time);
     }, { signal });
-    for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, () => { end.abort(); if (moving) dropKey(); }, { signal });
+    for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, () => { end.abort(); at("key-time").hidden = true; if (moving) dropKey(); }, { signal });
   };
   button.onkeydown = event => {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     const removes = event.key === "Delete" || event.key === "Backspace";
     if (!by && !removes) return;
-    if (by && canChange()) { moveKey(track, index, by); dropKey(); }
+    if (by && canChange()) { moveKey(track, index, by); seekKey(track, moving.time); dropKey(); }
     if (removes && !event.repeat) removeKey(track, index);
     event.stopPropagation();
     event.preventDefault();
@@ -137,21 +141,44 @@ async function change(what) {
   if (changing) return;
   changing = true;
   await keepEdits();
-  if (await edit({ try_key: what })) await keepEdits();
+  const done = await edit({ try_key: what });
+  if (done) await keepEdits();
   changing = false;
+  return done;
 }
 
-const addKey = (track, frame) => change({ add: [track.path, keyTime(track, frame)] });
+// Adds a key at a frame or, where keys repeat, at the time in the first pass.
+async function addKey(track, frame) {
+  const time = folded(track, keyTime(track, frame));
+  added = { path: track.path, time };
+  if (!await change({ add: [track.path, time] })) added = null;
+}
+
+// Selects the new key, if it is listed. Returns whether it is.
+function pickAdded() {
+  const track = added && trackAt(added.path), index = track ? track.keys.findIndex(({ time }) => Math.abs(time - added.time) < 1e-5) : -1;
+  if (index < 0) return false;
+  added = null;
+  pick(track, index);
+  at("lanes").querySelector(`[data-key="${track.path}.${index}"]`)?.focus();
+  return true;
+}
+
 const removeKey = (track, index) => { picked = null; change({ remove: [track.path, track.keys[index].time] }); };
 
 // Shows a key in the panel, and its frame.
 function pick(track, index) {
   picked = { path: track.path, index };
-  const frame = Math.round(frameOf(track, moving?.time ?? track.keys[index].time));
-  if (playing) pause();
-  if (frame >= 0 && frame < state.frames) seek(frame);
-  for (const button of at("lanes").querySelectorAll(".key")) button.setAttribute("aria-pressed", button.dataset.key === `${track.path}.${index}`);
+  seekKey(track, moving?.time ?? track.keys[index].time);
+  drawLanes();
   drawKey();
+}
+
+// Shows the frame of a time of keys, if there is one.
+function seekKey(track, time) {
+  const frame = Math.round(frameOf(track, time));
+  if (playing) pause();
+  if (frame >= 0 && frame < state.frames && frame !== view.frame) seek(frame);
 }
 
 function drawKey() {

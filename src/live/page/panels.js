@@ -96,7 +96,8 @@ function drawWarnings(wrong) {
 
 let warnedText = null;  // that is listed
 
-const milliseconds = time => time < 10 ? time.toFixed(2) : time < 100 ? time.toFixed(1) : time.toFixed(0);
+// For 13 533 milliseconds "13.53 s".
+const duration = time => time < 10 ? time.toFixed(2) + " ms" : time < 100 ? time.toFixed(1) + " ms" : time < 999.5 ? time.toFixed(0) + " ms" : (time / 1000).toFixed(2) + " s";
 
 function drawTimes() {
   if (!state.picture) { at("times").replaceChildren(); return; }
@@ -107,7 +108,7 @@ function drawTimes() {
     const time = state.times[name], row = element("tr"), first = element("td", words + (reused > 0 ? `, ${reused} % kept` : "")), bar = element("div", undefined, { className: "bar" });
     bar.style.width = 100 * time / most + "%";
     first.append(bar);
-    row.append(first, element("td", milliseconds(time) + " ms"));
+    row.append(first, element("td", duration(time)));
     return row;
   });
   const rays = element("tr");

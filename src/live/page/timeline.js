@@ -93,8 +93,8 @@ function drawTransport() {
   scrubber.max = last;
   scrubber.value = view.frame;
   scrubber.disabled = last === 0;
-  scrubber.setAttribute("aria-valuetext", `frame ${view.frame}, ${seconds.toFixed(3)} seconds`);
-  at("moment").textContent = `frame ${view.frame} of 0–${last} · ${seconds.toFixed(3)} s`;
+  scrubber.setAttribute("aria-valuetext", `frame ${view.frame}, ${seconds.toFixed(2)} seconds`);
+  at("moment").textContent = `frame ${view.frame} of 0–${last} · ${seconds.toFixed(2)} s`;
   for (const id of ["back", "play", "forth"]) at(id).disabled = last === 0;
   const [first, end] = range();
   at("range").hidden = view.range === null;

@@ -1,5 +1,6 @@
 //! The keys of tracks and the shots that are written in a scene, and changes of them.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -14,7 +15,8 @@ use crate::animation::Notation;
 use crate::color::Transfer;
 use crate::components::Property;
 use crate::scene::SourcePosition;
-use crate::scene::document::AnimationDocument;
+use crate::scene::document::{AnimationDocument, EasingDocument};
+use crate::scene::playback::easing;
 use crate::scene::quote::short;
 use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, is_one_value, literal_text, root};
 use crate::scene::spawn::value_text;
@@ -23,6 +25,8 @@ use crate::scene::spawn::value_text;
 const MAX_KEYS: usize = 4000;
 /// Minimum interval between keys in seconds: keys that are closer have the same time.
 const SAME_TIME: f64 = 1e-6;
+/// Number of steps of the listed curves of easings: ten for each arc of a bounce.
+const EASING_STEPS: u32 = 40;
 
 /// The keys of a track, or the shots, in the text of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,6 +44,8 @@ pub struct WrittenTrack {
     pub speed: f64,
     /// True if the keys repeat.
     pub repeats: bool,
+    /// True if every second pass of keys that repeat runs backwards.
+    pub alternates: bool,
     /// Position of the track, as `ball.ron:12`.
     pub place: String,
     /// The keys, ascending.
@@ -68,6 +74,8 @@ pub struct WrittenTracks {
     pub unlisted: usize,
     /// Names of the cameras that a shot can have.
     pub cameras: Vec<String>,
+    /// The [progress](crate::animation::Easing::progress) of each written easing at equal steps of the time, by the easing's text.
+    pub easings: BTreeMap<String, Vec<f64>>,
 }
 
 /// A change of the keys of a track, which is identified by the path of the list of its keys. A key is identified by its time: its index may be
@@ -133,6 +141,7 @@ impl WrittenTracks {
                 offset: 0.0,
                 speed: 1.0,
                 repeats: false,
+                alternates: false,
                 place,
                 keys: shots.written("shots", None),
             };
@@ -151,6 +160,8 @@ impl WrittenTracks {
             let place = place(animation.value.start);
             found.tracks.extend(WrittenTrack::of(&text, (index, &fields), &list, place));
         }
+        let easings = found.tracks.iter().flat_map(|track| &track.keys).filter_map(|key| key.easing.as_ref());
+        found.easings = easings.filter_map(|easing| Some((easing.clone(), progress(easing)?))).collect();
         found
     }
 }
@@ -195,6 +206,7 @@ impl WrittenTrack {
             offset: number("offset", 0.0)?,
             speed: number("speed", 1.0)?,
             repeats: field("repeat").is_some_and(|span| &text[span] != "Clamp"),
+            alternates: field("repeat").is_some_and(|span| &text[span] == "PingPong"),
             place,
             path,
             channel,
@@ -368,6 +380,13 @@ impl<'a> KeyList<'a> {
     fn replaced(&self, part: Range<usize>, by: &str) -> String {
         [&self.text[self.span.start..part.start], by, &self.text[part.end..self.span.end]].concat()
     }
+}
+
+/// Returns the progress of an easing at equal steps of the time; `None` if the text is no easing.
+fn progress(text: &str) -> Option<Vec<f64>> {
+    let easing = easing(ron::from_str::<EasingDocument>(text).ok()?);
+    let step = |step: u32| easing.progress(f64::from(step) / f64::from(EASING_STEPS));
+    Some((0..=EASING_STEPS).map(step).collect())
 }
 
 /// Returns the scene file with its text.
