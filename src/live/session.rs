@@ -1,5 +1,6 @@
 //! Preview sessions: scenes that stay on display while their files are edited.
 
+use std::env;
 use std::path::{self, PathBuf};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -130,6 +131,7 @@ impl Session {
     ) -> Self {
         let state = State {
             scene: name.to_owned(),
+            folder: env::current_dir().map_or_else(|_| String::new(), |folder| folder.display().to_string()),
             session: distinct(),
             frame,
             frames: 1,

@@ -17,6 +17,8 @@ use crate::systems::{Effect, Plan};
 pub struct State {
     /// Path of the scene's file, or the name of an engine.
     pub scene: String,
+    /// Absolute path of the folder to which relative paths refer.
+    pub folder: String,
     /// Number that differs between sessions.
     pub session: u64,
     /// Number of times that the scene was read without mistakes.

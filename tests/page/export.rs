@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::{Preview, open, until};
+use crate::{Preview, SCENE, open, until};
 
 #[test]
 fn dialog_renders_a_range_cancels_and_offers_a_movie() {
@@ -39,7 +39,7 @@ fn dialog_renders_a_range_cancels_and_offers_a_movie() {
     browser.click("#export button");
     until(&browser, "at('export').hidden");
     // A long film is cancelled, and what is refused is said in the dialog.
-    let long = crate::SCENE.replace("film: (", "sampling: (samples: 5000), film: (");
+    let long = SCENE.replace("film: (", "sampling: (samples: 5000), film: (");
     preview.save(&long);
     until(&browser, "state.reloads > 1");
     render("long");
@@ -50,4 +50,53 @@ fn dialog_renders_a_range_cancels_and_offers_a_movie() {
     browser.click("#export-close");
     browser.click("#export button");
     ends("cancelled");
+}
+
+#[test]
+fn dialog_describes_the_files_before_they_are_made() {
+    let preview = Preview::of(&SCENE.replace("width: 160", "width: 161"));
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    let facts = || browser.evaluate("at('export-facts').innerText").as_str().unwrap().to_owned();
+    browser.evaluate("(setRange('first', 3), setRange('last', 5), true)");
+    browser.press('R');
+    until(&browser, "at('export-dialog').open");
+    let here = std::env::current_dir().unwrap().display().to_string();
+    let described = facts();
+    for part in [
+        "161 × 90 pixels",
+        "3 frames, 0.30 s at 10 per second, the range of the timeline",
+        "ball.0003.png to ball.0005.png",
+    ] {
+        assert!(described.contains(part), "{part}: {described}");
+    }
+    assert_eq!(
+        browser.evaluate("document.querySelector('#export-facts tr:last-child td').title"),
+        json!(format!("{here}/out/ball"))
+    );
+    // The time is that of the frames that were rendered.
+    let time = browser.evaluate(
+        "(frameTimes.clear(), frameTimes.set(0, 12000), frameTimes.set(1, 15000), describeExport(), true)",
+    );
+    assert_eq!(time, json!(true));
+    assert!(facts().contains("about 40 s"), "{}", facts());
+    browser.click("#export-all");
+    assert!(
+        facts().contains("20 frames, 2.00 s at 10 per second\n") && facts().contains("about 5 minutes"),
+        "{}",
+        facts()
+    );
+    // A format changes the name, and a name the format. Movies of ffmpeg have even sides.
+    let choose = |format: &str| {
+        browser.evaluate(&format!("(at('export-format').value = '{format}', at('export-format').dispatchEvent(new Event('change')), at('export-target').value)"))
+    };
+    assert_eq!(choose("mp4"), json!("out/ball.mp4"));
+    assert!(facts().contains("162 × 90 pixels") && facts().contains("/out/ball.mp4"), "{}", facts());
+    assert_eq!(choose("gif"), json!("out/ball.gif"));
+    assert!(facts().contains("161 × 90 pixels"), "{}", facts());
+    assert_eq!(choose(""), json!("out/ball"));
+    let typed = browser.evaluate("(at('export-target').value = '/a/long/way/down/into/the/folders/of/somebody/far/away/from/here/film.webm', at('export-target').dispatchEvent(new Event('input')), at('export-format').value)");
+    assert_eq!(typed, json!("webm"));
+    assert!(facts().contains("/a/…/") && facts().contains("/from/here/film.webm"), "{}", facts());
+    assert_eq!(browser.console(), json!([]));
 }

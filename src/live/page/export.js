@@ -1,19 +1,80 @@
 "use strict";
 // The dialog that renders frames into files, and the progress of that.
 
+const frameTimes = new Map();  // of frames at full quality, in milliseconds by frame
+let timedReload = null;        // the reload to which they belong
+
+// Notes the time of the shown frame. Of a partly reused picture, all of it would have taken longer.
+function noteFrameTime() {
+  if (timedReload !== reload()) frameTimes.clear();
+  timedReload = reload();
+  const { picture, times } = state;
+  if (picture?.full && picture.reloads === state.reloads && times.reused < 0.9) frameTimes.set(picture.frame, times.animate + times.prepare + times.trace / (1 - times.reused));
+}
+
+// For 41 300 milliseconds "about 40 s".
+function estimate(milliseconds) {
+  const seconds = milliseconds / 1000, rounded = seconds < 10 ? Math.round(seconds) : 5 * Math.round(seconds / 5);
+  return seconds < 1 ? "less than a second" : seconds < 100 ? `about ${rounded} s` : seconds < 6000 ? `about ${Math.round(seconds / 60)} minutes` : `about ${Math.round(seconds / 3600)} hours`;
+}
+
+const extensionOf = path => /\.(mp4|webm|mov|mkv|gif|apng)$/i.exec(path)?.[1].toLowerCase() ?? "";
+const absolutePath = path => /^([\\/]|[A-Za-z]:)/.test(path) ? path : `${state.folder.replace(/[\\/]$/, "")}/${path}`;
+const sceneName = () => state.scene.split(/[\\/]/).pop().replace(/\.[^.]*$/, "");
+
+// A long path without the folders in its middle.
+function shortened(path) {
+  const parts = path.split(/[\\/]/), middle = Math.min(2, parts.length - 3);
+  while (parts.join("/").length > 52 && parts.length > middle + 3) parts.splice(middle, 1);
+  return path.length > 52 && middle > 0 ? [...parts.slice(0, middle), "…", ...parts.slice(middle)].join("/") : path;
+}
+
 // Opens the dialog. By default, the range of playback is rendered into a folder with the name of the scene.
 function offerExport() {
-  const [first, last] = range(), name = state.scene.split(/[\\/]/).pop().replace(/\.[^.]*$/, "");
-  at("export-first").value = first;
-  at("export-last").value = last;
+  [at("export-first").value, at("export-last").value] = range();
   for (const id of ["export-first", "export-last"]) at(id).max = state.frames - 1;
-  if (at("export-target").value === "") at("export-target").value = `out/${name}`;
+  if (at("export-target").dataset.scene !== state.scene) at("export-target").value = `out/${sceneName()}`;
+  at("export-target").dataset.scene = state.scene;
   at("export-refused").textContent = "";
+  describeExport();
   at("export-dialog").showModal();
+}
+
+// Says what will be rendered.
+function describeExport() {
+  const target = at("export-target").value, extension = extensionOf(target), [first, last] = ["export-first", "export-last"].map(id => Number(at(id).value));
+  const count = Math.max(0, last - first + 1), times = [...frameTimes.values()], mean = times.reduce((sum, time) => sum + time, 0) / times.length;
+  const isEven = extension !== "" && !["gif", "apng"].includes(extension), size = state.film.map(side => isEven ? side + side % 2 : side);
+  const rate = `${(count / state.rate).toFixed(2)} s at ${formatted(state.rate)} per second`, isRange = view.range && String([first, last]) === String(range());
+  const path = absolutePath(target), file = frame => `${sceneName()}.${String(frame).padStart(4, "0")}.png`;
+  at("export-format").value = extension;
+  at("export-target-label").textContent = extension ? "File" : "Folder";
+  const facts = [
+    ["Size", `${size.join(" × ")} pixels`],
+    ["Length", `${count} ${count === 1 ? "frame" : "frames"}, ${rate}${isRange ? ", the range of the timeline" : ""}`],
+    ["Time", times.length ? estimate(count * mean) : "known once a frame is rendered in full"],
+    extension ? ["Into", shortened(path), path]
+      : ["Files", `${shortened(path)}: ${file(first)}${count > 1 ? ` to ${file(last)}` : ""}. Frames that are there already stay.`, path],
+  ];
+  at("export-facts").replaceChildren(...facts.map(([name, text, title = ""]) => {
+    const row = element("tr");
+    row.append(element("th", name), element("td", text, { title }));
+    return row;
+  }));
 }
 
 at("export-open").onclick = offerExport;
 at("export-close").onclick = () => at("export-dialog").close();
+at("export-all").onclick = () => {
+  [at("export-first").value, at("export-last").value] = [0, state.frames - 1];
+  describeExport();
+};
+at("export-format").onchange = event => {
+  const target = at("export-target"), extension = event.target.value;
+  target.value = target.value.replace(/\.(mp4|webm|mov|mkv|gif|apng)$/i, "") + (extension && `.${extension}`);
+  describeExport();
+};
+for (const id of ["export-first", "export-last", "export-target"]) at(id).oninput = describeExport;
 
 at("export-dialog").querySelector("form").onsubmit = async event => {
   if (event.submitter?.value !== "start") return;
@@ -31,6 +92,7 @@ const clock = seconds => `${Math.floor(seconds / 60)}:${String(Math.floor(second
 let dismissed = null;  // the ended export that is no longer shown
 
 function drawExport() {
+  noteFrameTime();
   const exported = state.export, place = at("export"), key = exported && JSON.stringify([state.session, exported]);
   at("export-open").hidden = !state.edits.possible;
   place.hidden = exported === null || key === dismissed;
