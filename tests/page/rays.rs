@@ -171,3 +171,57 @@ fn many_rays_are_bounded() {
     let lines: Value = browser.evaluate("document.querySelectorAll('#ray-drawing path').length");
     assert!(lines.as_u64().unwrap() < 8000, "{lines}");
 }
+
+#[test]
+fn drawing_is_magnified_and_moved() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    browser.evaluate("(at('rays').open = true, probe([80, 45]), true)");
+    until(&browser, "at('ray-drawing').querySelector('svg') !== null");
+    browser.evaluate("(at('rays').scrollIntoView(), true)");
+    until(&browser, "performance.now() - panelScrolled > 250");
+    let seen = || numbers(&browser, "#ray-drawing svg", &["viewBox"]);
+    let whole = seen();
+    let box_of: [f64; 4] = serde_json::from_value(browser.evaluate(
+        "(({ left, top, width, height }) => [left, top, width, height])(at('ray-drawing').getBoundingClientRect())",
+    )).unwrap();
+    let [left, top, width, height] = box_of;
+    let (x, y) = ((left + 0.25 * width).round(), (top + 0.25 * height).round());
+    // The unit under the pointer stays there.
+    let under =
+        |seen: &[f64]| [seen[0] + (x - left) / width * seen[2], seen[1] + (y - top) / height * seen[3]];
+    let wheel = |up: f64| {
+        browser.evaluate(&format!("at('ray-drawing').dispatchEvent(new WheelEvent('wheel', {{ deltaY: {}, clientX: {x}, clientY: {y}, bubbles: true, cancelable: true }}))", -up))
+    };
+    assert_eq!(wheel(-100.0), json!(true), "the panel scrolls");
+    assert_eq!(wheel(400.0), json!(false));
+    let near = seen();
+    assert!((near[2] * std::f64::consts::E - whole[2]).abs() < 0.1, "{near:?} {whole:?}");
+    for (before, after) in under(&whole).into_iter().zip(under(&near)) {
+        assert!((before - after).abs() < 0.5, "{before} {after}");
+    }
+    // A drag moves the drawing with the pointer, and a double click shows all of it.
+    let to = |right: f64, down: f64| json!({ "type": "pointerMove", "duration": 50, "x": x + right, "y": y + down });
+    let (press, release) =
+        (json!({ "type": "pointerDown", "button": 0 }), json!({ "type": "pointerUp", "button": 0 }));
+    browser.point(&[to(0.0, 0.0), press.clone(), to(10.0, 8.0), to(20.0, 16.0), release.clone()]);
+    let moved = seen();
+    assert!((near[0] - moved[0] - 20.0 * near[2] / width).abs() < 0.5, "{near:?} {moved:?}");
+    assert!((near[1] - moved[1] - 16.0 * near[3] / height).abs() < 0.5, "{near:?} {moved:?}");
+    browser.point(&[to(0.0, 0.0), press.clone(), release.clone(), press, release]);
+    assert_eq!(seen(), whole);
+    // The keyboard, which does not change the picture or the frame meanwhile.
+    browser.evaluate("(at('ray-drawing').focus(), true)");
+    browser.press('+');
+    browser.press('+');
+    assert!((seen()[2] * 2.25 - whole[2]).abs() < 0.1, "{:?}", seen());
+    let before = seen();
+    browser.press('\u{e014}');
+    assert!(seen()[0] > before[0]);
+    browser.press('-');
+    browser.press('0');
+    assert_eq!(seen(), whole);
+    assert_eq!(browser.evaluate("[view.zoom, view.frame]"), json!([0, 0]));
+    assert_eq!(browser.console(), json!([]));
+}
