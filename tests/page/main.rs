@@ -11,6 +11,7 @@ mod gallery;
 mod http;
 mod lanes;
 mod mistakes;
+mod phone;
 mod pixels;
 mod rays;
 mod studio;

@@ -40,6 +40,7 @@ at("smaller").onclick = () => zoomBy(1 / 2);
 at("wipe").onclick = setWipe;
 at("swap").onclick = setSwap;
 at("warned").onclick = () => { at("warnings").scrollIntoView({ block: "nearest" }); at("warnings").focus(); };
+at("tools").onclick = () => at("tools").setAttribute("aria-expanded", document.querySelector("header").classList.toggle("open"));
 at("help").onclick = () => at("keys").showModal();
 
 let wiping = false, wiped = false;  // at it; the click that follows belongs to it
