@@ -11,7 +11,7 @@ use crate::trace::ReusablePicture;
 const LEAST: Duration = Duration::from_millis(20);
 /// Maximum share of the time of a whole frame that a frame with reused tiles may take, lest reuse be given up.
 const WORTHWHILE: f64 = 0.9;
-/// Number of frames after which reuse is tried again. A vain trial records two frames, each of which takes 8 % more instructions in the scene where
+/// Number of frames after which reuse is tried again. A vain trial records two frames, each of which takes 5 % more instructions in the scene where
 /// that costs most (ambient_only): less than 1 % of 18 frames.
 const REST: u32 = 16;
 

@@ -2,7 +2,6 @@
 
 use std::sync::atomic::AtomicBool;
 
-use fearless_simd::dispatch;
 use glam::DVec3;
 
 use super::dependencies::{DependencyRecorder, TileDependencies};
@@ -14,7 +13,7 @@ use super::trees::Trees;
 use super::wavefront::Wavefront;
 use crate::color::Rgb;
 use crate::trace::intersect::{Candidates, HitPacket, Naive, PacketScratch, Scratch, SurfacePacket};
-use crate::trace::math::{Colors, SimdLevel, Vectors};
+use crate::trace::math::{Colors, Vectors};
 use crate::trace::rays::ShapeId;
 use crate::trace::render_stats::{RayCounts, RenderStats, StageCounts, TreeEnds};
 use crate::trace::shading::{AreaLightSamples, ErrorBudget, LightSamplePacket, LightScratch, RenderContext};
@@ -147,7 +146,7 @@ impl<'a> TileBuffers<'a> {
     /// Moves the recorded dependencies to those of a tile.
     pub(crate) fn move_dependencies(&mut self, tile: &mut TileDependencies) {
         if let Some(recorder) = &mut self.recorder {
-            dispatch!(SimdLevel::best().level(), _simd => recorder.move_to(tile));
+            recorder.move_to(tile);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The dependencies of a tile's pixels on a scene: the regions that their rays pass through, and the materials at which they end.
 //!
-//! Rays of a packet are recorded together, and so are those of all samples of its pixels: each bounce, source packet and end has a slot. Slots only
-//! group rays that pass through similar regions; any grouping is valid.
+//! All rays of a bounce that end at surfaces share a hull, and so do those that hit nothing. Hulls of single packets would keep at most 1 % more of the
+//! pixels between frames of the shipped scenes, in sixteen times the memory and at twice the cost.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::DVec3;
@@ -18,48 +18,46 @@ use crate::trace::shapes::{Bounds, CompactBounds};
 
 /// Number of bounces that are recorded apart. Later ones join the last.
 const BOUNCES: usize = 4;
-/// Number of packets of a bounce with the same source packet that are recorded apart: reflected and refracted rays.
-const TURNS: usize = 2;
-/// Number of slots of a bounce. Every other one is for endless rays.
-const SLOTS_OF_BOUNCE: usize = PACKETS * TURNS * 2;
+
+/// All lanes, as a bit mask.
+const ALL: u32 = (1 << LANES) - 1;
 
 /// The parts of a scene on which the pixels of a tile depend.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct TileDependencies {
-    /// The hulls of the rays, by slot.
-    hulls: Vec<(u16, RayHull)>,
+    /// By bounce: the hulls of the rays that end at surfaces, and of those that hit nothing.
+    hulls: [[RayHull; 2]; BOUNCES],
     /// The materials at the ends of the rays, as a set of [bits](PreparedScene::material_bit).
     materials: u64,
 }
 
 /// Records the dependencies of a tile while its rays are traced.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct DependencyRecorder {
-    /// By bounce, source packet, turn and end.
-    hulls: Vec<HullLanes>,
-    materials: u64,
-    /// By packet of the wavefront: the lights to which shadow rays are traced.
-    lights: [u32; PACKETS],
+    dependencies: TileDependencies,
+    /// The lights to which shadow rays are traced from the wavefront's hits.
+    lights: u32,
     bounce: usize,
-    /// By source packet: true if a packet of this bounce descends from it.
-    seen: [bool; PACKETS],
 }
 
-/// The hull of the rays in each lane. Only the hulls of whole packets are needed, but the smallest and the largest lane are found once for
-/// all of them.
-#[derive(Clone, Debug)]
-struct HullLanes {
-    from: BoxLanes,
-    to: BoxLanes,
-    lights: u32,
+/// The hull of the rays in each lane. The smallest and the largest lane are found once for all packets of a wavefront.
+struct HullLanes<S: Simd> {
+    from: BoxLanes<S>,
+    to: BoxLanes<S>,
     is_empty: bool,
 }
 
 /// A box in each lane.
-#[derive(Clone, Debug)]
-struct BoxLanes {
-    min: [[f32; LANES]; 3],
-    max: [[f32; LANES]; 3],
+struct BoxLanes<S: Simd> {
+    min: [f32x16<S>; 3],
+    max: [f32x16<S>; 3],
+}
+
+impl Default for TileDependencies {
+    fn default() -> Self {
+        let endless = RayHull { is_endless: true, ..RayHull::EMPTY };
+        Self { hulls: [[RayHull::EMPTY, endless]; BOUNCES], materials: 0 }
+    }
 }
 
 impl TileDependencies {
@@ -69,166 +67,129 @@ impl TileDependencies {
         differences: &ShapeDifferences,
         lights: &[(u32, LightRegion)],
     ) -> bool {
-        if self.materials & differences.materials != 0 {
-            return true;
-        }
-        // Most boxes are far from all rays of most tiles.
-        let mut unions = [RayHull::EMPTY; 4];
-        for (slot, hull) in &self.hulls {
-            let is_later = usize::from(*slot) >= SLOTS_OF_BOUNCE;
-            unions[2 * usize::from(is_later) + usize::from(hull.is_endless)].join(hull);
-        }
-        let may_intersect =
-            |hull: &RayHull, bounds: &Bounds| !hull.is_empty() && hull.may_intersect(bounds, lights);
-        differences.bounds.iter().any(|bounds| {
-            unions.iter().any(|union| may_intersect(union, bounds))
-                && self.hulls.iter().any(|(_, hull)| may_intersect(hull, bounds))
-        })
+        let may_intersect = |hull: &RayHull| {
+            !hull.is_empty() && differences.bounds.iter().any(|bounds| hull.may_intersect(bounds, lights))
+        };
+        self.materials & differences.materials != 0 || self.hulls.as_flattened().iter().any(may_intersect)
     }
 
-    fn join(&mut self, slot: u16, hull: &RayHull) {
-        match self.hulls.iter_mut().find(|(other, _)| *other == slot) {
-            Some((_, joined)) => joined.join(hull),
-            None => self.hulls.push((slot, *hull)),
-        }
-    }
-}
-
-impl Default for DependencyRecorder {
-    fn default() -> Self {
-        Self {
-            hulls: vec![HullLanes::EMPTY; BOUNCES * SLOTS_OF_BOUNCE],
-            materials: 0,
-            lights: [0; PACKETS],
-            bounce: 0,
-            seen: [false; PACKETS],
-        }
+    fn join(&mut self, other: &Self) {
+        let hulls = self.hulls.as_flattened_mut().iter_mut().zip(other.hulls.as_flattened());
+        hulls.for_each(|(hull, other)| hull.join(other));
+        self.materials |= other.materials;
     }
 }
 
 impl DependencyRecorder {
     /// Starts with the camera rays of a sample.
     pub(super) fn begin_sample(&mut self) {
-        (self.bounce, self.seen, self.lights) = (0, [false; PACKETS], [0; PACKETS]);
+        (self.bounce, self.lights) = (0, 0);
     }
 
     /// Continues with the rays of the next bounce.
     pub(super) fn begin_bounce(&mut self) {
-        (self.bounce, self.seen) = ((self.bounce + 1).min(BOUNCES - 1), [false; PACKETS]);
+        self.bounce = (self.bounce + 1).min(BOUNCES - 1);
     }
 
     /// Records that shadow rays are traced to light number `index`.
     pub(super) fn note_light(&mut self, index: usize, light_samples: &[LightSamplePacket]) {
-        for (lights, light_samples) in self.lights.iter_mut().zip(light_samples) {
-            if light_samples.needs_shadow_ray != 0 {
-                *lights |= light_bit(index);
-            }
+        if light_samples.iter().any(|light_samples| light_samples.needs_shadow_ray != 0) {
+            self.lights |= light_bit(index);
         }
     }
 
     /// Records that rays from a point in these directions hit nothing.
     pub(super) fn add_empty(&mut self, eye: DVec3, directions: CompactBounds) {
-        let hull = &mut self.hulls[1];
-        hull.from.join(CompactBounds::around(Bounds { min: eye, max: eye }));
-        hull.to.join(directions);
-        hull.is_empty = false;
+        let from = CompactBounds::around(Bounds { min: eye, max: eye });
+        self.dependencies.hulls[0][1].join(&RayHull { from, to: directions, lights: 0, is_endless: true });
     }
 
-    /// Records the rays of a packet of the wavefront, with their hits.
+    /// Records the rays of the wavefront, with their hits.
     #[inline(always)]
     pub(super) fn add<S: Simd>(
         &mut self,
         simd: S,
         scene: &PreparedScene,
-        (wavefront, packet): (&Wavefront, usize),
-        (hits, surfaces): (&HitPacket, &SurfacePacket),
+        wavefront: &Wavefront,
+        (hits, surfaces): (&[HitPacket; PACKETS], &[SurfacePacket; PACKETS]),
     ) {
-        let rays = &wavefront.rays[packet];
-        let lights = std::mem::take(&mut self.lights[packet]);
-        if rays.lanes == 0 {
-            return;
+        let (mut ended, mut endless) = (HullLanes::empty(simd), HullLanes::empty(simd));
+        for packet in 0..wavefront.count {
+            let (rays, hits) = (&wavefront.rays[packet], &hits[packet]);
+            let hit = hits.ids.lanes(simd) & rays.lanes;
+            if hit != 0 {
+                ended.add(simd, (wavefront, rays), ends(simd, rays, (hits, &surfaces[packet]), hit), hit);
+                self.dependencies.materials |= match hits.ids.common(simd, hit) {
+                    Some(id) => scene.material_bit(id),
+                    None => lanes(hit)
+                        .filter_map(|lane| hits.ids.get(lane))
+                        .fold(0, |bits, id| bits | scene.material_bit(id)),
+                };
+            }
+            let missed = rays.lanes & !hit;
+            if missed != 0 {
+                endless.add(simd, (wavefront, rays), directions(simd, rays), missed);
+            }
         }
-        let slot = self.slot(&wavefront.slots[packet], rays.lanes);
-        let hit = hits.ids.lanes(simd) & rays.lanes;
-        if hit != 0 {
-            let hull = &mut self.hulls[slot];
-            hull.add_origins(simd, (wavefront, rays), hit);
-            hull.to.extend(simd, ends(simd, rays, (hits, surfaces), hit), hit);
-            (hull.lights, hull.is_empty) = (hull.lights | lights, false);
-            self.materials |= match hits.ids.common(simd, hit) {
-                Some(id) => scene.material_bit(id),
-                None => lanes(hit)
-                    .filter_map(|lane| hits.ids.get(lane))
-                    .fold(0, |bits, id| bits | scene.material_bit(id)),
-            };
-        }
-        let missed = rays.lanes & !hit;
-        if missed != 0 {
-            let hull = &mut self.hulls[slot + 1];
-            hull.add_origins(simd, (wavefront, rays), missed);
-            hull.to.extend(simd, directions(simd, rays), missed);
-            hull.is_empty = false;
-        }
-    }
-
-    /// Returns the slot of a packet whose rays end at surfaces. The next one is for those that hit nothing.
-    fn slot(&mut self, slots: &[u32; LANES], active: u32) -> usize {
-        let source_packet = slots[active.trailing_zeros() as usize % LANES] as usize / LANES % PACKETS;
-        let turn = usize::from(std::mem::replace(&mut self.seen[source_packet], true));
-        self.bounce * SLOTS_OF_BOUNCE + (source_packet * TURNS + turn) * 2
+        let lights = std::mem::take(&mut self.lights);
+        let hulls = &mut self.dependencies.hulls[self.bounce];
+        hulls[0].join(&ended.joined(wavefront, lights));
+        hulls[1].join(&endless.joined(wavefront, 0));
     }
 
     /// Moves what is recorded to the dependencies of a tile.
-    #[inline(always)]
     pub(super) fn move_to(&mut self, tile: &mut TileDependencies) {
-        for (slot, lanes) in (0..).zip(&mut self.hulls).filter(|(_, lanes)| !lanes.is_empty) {
-            let is_endless = slot % 2 == 1;
-            let (from, to) = (lanes.from.bounds(), lanes.to.bounds());
-            tile.join(slot, &RayHull { from, to, lights: lanes.lights, is_endless });
-            *lanes = HullLanes::EMPTY;
-        }
-        tile.materials |= std::mem::take(&mut self.materials);
+        tile.join(&std::mem::take(&mut self.dependencies));
     }
 }
 
-impl HullLanes {
-    const EMPTY: Self = Self { from: BoxLanes::EMPTY, to: BoxLanes::EMPTY, lights: 0, is_empty: true };
-
-    /// Extends the hull to contain the origins of rays.
+impl<S: Simd> HullLanes<S> {
     #[inline(always)]
-    fn add_origins<S: Simd>(&mut self, simd: S, (wavefront, rays): (&Wavefront, &RayPacket), active: u32) {
-        match wavefront.start {
-            RayOrigin::Eye(eye) if self.is_empty => {
-                self.from.join(CompactBounds::around(Bounds { min: eye, max: eye }));
-            }
-            // All camera rays of a picture start there.
-            RayOrigin::Eye(_) => {}
-            RayOrigin::Lens | RayOrigin::Anywhere => {
-                self.from.extend(simd, rounded(simd, &rays.origins), active);
-            }
+    fn empty(simd: S) -> Self {
+        Self { from: BoxLanes::empty(simd), to: BoxLanes::empty(simd), is_empty: true }
+    }
+
+    /// Extends the hull to contain active rays to their ends, or in their directions.
+    #[inline(always)]
+    fn add(&mut self, simd: S, (wavefront, rays): (&Wavefront, &RayPacket), to: [f32x16<S>; 3], active: u32) {
+        if !matches!(wavefront.start, RayOrigin::Eye(_)) {
+            self.from.extend(simd, rounded(simd, &rays.origins), active);
         }
+        self.to.extend(simd, to, active);
+        self.is_empty = false;
+    }
+
+    /// Returns the hull of the rays in all lanes.
+    #[inline(always)]
+    fn joined(&self, wavefront: &Wavefront, lights: u32) -> RayHull {
+        if self.is_empty {
+            return RayHull::EMPTY;
+        }
+        let from = match wavefront.start {
+            RayOrigin::Eye(eye) => CompactBounds::around(Bounds { min: eye, max: eye }),
+            RayOrigin::Lens | RayOrigin::Anywhere => self.from.bounds(),
+        };
+        RayHull { from, to: self.to.bounds(), lights, is_endless: false }
     }
 }
 
-impl BoxLanes {
-    const EMPTY: Self = Self { min: [[f32::INFINITY; LANES]; 3], max: [[f32::NEG_INFINITY; LANES]; 3] };
-
-    /// Extends the box of a lane to contain another one.
-    fn join(&mut self, bounds: CompactBounds) {
-        for axis in 0..3 {
-            self.min[axis][0] = self.min[axis][0].min(bounds.min[axis]);
-            self.max[axis][0] = self.max[axis][0].max(bounds.max[axis]);
-        }
+impl<S: Simd> BoxLanes<S> {
+    #[inline(always)]
+    fn empty(simd: S) -> Self {
+        let (most, least) = (f32x16::splat(simd, f32::INFINITY), f32x16::splat(simd, f32::NEG_INFINITY));
+        Self { min: [most; 3], max: [least; 3] }
     }
 
-    /// Extends the boxes of active lanes to contain points.
+    /// Extends the boxes to contain the points in the active lanes, of which there is at least one.
     #[inline(always)]
-    fn extend<S: Simd>(&mut self, simd: S, points: [f32x16<S>; 3], active: u32) {
-        let (active, none) = (mask16(simd, active), f32x16::splat(simd, f32::INFINITY));
-        for (axis, points) in points.into_iter().enumerate() {
-            let (min, max) = (&mut self.min[axis], &mut self.max[axis]);
-            f32x16::load_array_ref(simd, min).min(active.select(points, none)).store_array(min);
-            f32x16::load_array_ref(simd, max).max(active.select(points, -none)).store_array(max);
+    fn extend(&mut self, simd: S, points: [f32x16<S>; 3], active: u32) {
+        let (inside, first) = (mask16(simd, active), active.trailing_zeros() as usize % LANES);
+        for (axis, mut points) in points.into_iter().enumerate() {
+            if active != ALL {
+                points = inside.select(points, f32x16::splat(simd, points.to_array()[first]));
+            }
+            self.min[axis] = self.min[axis].min(points);
+            self.max[axis] = self.max[axis].max(points);
         }
     }
 
@@ -237,8 +198,8 @@ impl BoxLanes {
     fn bounds(&self) -> CompactBounds {
         let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
-            min[axis] = reduced(self.min[axis], f32::min);
-            max[axis] = reduced(self.max[axis], f32::max);
+            min[axis] = reduced(self.min[axis].to_array(), f32::min);
+            max[axis] = reduced(self.max[axis].to_array(), f32::max);
         }
         CompactBounds::between(min, max)
     }
@@ -270,23 +231,28 @@ fn ends<S: Simd>(
     (hits, surfaces): (&HitPacket, &SurfacePacket),
     active: u32,
 ) -> [f32x16<S>; 3] {
-    let mut ends = rounded(simd, &surfaces.points);
     if active & !surfaces.lanes == 0 {
-        return ends;
+        return rounded(simd, &surfaces.points);
     }
-    let (known, error) =
-        (mask16(simd, surfaces.lanes), [hits.errors.load(simd, 0), hits.errors.load(simd, 1)]);
-    let latest = [hits.ts.load(simd, 0) + error[0], hits.ts.load(simd, 1) + error[1]];
+    let latest = [
+        hits.ts.load(simd, 0) + hits.errors.load(simd, 0),
+        hits.ts.load(simd, 1) + hits.errors.load(simd, 1),
+    ];
+    let known = mask16(simd, surfaces.lanes);
+    let mut ends = [f32x16::splat(simd, 0.0); 3];
     for (axis, ends) in ends.iter_mut().enumerate() {
         let (origins, directions) = (rays.origins.axis(axis), rays.directions.axis(axis));
         let first = origins.load(simd, 0) + latest[0] * directions.load(simd, 0);
         let second = origins.load(simd, 1) + latest[1] * directions.load(simd, 1);
-        *ends = known.select(*ends, first.narrow(second));
+        *ends = first.narrow(second);
+        if surfaces.lanes != 0 {
+            *ends = known.select(surfaces.points.axis(axis).rounded(simd), *ends);
+        }
     }
     ends
 }
 
-/// Returns the directions of rays, each divided by its largest component.
+/// Returns the directions of rays, each divided by its largest component: boxes around them are smaller.
 #[inline(always)]
 fn directions<S: Simd>(simd: S, rays: &RayPacket) -> [f32x16<S>; 3] {
     let [x, y, z] = rounded(simd, &rays.directions);
@@ -311,22 +277,19 @@ pub(crate) enum Forgotten {
 impl TileDependencies {
     /// Removes a part of what is recorded.
     pub(crate) fn forget(&mut self, part: Forgotten) {
-        let is_camera_ray = |slot: u16| usize::from(slot) < SLOTS_OF_BOUNCE;
-        self.hulls.retain(|(slot, hull)| match part {
-            Forgotten::CameraRays => !is_camera_ray(*slot),
-            Forgotten::LaterBounces => is_camera_ray(*slot),
-            Forgotten::EndlessRays => !hull.is_endless,
-            Forgotten::ShadowRays | Forgotten::Materials | Forgotten::Extents => true,
-        });
-        for (_, hull) in &mut self.hulls {
-            match part {
-                Forgotten::ShadowRays => hull.lights = 0,
-                Forgotten::Extents => (hull.from.max, hull.to.max) = (hull.from.min, hull.to.min),
-                _ => {}
+        match part {
+            Forgotten::CameraRays => self.hulls[0] = Self::default().hulls[0],
+            Forgotten::LaterBounces => self.hulls[1..].fill(Self::default().hulls[0]),
+            Forgotten::EndlessRays => {
+                self.hulls.iter_mut().for_each(|[_, endless]| *endless = RayHull::EMPTY)
             }
-        }
-        if part == Forgotten::Materials {
-            self.materials = 0;
+            Forgotten::Materials => self.materials = 0,
+            Forgotten::ShadowRays => {
+                self.hulls.as_flattened_mut().iter_mut().for_each(|hull| hull.lights = 0)
+            }
+            Forgotten::Extents => self.hulls.as_flattened_mut().iter_mut().for_each(|hull| {
+                (hull.from.max, hull.to.max) = (hull.from.min, hull.to.min);
+            }),
         }
     }
 }

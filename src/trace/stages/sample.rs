@@ -85,11 +85,7 @@ fn record_dependencies(context: &RenderContext<'_>, buffers: &mut TileBuffers<'_
     };
     stage_runs.dependencies += 1;
     let scene = wavefront.scene(context);
-    dispatch!(context.scene.simd.level(), simd => {
-        for packet in 0..wavefront.count {
-            recorder.add(simd, scene, (wavefront, packet), (&hits[packet], &surfaces[packet]));
-        }
-    });
+    dispatch!(context.scene.simd.level(), simd => recorder.add(simd, scene, wavefront, (hits, surfaces)));
 }
 
 /// Generates the wavefront of camera rays. A camera at a non-finite position has no rays: its pixels see the background.

@@ -147,12 +147,14 @@ impl World {
         for _ in 0..=random.index(2) {
             let count = self.things.len();
             let one = random.index(count);
-            match random.index(8) {
+            match random.index(9) {
                 0 | 1 => self.things[one].shape = shape(random),
                 2 | 3 => self.things[one].material = material(random),
                 4 => self.things.insert(one, thing(random)),
                 5 if count > 1 => drop(self.things.remove(one)),
                 6 => self.things.swap(one, random.index(count)),
+                // Changes the bounds by which secondary rays are dropped everywhere.
+                7 => self.things[one].material.ambient = random.light() * 16.0,
                 _ => self.things[one].visibility = thing(random).visibility,
             }
         }
