@@ -59,7 +59,7 @@ pub(crate) use image_faults::image_faults;
 pub(crate) use interrupted::{CloudFailure, Interrupted, ScriptFailure};
 pub(crate) use order::{Unplaced, order_newcomers};
 pub use plan::{Need, Plan};
-pub use prepare::{ActiveCamera, EffectiveSettings, Preparation, RenderSettings, active_camera};
+pub use prepare::{ActiveCamera, EffectiveSettings, Preparation, RenderSettings, Viewpoint, active_camera};
 pub use propagate::propagate;
 pub use property_access::value;
 pub use render_request::{OnPause, RenderRequest};

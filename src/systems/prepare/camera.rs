@@ -3,19 +3,29 @@
 use glam::DVec3;
 use hecs::{Component, Entity, World};
 
-use super::RenderSettings;
 use super::settings::{first, first_entity};
+use super::{RenderSettings, Viewpoint};
 use crate::components::{
     Camera, FilmSettings, Follow, LookAt, Projection, Sampling, Shots, Space, View, WorldTransform,
 };
 use crate::time::Time;
 use crate::trace;
 
-/// Returns the prepared active camera of the frame at `moment`.
-pub(super) fn prepared_camera(world: &World, film: FilmSettings, moment: Time) -> trace::PreparedCamera {
+/// Returns the prepared active camera of the frame at `moment`, seen from a viewpoint if there is one.
+pub(super) fn prepared_camera(
+    world: &World,
+    film: FilmSettings,
+    moment: Time,
+    viewpoint: Option<Viewpoint>,
+) -> trace::PreparedCamera {
     let entity = active_camera_entity(world, moment);
     let camera = component::<Camera>(world, entity).unwrap_or_default();
-    let CameraPose { eye, view, up, .. } = pose(world, entity, &camera);
+    let CameraPose { eye, view, up, .. } = match viewpoint {
+        Some(Viewpoint { position, target, up }) => {
+            CameraPose { eye: position, view: target - position, up, looks_at_point: true }
+        }
+        None => pose(world, entity, &camera),
+    };
     // The centres of the first and the last pixel lie on the edges of the screen, so the screen spans one pixel pitch less than there are
     // pixels.
     let gaps = |pixels: u32| f64::from(pixels.saturating_sub(1).max(1));
@@ -49,6 +59,12 @@ pub struct ActiveCamera {
     pub entity: Entity,
     /// The position of its target in the world, if it looks at a point.
     pub target: Option<DVec3>,
+    /// The position of its eye in the world.
+    pub position: DVec3,
+    /// The direction of its view in the world, of any length.
+    pub view: DVec3,
+    /// The direction that is up in its image, in the world.
+    pub up: DVec3,
 }
 
 /// Returns the active camera of the frame at `moment`. The world must be at that moment. `None` in a world without cameras.
@@ -56,8 +72,8 @@ pub struct ActiveCamera {
 pub fn active_camera(world: &World, moment: Time) -> Option<ActiveCamera> {
     let entity = active_camera_entity(world, moment)?;
     let camera = component::<Camera>(world, Some(entity))?;
-    let CameraPose { eye, view, looks_at_point, .. } = pose(world, Some(entity), &camera);
-    Some(ActiveCamera { entity, target: looks_at_point.then_some(eye + view) })
+    let CameraPose { eye, view, up, looks_at_point } = pose(world, Some(entity), &camera);
+    Some(ActiveCamera { entity, target: looks_at_point.then_some(eye + view), position: eye, view, up })
 }
 
 /// Returns the entity whose camera is active in the frame at `moment`: the camera of the shot, or else the first camera in document order.

@@ -46,7 +46,7 @@ pub use camera::{ActiveCamera, active_camera};
 pub(super) use camera::{Shutter, Shutters};
 pub(super) use render_settings::FrameSettings;
 use render_settings::LightSettings;
-pub use render_settings::{EffectiveSettings, RenderSettings};
+pub use render_settings::{EffectiveSettings, RenderSettings, Viewpoint};
 use settings::film_settings;
 
 /// The kernel's arrays, and the entity in each of their slots.
@@ -59,6 +59,8 @@ use settings::film_settings;
 pub struct Preparation {
     pub(super) scene: PreparedScene,
     pub(super) camera: trace::PreparedCamera,
+    /// The view in place of that of the active camera.
+    viewpoint: Option<Viewpoint>,
     /// The moment of the frame, which decides which camera is active.
     moment: Time,
     film: FilmSettings,
@@ -110,7 +112,8 @@ impl Preparation {
         let film = film_settings(world);
         let mut preparation = Self {
             scene: PreparedScene::new(Geometry::default(), MaterialTable::default()),
-            camera: prepared_camera(world, film, moment),
+            camera: prepared_camera(world, film, moment, None),
+            viewpoint: None,
             moment,
             film,
             sampling: Sampling::default(),
@@ -308,6 +311,7 @@ impl Preparation {
     pub(crate) fn frame_settings(&self) -> FrameSettings {
         FrameSettings {
             film: self.film,
+            viewpoint: self.viewpoint,
             sampling: self.sampling,
             depth: self.scene.depth,
             cutoff: self.scene.cutoff,
@@ -324,8 +328,12 @@ impl Preparation {
     ) -> FrameSettings {
         let before = self.frame_settings();
         self.sampling = settings.sampling;
-        if set(&mut self.film, settings.film) {
-            self.camera = prepared_camera(world, settings.film, self.moment);
+        let is_moved = set(&mut self.viewpoint, settings.viewpoint);
+        if set(&mut self.film, settings.film) || is_moved {
+            self.camera = prepared_camera(world, settings.film, self.moment, settings.viewpoint);
+        }
+        if is_moved {
+            self.overlay = prepared_overlay(world, &self.camera, self.moment, settings.viewpoint);
         }
         self.scene.depth = settings.depth;
         self.scene.cutoff = settings.cutoff;
@@ -378,8 +386,8 @@ impl Preparation {
         let lights: (Vec<Entity>, Vec<trace::PreparedLight>) =
             lights.into_iter().map(|(_, entity, light)| (entity, light)).unzip();
         let film = film_settings(world);
-        let camera = prepared_camera(world, film, self.moment);
-        let overlay = prepared_overlay(world, &camera, self.moment);
+        let camera = prepared_camera(world, film, self.moment, None);
+        let overlay = prepared_overlay(world, &camera, self.moment, None);
         let sampling = sane_sampling(first(world));
         let quality = first::<Quality>(world);
         let ambient = sane(first::<Ambient>(world).0);
@@ -404,6 +412,7 @@ impl Preparation {
             | set(&mut self.sampling, sampling)
             | set(&mut self.overlay, overlay);
         self.lights = lights.0;
+        self.viewpoint = None;
         SceneChanges { lights: lights_differ, camera: camera_differs, settings, ..SceneChanges::default() }
     }
 }

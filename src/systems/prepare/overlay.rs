@@ -3,6 +3,7 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 
+use super::Viewpoint;
 use super::camera::active_camera;
 use super::settings::{first_of, sane};
 use crate::components::{
@@ -13,7 +14,12 @@ use crate::time::Time;
 use crate::trace::PreparedCamera;
 
 /// Returns what is drawn over the picture of the frame at `moment`. Items whose data are missing are left out.
-pub(super) fn prepared_overlay(world: &World, camera: &PreparedCamera, moment: Time) -> PreparedOverlay {
+pub(super) fn prepared_overlay(
+    world: &World,
+    camera: &PreparedCamera,
+    moment: Time,
+    viewpoint: Option<Viewpoint>,
+) -> PreparedOverlay {
     let Some(Overlay(items)) = first_of(world) else { return PreparedOverlay::default() };
     let item = |OverlayItem { content, anchor, size, color }: &OverlayItem| {
         let size = (*size > 0.0 && *size <= 1.0).then_some(*size)?;
@@ -22,7 +28,8 @@ pub(super) fn prepared_overlay(world: &World, camera: &PreparedCamera, moment: T
                 PreparedContent::Text(text(world, parts, *cloud, moment)?)
             }
             OverlayContent::ScaleBar { length, label, at } => {
-                let target = || active_camera(world, moment).and_then(|camera| camera.target);
+                let own = || active_camera(world, moment).and_then(|camera| camera.target);
+                let target = || viewpoint.map(|viewpoint| viewpoint.target).or_else(own);
                 let share = length / camera.height_at(at.or_else(target).unwrap_or(DVec3::ZERO))?;
                 PreparedContent::Bar((share > 0.0).then_some(share)?, label.clone())
             }

@@ -1,5 +1,6 @@
 //! The settings that trade accuracy for time.
 
+use glam::DVec3;
 use hecs::World;
 
 use super::settings::{
@@ -13,6 +14,7 @@ use crate::trace::{Precision, SimdLevel};
 #[derive(Clone, Debug)]
 pub(crate) struct FrameSettings {
     pub(crate) film: FilmSettings,
+    pub(crate) viewpoint: Option<Viewpoint>,
     pub(crate) sampling: Sampling,
     /// The maximum ray depth, 1 or more.
     pub(crate) depth: u32,
@@ -43,6 +45,18 @@ pub struct EffectiveSettings {
     pub sampling: Sampling,
 }
 
+/// A view in place of that of the active camera, in the space of the world. The projection, the lens, the roll and the shutter stay those of
+/// the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// The position of the eye.
+    pub position: DVec3,
+    /// The point that is looked at.
+    pub target: DVec3,
+    /// The direction that is up in the image.
+    pub up: DVec3,
+}
+
 /// Settings of rendering. `None` keeps the scene's own value; other values are clamped to their limits.
 ///
 /// ```
@@ -59,6 +73,8 @@ pub struct EffectiveSettings {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderSettings {
+    /// The view in place of that of the active camera.
+    pub view: Option<Viewpoint>,
     /// The number of columns and rows of the film.
     pub size: Option<(u32, u32)>,
     /// The number of samples per pixel: [`Sampling::samples`].
@@ -107,6 +123,7 @@ impl RenderSettings {
     #[must_use]
     pub fn or(self, base: Self) -> Self {
         Self {
+            view: self.view.or(base.view),
             size: self.size.or(base.size),
             samples: self.samples.or(base.samples),
             max_error: self.max_error.or(base.max_error),
@@ -165,6 +182,7 @@ impl RenderSettings {
     pub(crate) fn apply(&self, settings: &mut FrameSettings) {
         settings.sampling = self.sampling(settings.sampling);
         settings.film = self.film(settings.film);
+        settings.viewpoint = self.view;
         if let Some(depth) = self.depth {
             settings.depth = depth.clamp(1, Quality::LARGEST_DEPTH);
         }
