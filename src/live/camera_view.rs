@@ -10,6 +10,7 @@ use crate::components::{Animated, Camera, Follow, LookAt, Name, Parent, Projecti
 use crate::engine::{Engine, Ray};
 use crate::scene::{WrittenTracks, written_value};
 use crate::systems::active_camera;
+use crate::time::Time;
 
 /// Distance of the point about which a view turns if nothing is in front of the camera, in scene units.
 const DEFAULT_DISTANCE: f64 = 10.0;
@@ -19,6 +20,8 @@ const DEFAULT_DISTANCE: f64 = 10.0;
 pub struct CameraView {
     /// The path of the camera in the scene, such as `camera` or `cameras.side`.
     pub path: String,
+    /// The reason why another view is only looked from and not written; `None` for a camera that can be moved.
+    pub look: Option<String>,
     /// Position of the eye.
     pub position: [f64; 3],
     /// The target or, for a camera with a direction, the visible point in the middle.
@@ -42,68 +45,91 @@ pub struct CameraView {
 }
 
 impl CameraView {
-    /// Describes the camera of a frame of a scene in files. Returns the reason why it cannot be moved by hand.
+    /// Describes the camera of a frame of a scene in files, or the view that is looked from. Returns the reason why there is no camera.
     pub(super) fn of(engine: &mut Engine, frame: u32, files: &[PathBuf]) -> Result<Self, String> {
         let rate = engine.timeline().rate;
         let time = rate.time_of(frame);
         engine.seek(time).map_err(|error| error.to_string())?;
         let world = engine.world();
         let missing = "the scene has no camera: write `camera: ()` in the file to move it here";
-        let entity = active_camera(world, time).ok_or(missing)?.entity;
-        if let Some((field, other)) = tie(world, entity) {
-            return Err(format!(
-                "`{field}` ties this camera to {other}: replace it in the file by a position and a target of its own to move the \
-                 view here"
-            ));
-        }
-        let camera = world.get::<&Camera>(entity).map(|camera| *camera).map_err(|_| missing)?;
-        let name = world.get::<&Name>(entity).map(|name| name.0.clone()).unwrap_or_default();
+        let active = active_camera(world, time).ok_or(missing)?;
+        let camera = world.get::<&Camera>(active.entity).map(|camera| *camera).map_err(|_| missing)?;
+        let viewpoint = engine.settings.view;
+        let keys = keys_of(world, active.entity, &camera, (time, 1.0 / rate.per_second()), files);
+        let look = match (&keys, viewpoint) {
+            (Err(reason), _) => Some(reason.clone()),
+            (Ok(_), Some(_)) => Some("this view is only looked from: reset it to move the camera".to_owned()),
+            (Ok(_), None) => None,
+        };
+        let has_direction = look.is_none() && matches!(camera.view, View::Direction(_));
+        let name = name_of(world, active.entity);
         let is_single = written_value(&["camera".to_owned()], files).is_some();
-        let path = if is_single { "camera".to_owned() } else { format!("cameras.\"{name}\"") };
-        let tracks = WrittenTracks::of(files).tracks;
-        let key = |property: Property| {
-            let animated = world.get::<&Animated>(entity).ok();
-            if !animated.is_some_and(|animated| animated.0.iter().any(|channel| channel.property == property))
-            {
-                return Ok(None);
-            }
-            let channel = property.name();
-            let track = tracks.iter().find(|track| track.target == name && track.channel == channel).ok_or_else(|| {
-                format!(
-                    "the {channel} of this camera is not animated by keys in the scene file: move it where it is written, or \
-                     replace its track by `Keys`"
-                )
-            })?;
-            track
-                .key_time(time.seconds(), 1.0 / rate.per_second())
-                .map(|time| Some((track.path.clone(), time)))
+        let (position, up) = viewpoint.map_or((active.position, active.up), |view| (view.position, view.up));
+        let own_target = || {
+            let hit = engine.cast(Ray { origin: active.position, direction: active.view });
+            let distance = hit.map_or(DEFAULT_DISTANCE, |hit| hit.point.distance(active.position));
+            active.position + distance * active.view.normalize_or(DVec3::Z)
         };
-        let has_direction = matches!(camera.view, View::Direction(_));
-        let position_key = key(Property::Position)?;
-        let target_key = key(if has_direction { Property::View } else { Property::Target })?;
-        let target = match camera.view {
-            View::Target(target) => target,
-            View::Direction(direction) => {
-                let hit = engine.cast(Ray { origin: camera.position, direction });
-                let distance = hit.map_or(DEFAULT_DISTANCE, |hit| hit.point.distance(camera.position));
-                camera.position + distance * direction.normalize_or(DVec3::Z)
-            }
-        };
+        let target = viewpoint.map(|view| view.target).or(active.target).unwrap_or_else(own_target);
         let prepared = engine.prepared().ok_or(missing)?.camera();
+        let [position_key, target_key] = keys.unwrap_or_default();
         Ok(Self {
-            path,
-            position: camera.position.to_array(),
+            path: if is_single { "camera".to_owned() } else { format!("cameras.\"{name}\"") },
+            look,
+            position: position.to_array(),
             target: target.to_array(),
             has_direction,
             position_key,
             target_key,
-            up: camera.up.to_array(),
+            up: up.to_array(),
             roll: camera.roll,
             right_handed: world.query::<&Space>().iter().any(|space| *space == Space::RightHanded),
             is_orthographic: matches!(camera.projection, Projection::Orthographic { .. }),
             pixel_size: prepared.pixel_size(),
         })
     }
+}
+
+/// The path of a list of keys, and a time of the keys in seconds; `None` without a track.
+type KeyPlace = Option<(String, f64)>;
+
+/// Returns the keys of another position, and of another target or direction, for the frame at a time. Returns the reason why the camera
+/// cannot be moved by hand.
+fn keys_of(
+    world: &World,
+    entity: Entity,
+    camera: &Camera,
+    (time, interval): (Time, f64),
+    files: &[PathBuf],
+) -> Result<[KeyPlace; 2], String> {
+    if let Some((field, other)) = tie(world, entity) {
+        return Err(format!(
+            "`{field}` ties this camera to {other}: replace it in the file by a position and a target of its own to move the \
+             view here"
+        ));
+    }
+    let name = name_of(world, entity);
+    let tracks = WrittenTracks::of(files).tracks;
+    let key = |property: Property| {
+        let animated = world.get::<&Animated>(entity).ok();
+        if !animated.is_some_and(|animated| animated.0.iter().any(|channel| channel.property == property)) {
+            return Ok(None);
+        }
+        let channel = property.name();
+        let track = tracks.iter().find(|track| track.target == name && track.channel == channel).ok_or_else(|| {
+            format!(
+                "the {channel} of this camera is not animated by keys in the scene file: move it where it is written, or \
+                 replace its track by `Keys`"
+            )
+        })?;
+        track.key_time(time.seconds(), interval).map(|time| Some((track.path.clone(), time)))
+    };
+    let target = if matches!(camera.view, View::Direction(_)) { Property::View } else { Property::Target };
+    Ok([key(Property::Position)?, key(target)?])
+}
+
+fn name_of(world: &World, camera: Entity) -> String {
+    world.get::<&Name>(camera).map(|name| name.0.clone()).unwrap_or_default()
 }
 
 /// Returns the field that ties a camera to another entity, and the entity's name.

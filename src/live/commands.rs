@@ -9,9 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::camera_view::CameraView;
 use super::export::ExportRequest;
+use super::outline::{OutlineRequest, OutlineRow, PartInfo};
 use super::pixel_info::PixelInfo;
 use super::ray_info::RayTreeInfo;
-use crate::scene::{KeyChange, WrittenTracks, WrittenValue};
+use crate::scene::{KeyChange, ScenePart, WrittenTracks};
 
 /// A command to a session.
 #[derive(Debug)]
@@ -26,8 +27,10 @@ pub enum SessionCommand {
     Rays((u32, u32), u32, Reply<Option<RayTreeInfo>>),
     /// Changes values of the scene.
     Edit(SceneEdit, Reply<Result<(), String>>),
-    /// Lists the values in a part of the scene, given by its path.
-    Values(String, Reply<Vec<WrittenValue>>),
+    /// Lists the parts of the scene.
+    Outline(OutlineRequest, Reply<Vec<OutlineRow>>),
+    /// Describes a part of the scene; `None` if there is no such part.
+    Part(ScenePart, Reply<Option<PartInfo>>),
     /// Lists the keys of tracks, and the shots.
     Tracks(Reply<WrittenTracks>),
     /// Renders frames into files, on another thread.
@@ -89,8 +92,24 @@ pub enum SceneEdit {
     Keep,
     /// Ends the overrides.
     Drop,
+    /// Shows the scene from another view than that of its camera, which is never written.
+    Look(LookView),
     /// Takes back the last change of the files.
     Undo,
+    /// Makes the change again that was taken back last.
+    Redo,
+}
+
+/// A view in the space of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LookView {
+    /// Position of the eye.
+    pub position: [f64; 3],
+    /// The point that is looked at.
+    pub target: [f64; 3],
+    /// The direction that is up in the picture.
+    pub up: [f64; 3],
 }
 
 /// A callback that receives the result of a command.

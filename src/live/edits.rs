@@ -22,6 +22,21 @@ pub(super) struct Edits {
     tried: Vec<TriedValue>,
     /// The changes of the files, each of one or several files, the last one at the end.
     written: Vec<Vec<TextChange>>,
+    /// The changes that were taken back since the last new one, the last one at the end.
+    undone: Vec<Vec<TextChange>>,
+    /// The last change of a file.
+    last: Option<LastChange>,
+    /// The reason why the view that is looked from is not written; `None` for the view of the camera.
+    look: Option<String>,
+}
+
+/// The last change of a file by a page.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LastChange {
+    /// The first changed line, as `ball.ron:12`.
+    pub place: String,
+    /// True if the change was taken back.
+    pub is_undone: bool,
 }
 
 /// An override that is not written yet.
@@ -43,6 +58,12 @@ pub struct EditState {
     pub tried: Vec<String>,
     /// Number of changes of the files that can be taken back.
     pub undoable: usize,
+    /// Number of changes that were taken back and can be made again.
+    pub redoable: usize,
+    /// The last change of a file; `None` while values are tried.
+    pub last: Option<LastChange>,
+    /// The reason why the view that is looked from is not written; `None` for the view of the camera.
+    pub look: Option<String>,
     /// The reason why overrides have ended, if they were not ended by a page.
     pub notice: Option<String>,
 }
@@ -63,6 +84,9 @@ impl Edits {
             opens,
             tried: self.tried.iter().map(|tried| tried.value.to_string()).collect(),
             undoable: self.written.len(),
+            redoable: self.undone.len(),
+            last: self.last.clone().filter(|_| self.tried.is_empty()),
+            look: self.look.clone(),
             notice,
         }
     }
@@ -118,6 +142,20 @@ impl Edits {
         self.tried.clear();
     }
 
+    pub(super) fn has_tried(&self) -> bool {
+        !self.tried.is_empty()
+    }
+
+    /// Returns whether the scene is looked at from a view that is not written.
+    pub(super) fn is_look(&self) -> bool {
+        self.look.is_some()
+    }
+
+    /// Begins or ends to look from a view that is not written, for the given reason.
+    pub(super) fn set_look(&mut self, reason: Option<String>) {
+        self.look = reason;
+    }
+
     /// Ends the overrides if a program has changed one of the values that they replace. Returns whether it has.
     pub(super) fn yield_to(&mut self, files: &[PathBuf]) -> bool {
         let is_changed = |tried: &TriedValue| written_value(tried.value.path(), files) != tried.replaced;
@@ -130,37 +168,73 @@ impl Edits {
 
     /// Writes the overrides into the files, as one change. The overrides then end.
     pub(super) fn keep(&mut self, files: &[PathBuf]) -> Result<(), String> {
-        let changes = TextChange::setting(&self.tried(), files).map_err(|error| error.to_string())?;
-        for (index, change) in changes.iter().enumerate() {
-            if let Err(error) = write(change) {
-                // All files or none.
-                let _ = changes[..index].iter().try_for_each(take_back);
-                return Err(error);
-            }
+        if let (Some(reason), []) = (&self.look, &self.tried[..]) {
+            return Err(reason.clone());
         }
+        let changes = TextChange::setting(&self.tried(), files).map_err(|error| error.to_string())?;
+        write_all(&changes)?;
         self.tried.clear();
         if !changes.is_empty() {
-            self.written.push(changes);
+            self.undone.clear();
         }
-        if self.written.len() > MAX_UNDO {
-            self.written.remove(0);
-        }
+        self.add_written(changes);
         Ok(())
     }
 
     /// Takes back the last change of the files. A change of a file that has been changed since stays, and cannot be taken back later.
     pub(super) fn undo(&mut self) -> Result<(), String> {
-        let changes = self.written.pop().unwrap_or_default();
-        changes.iter().rev().try_for_each(take_back)
+        let Some(changes) = self.written.pop() else { return Ok(()) };
+        let back = changes.iter().rev().map(reversed).collect::<Vec<_>>();
+        back.iter().try_for_each(write)?;
+        self.last = last_change(&back, true);
+        self.undone.push(changes);
+        Ok(())
     }
+
+    /// Makes the change again that was taken back last. A file that has been changed since stays as it is.
+    pub(super) fn redo(&mut self) -> Result<(), String> {
+        let Some(changes) = self.undone.pop() else { return Ok(()) };
+        write_all(&changes)?;
+        self.add_written(changes);
+        Ok(())
+    }
+
+    fn add_written(&mut self, changes: Vec<TextChange>) {
+        if changes.is_empty() {
+            return;
+        }
+        self.last = last_change(&changes, false);
+        self.written.push(changes);
+        if self.written.len() > MAX_UNDO {
+            self.written.remove(0);
+        }
+    }
+}
+
+/// Writes changes into all files or none.
+fn write_all(changes: &[TextChange]) -> Result<(), String> {
+    for (index, change) in changes.iter().enumerate() {
+        if let Err(error) = write(change) {
+            let _ = changes[..index].iter().try_for_each(|change| write(&reversed(change)));
+            return Err(error);
+        }
+    }
+    Ok(())
+}
+
+fn reversed(TextChange { file, before, after }: &TextChange) -> TextChange {
+    TextChange { file: file.clone(), before: after.clone(), after: before.clone() }
+}
+
+/// Describes changes by the first line that differs.
+fn last_change(changes: &[TextChange], is_undone: bool) -> Option<LastChange> {
+    let TextChange { file, before, after } = changes.first()?;
+    let line = 1 + before.lines().zip(after.lines()).take_while(|(before, after)| before == after).count();
+    Some(LastChange { place: format!("{}:{line}", file.display()), is_undone })
 }
 
 fn write(change: &TextChange) -> Result<(), String> {
     replace(&change.file, &change.before, &change.after)
-}
-
-fn take_back(change: &TextChange) -> Result<(), String> {
-    replace(&change.file, &change.after, &change.before)
 }
 
 /// Replaces the text of a file, at once and with its permissions. Returns the reason why that failed, such as another text in the file.

@@ -24,7 +24,7 @@ pub(super) fn cost(
         return Ok(Some(None));
     }
     let mut measure = |without: EffectSet| {
-        let settings = RenderSettings { without, ..RenderSettings::default() };
+        let settings = RenderSettings { without, view: engine.settings.view, ..RenderSettings::default() };
         unless_cancelled(MeasuredFrame::render(engine, time, settings, cancelled, &mut || None))
     };
     // Each picture is compared with a complete one rendered at the same time, since the speed of the machine may change.
@@ -40,17 +40,18 @@ pub(super) fn curve_point(
     index: usize,
     cancelled: &AtomicBool,
 ) -> Result<Option<CurvePoint>, EngineError> {
+    let base = RenderSettings { view: engine.settings.view, ..RenderSettings::default() };
     let sampling = engine.effective_settings().sampling;
     let own = (!sampling.is_adaptive()).then_some(sampling.samples);
     let (samples, settings) = match index.checked_sub(1) {
-        None => (own, RenderSettings::default()),
+        None => (own, base),
         Some(exponent) => {
             let samples = (0..).map(|exponent| 1 << exponent).take_while(|samples| *samples <= MOST_SAMPLES);
             let samples = samples.filter(|samples| Some(*samples) != own).nth(exponent);
             if samples.is_none() {
                 return Ok(None);
             }
-            (samples, RenderSettings { samples, max_error: Some(0.0), ..RenderSettings::default() })
+            (samples, RenderSettings { samples, max_error: Some(0.0), ..base })
         }
     };
     let estimate = estimate(engine, time, settings, cancelled)?;

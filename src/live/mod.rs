@@ -11,12 +11,14 @@
 //! | `session` | the thread's start and end, and the handle for other threads |
 //! | `watcher` | detection of changed file contents |
 //! | `commands` | the queue of commands, which interrupt the work |
-//! | `worker` | reading of the files, and the choice of the next job |
+//! | `worker` | the choice of the next job |
+//! | `scene_files` | reading of the files, and mistakes in them |
 //! | `renderer` | the engine; coarse pictures, the requested one, and the full one |
 //! | `progressive` | levels and times of the pictures before and during a picture that takes long |
 //! | `jobs` | the kinds of work, and their results |
 //! | `cache` | finished pictures, for playback and for edits that are undone |
 //! | `measure`, `pixel_info`, `ray_info` | costs of effects, the error curve, single pixels and their rays |
+//! | `outline` | the list of the scene's parts, and their values |
 //! | `editor` | the command that opens a file in an editor |
 //! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
 //! | `export` | rendering of films into files |
@@ -36,11 +38,13 @@ mod edits;
 mod export;
 mod jobs;
 mod measure;
+mod outline;
 mod pixel_info;
 mod progressive;
 mod publish;
 mod ray_info;
 mod renderer;
+mod scene_files;
 mod server;
 mod session;
 mod state;
@@ -60,11 +64,12 @@ pub use watcher::{QUIET_PERIOD, Watcher, Watching};
 #[doc(hidden)]
 pub use {
     camera_view::CameraView,
-    commands::{Detail, Reply, SceneEdit, SessionCommand, ViewChange},
-    edits::EditState,
+    commands::{Detail, LookView, Reply, SceneEdit, SessionCommand, ViewChange},
+    edits::{EditState, LastChange},
     export::{ExportEnd, ExportRequest, ExportState},
+    outline::{OutlineRequest, OutlineRow, PartInfo, PartSection},
     pixel_info::{PixelInfo, SurfaceInfo},
     publish::Picture,
     ray_info::{RayRow, RayTreeInfo},
-    state::{CachedFrames, Planned, State},
+    state::{CachedFrames, EditedPart, Planned, State},
 };

@@ -102,7 +102,7 @@ pub(super) fn slot_name(
 }
 
 /// Returns the line in which the definition of an entity starts.
-fn place_of(world: &World, sources: &Sources, entity: Entity) -> Option<String> {
+pub(super) fn place_of(world: &World, sources: &Sources, entity: Entity) -> Option<String> {
     order_of(world, entity).and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()))
 }
 

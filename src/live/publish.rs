@@ -97,9 +97,10 @@ impl Published {
         self.state.borrow().export.clone()
     }
 
-    /// Returns whether the scene has values that are tried on the page.
+    /// Returns whether values are tried on the page, or a view that is not written.
     pub(super) fn shows_tried_values(&self) -> bool {
-        !self.state.borrow().edits.tried.is_empty()
+        let edits = &self.state.borrow().edits;
+        !edits.tried.is_empty() || edits.look.is_some()
     }
 
     /// Returns the requested quality.

@@ -1,33 +1,31 @@
 //! Rendering of a session's pictures: coarse ones, the requested one, and the full one due after an edit.
 
+mod describing;
 mod filling;
 
 use std::ops::ControlFlow::{Break, Continue};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use super::cache::FrameKey;
-use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail};
 use super::jobs::{
     JobOutcome, LevelRole, Occasion, PreviewJob, REUSE_ABOVE_MS, RenderInProgress, ReuseSlot, render,
 };
 use super::measure;
-use super::pixel_info::PixelInfo;
+use super::outline::part_of;
 use super::progressive::{
     Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RequestedPicture, Timings, is_representative,
     share_of_unfinished, with_deadline,
 };
 use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
-use super::ray_info::RayTreeInfo;
-use super::state::{Planned, State, Times};
+use super::state::{EditedPart, Planned, State, Times};
 use super::warnings::PictureWarnings;
 use crate::color::Transfer;
 use crate::engine::{Engine, EngineError, RenderRequest, unless_cancelled};
 use crate::scene::{Scene, Sources};
-use crate::systems::{Effect, EffectSet, EffectiveSettings, RenderSettings};
+use crate::systems::{Effect, EffectSet, EffectiveSettings, RenderSettings, Viewpoint};
 use crate::trace::{Film, RenderJob, RenderedImage, Signals};
 
 /// Minimum time for a picture before a coarse one is rendered first, if nothing of its frame is shown yet. Most pictures of simple scenes
@@ -89,8 +87,16 @@ impl Renderer {
     }
 
     /// Replaces the displayed scene. Parts that both scenes share are kept. Publishes the new state, with `wanted_frame` or, if the
-    /// timeline is shorter, its last frame. `read` is the time of reading in milliseconds.
-    pub(super) fn load(&mut self, scene: Scene, sources: Sources, read: f64, wanted_frame: u32) {
+    /// timeline is shorter, its last frame, and with the part that was edited if `is_edited` is set. `read` is the time of reading in
+    /// milliseconds.
+    pub(super) fn load(
+        &mut self,
+        scene: Scene,
+        sources: Sources,
+        read: f64,
+        wanted_frame: u32,
+        is_edited: bool,
+    ) {
         let start = Instant::now();
         if self.publisher.published().state().reloads == 0 {
             self.engine = Engine::from_scene(scene);
@@ -98,7 +104,13 @@ impl Renderer {
         } else {
             self.engine.reload(scene);
         }
+        let changed = is_edited.then(|| sources.changed_since(&self.sources)).flatten();
         self.sources = sources;
+        if let Some(part) = changed.and_then(|changed| part_of(self.engine.world(), changed)) {
+            self.publisher.published().update_without_notify(|state| {
+                state.edited = Some(EditedPart { part, reloads: state.reloads + 1 });
+            });
+        }
         let times = Times { read, build: Times::milliseconds(start.elapsed()), ..Times::default() };
         self.begin(times, wanted_frame);
     }
@@ -184,44 +196,14 @@ impl Renderer {
         self.publisher.fail(error);
     }
 
-    /// Describes a pixel of the current frame. Returns `None` outside the film, and before a scene is read.
-    pub(super) fn probe(&mut self, pixel: (u32, u32)) -> Result<Option<PixelInfo>, EngineError> {
-        let state = self.publisher.published().state();
-        if state.reloads == 0 {
-            return Ok(None);
-        }
-        let time = self.engine.timeline().time_of(state.frame);
-        let latest = self.publisher.latest().filter(|(info, _)| info.full);
-        let full = latest.and_then(|(_, film)| film).map(|film| &**film);
-        PixelInfo::of(&mut self.engine, &self.sources, time, pixel, full)
-    }
-
-    /// Describes the rays of a pixel of the current frame. Returns `None` outside the film, and before a scene is read.
-    pub(super) fn rays(
-        &mut self,
-        pixel: (u32, u32),
-        sample: u32,
-    ) -> Result<Option<RayTreeInfo>, EngineError> {
-        let state = self.publisher.published().state();
-        if state.reloads == 0 {
-            return Ok(None);
-        }
-        let time = self.engine.timeline().time_of(state.frame);
-        RayTreeInfo::of(&mut self.engine, &self.sources, time, pixel, sample)
-    }
-
     /// Returns whether the current frame is shown by a finished picture from the cache, which has no film.
     pub(super) fn shows_cached_picture(&self) -> bool {
         self.publisher.latest().is_some_and(|(_, film)| film.is_none())
     }
 
-    /// Describes the camera of the current frame of a scene in files. Returns the reason why it cannot be moved.
-    pub(super) fn camera(&mut self, files: &[PathBuf]) -> Result<CameraView, String> {
-        let state = self.publisher.published().state();
-        if state.reloads == 0 {
-            return Err("the file has mistakes: correct them first".to_owned());
-        }
-        CameraView::of(&mut self.engine, state.frame, files)
+    /// Sets the view in place of that of the camera.
+    pub(super) fn set_view(&mut self, view: Option<Viewpoint>) {
+        self.engine.settings.view = view;
     }
 
     /// Runs a job until it is finished or a command interrupts it.

@@ -8,7 +8,8 @@
 //! | `GET /frame/1795/2/240` | the finished picture of frame 240 of generation 2 of session 1795, as PNG, if it is kept |
 //! | `POST /view` | changes the view according to a [`ViewChange`], as JSON |
 //! | `POST /edit` | changes values of the scene according to a [`SceneEdit`], as JSON; 409 and the reason if that is not possible |
-//! | `POST /values` | the values in the part of the scene at a path, such as `"entities.ball"`, as JSON |
+//! | `POST /outline` | the rows of the list of the scene's parts for an [`OutlineRequest`](super::OutlineRequest), as JSON |
+//! | `POST /part` | the values of a part of the scene, such as `{"entity": "ball"}`: a [`PartInfo`](super::PartInfo) or null, as JSON |
 //! | `POST /tracks` | the keys of tracks, and the shots, as JSON |
 //! | `POST /camera` | the camera of the current frame, as JSON; 409 and the reason if it cannot be moved |
 //! | `POST /export` | renders frames into files according to a [`ExportRequest`](super::ExportRequest), or cancels that for null, as JSON; 409 and the reason if that is not possible |
@@ -54,10 +55,12 @@ use tokio::time::timeout;
 use super::camera_view::CameraView;
 use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
 use super::export::{ExportEnd, ExportRequest, ExportState};
+use super::outline::OutlineRequest;
 use super::session::Handle;
+use crate::scene::ScenePart;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 21] = [
+const FILES: [(&str, &str, &str); 22] = [
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
@@ -67,6 +70,7 @@ const FILES: [(&str, &str, &str); 21] = [
     ("/lanes.js", SCRIPT, include_str!("page/lanes.js")),
     ("/frames.js", SCRIPT, include_str!("page/frames.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
+    ("/outline.js", SCRIPT, include_str!("page/outline.js")),
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
     ("/mistakes.js", SCRIPT, include_str!("page/mistakes.js")),
     ("/rays.js", SCRIPT, include_str!("page/rays.js")),
@@ -194,7 +198,8 @@ fn router(shared: ServerState) -> Router {
         .route("/probe", post(probe))
         .route("/rays", post(rays))
         .route("/edit", post(edit))
-        .route("/values", post(values))
+        .route("/outline", post(outline))
+        .route("/part", post(part))
         .route("/tracks", post(tracks))
         .route("/export", post(export))
         .route("/movie/{session}", get(movie))
@@ -369,9 +374,18 @@ fn done(result: Result<(), String>) -> Response {
     }
 }
 
-async fn values(State(shared): State<ServerState>, body: Bytes) -> Response {
-    match serde_json::from_slice::<String>(&body) {
-        Ok(path) => answer(&shared, |reply| SessionCommand::Values(path, reply), |list| json(&list)).await,
+async fn outline(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<OutlineRequest>(&body) {
+        Ok(request) => {
+            answer(&shared, |reply| SessionCommand::Outline(request, reply), |rows| json(&rows)).await
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+async fn part(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<ScenePart>(&body) {
+        Ok(part) => answer(&shared, |reply| SessionCommand::Part(part, reply), |info| json(&info)).await,
         Err(error) => refused(&error),
     }
 }

@@ -9,7 +9,7 @@ use super::edits::EditState;
 use super::export::ExportState;
 use super::warnings::PictureWarnings;
 use crate::engine::{EngineError, FrameReport};
-use crate::scene::{LoadError, ScriptMistake, SourcePosition};
+use crate::scene::{LoadError, ScenePart, ScriptMistake, SourcePosition};
 use crate::systems::{Effect, Plan};
 
 /// The current state of a session.
@@ -39,6 +39,8 @@ pub struct State {
     pub before: Option<PictureInfo>,
     /// The values that are changed by hand.
     pub edits: EditState,
+    /// The part of the scene that a program has edited last, in the files.
+    pub edited: Option<EditedPart>,
     /// The frames whose finished pictures are kept.
     pub cached: CachedFrames,
     /// The export that is running, or was the last.
@@ -82,6 +84,15 @@ pub struct PictureInfo {
     pub full: bool,
     /// True if the picture is coarse or unfinished for lack of time.
     pub coarse: bool,
+}
+
+/// A part of the scene that was edited.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct EditedPart {
+    /// The part.
+    pub part: ScenePart,
+    /// The reload that brought the edit.
+    pub reloads: u64,
 }
 
 /// The frames whose finished pictures are kept.

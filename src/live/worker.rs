@@ -3,28 +3,25 @@
 use std::path::PathBuf;
 use std::slice;
 use std::sync::Arc;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use super::camera_view::CameraView;
-use super::commands::{CommandQueue, Detail, Reply, SceneEdit, SessionCommand, ViewChange};
-use super::editor::{EditorCommand, Place};
-use super::edits::{EditState, Edits, UNSAVED};
+use super::commands::{CommandQueue, Detail, LookView, Reply, SceneEdit, SessionCommand, ViewChange};
+use super::editor::Place;
+use super::edits::{EditState, UNSAVED};
 use super::export::{self, ExportRequest, ExportScene};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
+use super::outline::PartInfo;
 use super::pixel_info::PixelInfo;
 use super::publish::{Event, Published};
 use super::ray_info::RayTreeInfo;
 use super::renderer::Renderer;
+use super::scene_files::{FailureAction, LoadFailure, SceneFiles};
 use super::state::{Mistakes, Times};
-use super::watcher::{Stamp, Watcher};
 use crate::engine::EngineError;
-use crate::scene::{LoadError, Override, Reader, Scene, Sources, WrittenTracks, WrittenValue};
+use crate::scene::{ScenePart, WrittenTracks};
+use crate::systems::Viewpoint;
 
-/// Time for which files must be unchanged before mistakes in them are reported. Slow writers leave files incomplete for a while: with 30 ms,
-/// 275 saves in place in 5 s gave "the file is empty" twice.
-const SETTLE_TIME: Duration = Duration::from_millis(100);
-/// Time after which mistakes are reported even if the files keep changing. A longer delay would seem as if the edit had been missed.
-const SETTLE_TIMEOUT: Duration = Duration::from_secs(1);
 /// Fraction of the frame interval that a coarse picture should take during playback, when it is the only picture of its frame. Encoding and
 /// showing it take the rest.
 const PLAYBACK_SHARE: f64 = 0.5;
@@ -97,7 +94,7 @@ impl Worker {
     pub(super) fn run(mut self) {
         self.publish_edits(None);
         if self.files.is_some() {
-            self.reload();
+            self.reload(false);
         } else {
             self.renderer.begin(Times::default(), self.wanted_frame);
             self.begin();
@@ -113,8 +110,9 @@ impl Worker {
                     SessionCommand::ViewChange(view) => self.view(view),
                     SessionCommand::Probe(pixel, reply) => self.probe(pixel, reply),
                     SessionCommand::Rays(pixel, sample, reply) => self.rays(pixel, sample, reply),
-                    SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(edit)),
-                    SessionCommand::Values(path, Reply(reply)) => reply(self.values(&path)),
+                    SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(&edit)),
+                    SessionCommand::Outline(request, Reply(reply)) => reply(self.renderer.outline(&request)),
+                    SessionCommand::Part(part, Reply(reply)) => reply(self.part(&part)),
                     SessionCommand::Tracks(Reply(reply)) => reply(self.tracks()),
                     SessionCommand::Export(request, Reply(reply)) => reply(self.export(request)),
                     SessionCommand::ExportEnded if self.next == Task::Idle => self.next = self.rest(),
@@ -126,7 +124,7 @@ impl Worker {
             }
             let action = self.files.as_ref().and_then(SceneFiles::failure_action);
             if reload || action == Some(FailureAction::ReadAgain) {
-                self.reload();
+                self.reload(true);
             } else if action == Some(FailureAction::Report) {
                 self.report_mistakes();
             }
@@ -154,10 +152,10 @@ impl Worker {
         self.files.as_ref()?.failure.as_ref()
     }
 
-    /// Reads the files. If they contain mistakes, the last good scene stays in place.
-    fn reload(&mut self) {
+    /// Reads the files, after a change by a program if `is_edited` is set. If they contain mistakes, the last good scene stays in place.
+    fn reload(&mut self, is_edited: bool) {
         if let Some((scene, sources, read)) = self.files.as_mut().and_then(SceneFiles::read) {
-            self.renderer.load(scene, sources, read, self.wanted_frame);
+            self.renderer.load(scene, sources, read, self.wanted_frame, is_edited);
             self.begin();
         }
     }
@@ -222,24 +220,29 @@ impl Worker {
     }
 
     /// Changes values of the scene. Returns the reason why that is not possible.
-    fn edit(&mut self, edit: SceneEdit) -> Result<(), String> {
+    fn edit(&mut self, edit: &SceneEdit) -> Result<(), String> {
         let is_broken = self.failure().is_some() || self.published.state().mistakes.is_some();
         let Some(files) = &mut self.files else {
             return Err("this world is built by a program: its values are changed there".to_owned());
         };
         let transfer = self.renderer.transfer();
         let before = match edit {
-            SceneEdit::Try(values) => Some(files.edits.attempt(&values, &[], &files.paths, transfer)?),
+            SceneEdit::Try(values) => Some(files.edits.attempt(values, &[], &files.paths, transfer)?),
             // Lists of keys are written whole: values in them that are not in the file yet would be lost.
-            SceneEdit::TryKey(_) if self.published.shows_tried_values() => {
+            SceneEdit::TryKey(_) if files.edits.has_tried() => {
                 return Err(UNSAVED.to_owned());
             }
-            SceneEdit::TryKey(change) => Some(files.edits.attempt(&[], &[change], &files.paths, transfer)?),
-            SceneEdit::TryKeys(values, keys) => {
-                Some(files.edits.attempt(&values, &keys, &files.paths, transfer)?)
+            SceneEdit::TryKey(change) => {
+                Some(files.edits.attempt(&[], slice::from_ref(change), &files.paths, transfer)?)
             }
+            SceneEdit::TryKeys(values, keys) => {
+                Some(files.edits.attempt(values, keys, &files.paths, transfer)?)
+            }
+            SceneEdit::Look(view) => return self.look(*view),
             SceneEdit::Drop => {
                 files.edits.drop_tried();
+                files.edits.set_look(None);
+                self.renderer.set_view(None);
                 None
             }
             SceneEdit::Keep if is_broken => {
@@ -249,11 +252,11 @@ impl Worker {
                 files.edits.keep(&files.paths)?;
                 None
             }
-            SceneEdit::Undo => {
+            SceneEdit::Undo | SceneEdit::Redo => {
                 files.edits.drop_tried();
-                let undone = files.edits.undo();
+                let done = if *edit == SceneEdit::Undo { files.edits.undo() } else { files.edits.redo() };
                 self.publish_edits(None);
-                undone?;
+                done?;
                 None
             }
         };
@@ -267,12 +270,32 @@ impl Worker {
         refused
     }
 
+    /// Shows the scene from a view that is not written. Returns the reason why that is not possible.
+    fn look(&mut self, LookView { position, target, up }: LookView) -> Result<(), String> {
+        let view = Viewpoint { position: position.into(), target: target.into(), up: up.into() };
+        if !(view.position.is_finite() && view.target.is_finite() && view.up.is_finite()) {
+            return Err("the numbers of a view must be finite".to_owned());
+        }
+        if !self.files.as_ref().is_some_and(|files| files.edits.is_look()) {
+            let free = "this camera can be moved: set its position and its target";
+            let reason = self.camera()?.look.ok_or(free)?;
+            if let Some(files) = &mut self.files {
+                files.edits.set_look(Some(reason));
+            }
+        }
+        self.publish_edits(None);
+        self.renderer.set_view(Some(view));
+        self.renderer.begin(self.published.state().times, self.wanted_frame);
+        self.begin();
+        Ok(())
+    }
+
     /// Reads the files with the current overrides. Returns the mistakes.
     fn reload_edited(&mut self) -> Result<(), String> {
         if let Some(files) = &mut self.files {
             files.reader.set_overrides(files.edits.overrides());
         }
-        self.reload();
+        self.reload(false);
         self.failure().map_or(Ok(()), |failure| Err(failure.error.render(false)))
     }
 
@@ -292,17 +315,9 @@ impl Worker {
         self.published.update(|state| state.edits = edits);
     }
 
-    /// Returns the values in a part of the scene. The path is one of an override, without its value.
-    fn values(&self, path: &str) -> Vec<WrittenValue> {
-        let path = format!("{path}=0").parse::<Override>();
-        let Some((files, path)) = self.files.as_ref().zip(path.ok()) else { return Vec::new() };
-        // The index of an unnamed entity counts those of all files.
-        let has_index = path.path().get(1).is_some_and(|step| step.parse::<usize>().is_ok());
-        if has_index && files.paths.len() > 1 {
-            Vec::new()
-        } else {
-            WrittenValue::all(path.path(), &files.paths)
-        }
+    /// Describes a part of a scene in files.
+    fn part(&self, part: &ScenePart) -> Option<PartInfo> {
+        self.renderer.part(part, &self.files.as_ref()?.paths)
     }
 
     fn tracks(&self) -> WrittenTracks {
@@ -317,7 +332,7 @@ impl Worker {
         if self.failure().is_some() || self.published.state().mistakes.is_some() {
             return Err("the file has mistakes: correct them first".to_owned());
         }
-        if self.published.shows_tried_values() {
+        if files.edits.has_tried() {
             return Err(UNSAVED.to_owned());
         }
         let frames = self.published.state().frames;
@@ -515,85 +530,5 @@ impl Worker {
         let missed =
             Duration::try_from_secs_f64(1e-3 * IDLE_INTERVALS * self.interval()).unwrap_or(IDLE_TIMEOUT);
         Task::Wait(Instant::now() + missed.max(IDLE_TIMEOUT))
-    }
-}
-
-/// The files of the scene. Mistakes are reported once the files have settled, since files may be empty or truncated while they are being
-/// written.
-pub(super) struct SceneFiles {
-    scene: PathBuf,
-    reader: Reader,
-    watcher: Watcher,
-    failure: Option<LoadFailure>,
-    edits: Edits,
-    /// The files of the last scene without mistakes.
-    paths: Vec<PathBuf>,
-    editor: Option<EditorCommand>,
-}
-
-/// Mistakes that are not reported yet.
-struct LoadFailure {
-    error: LoadError,
-    /// Time of the first of several consecutive failures.
-    first: Instant,
-    check_at: Instant,
-    /// True if files had mistakes for [`SETTLE_TIMEOUT`] when they were read. A busy thread may check much later, when they are long mended.
-    is_over: bool,
-    /// The stamps of the files after they were read; `None` if they were written in the meantime.
-    stamps: Option<Vec<Option<Stamp>>>,
-}
-
-/// The treatment of files with mistakes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum FailureAction {
-    /// The files have changed, or may be readable now.
-    ReadAgain,
-    /// The mistakes persist.
-    Report,
-}
-
-impl SceneFiles {
-    pub(super) fn new(
-        scene: PathBuf,
-        overrides: Vec<Override>,
-        watcher: Watcher,
-        editor: Option<EditorCommand>,
-    ) -> Self {
-        watcher.follow(slice::from_ref(&scene), SystemTime::now());
-        let reader = Reader::overriding(overrides.clone());
-        let edits = Edits::new(overrides);
-        Self { scene, reader, watcher, failure: None, edits, paths: Vec::new(), editor }
-    }
-
-    /// Reads the files. Returns their scene and the time taken in milliseconds, or keeps the mistakes to be reported later.
-    fn read(&mut self) -> Option<(Scene, Sources, f64)> {
-        self.watcher.check();
-        let (since, start) = (SystemTime::now(), Instant::now());
-        match self.reader.load(&self.scene) {
-            Ok((scene, sources)) => {
-                let read = Times::milliseconds(start.elapsed());
-                self.watcher.follow(&scene.files, since);
-                self.paths.clone_from(&scene.files);
-                self.failure = None;
-                Some((scene, sources, read))
-            }
-            Err(error) => {
-                self.watcher.follow(error.files(), since);
-                let first = self.failure.take().map_or(start, |failure| failure.first);
-                let left = SETTLE_TIMEOUT.saturating_sub(first.elapsed());
-                let (wait, is_over) = (SETTLE_TIME.min(left), left.is_zero());
-                let (check_at, stamps) = (Instant::now() + wait, self.watcher.stamps());
-                self.failure = Some(LoadFailure { error, first, check_at, is_over, stamps });
-                None
-            }
-        }
-    }
-
-    /// Returns the treatment of mistakes that are not reported yet, once it is time.
-    fn failure_action(&self) -> Option<FailureAction> {
-        let failure = self.failure.as_ref().filter(|failure| failure.check_at <= Instant::now())?;
-        let is_unchanged = failure.stamps.is_some() && failure.stamps == self.watcher.stamps();
-        let is_settled = failure.is_over || is_unchanged && !failure.error.is_transient();
-        Some(if is_settled { FailureAction::Report } else { FailureAction::ReadAgain })
     }
 }

@@ -37,6 +37,8 @@ pub mod manual;
 mod overrides;
 mod owner;
 mod parse;
+#[cfg(feature = "live")]
+mod parts;
 mod paths;
 mod playback;
 mod quote;
@@ -63,6 +65,10 @@ pub use overrides::{
     WrittenTracks, WrittenValue, written_value,
 };
 pub use owner::Owner;
+#[cfg(feature = "live")]
+pub(crate) use parts::ChangedPart;
+#[cfg(feature = "live")]
+pub use parts::ScenePart;
 pub use reader::Reader;
 pub use script_sources::ScriptMistake;
 pub(crate) use script_sources::{SceneScripts, ScriptSources};

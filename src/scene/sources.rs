@@ -94,12 +94,23 @@ impl Sources {
         self.files.get(file)
     }
 
-    fn origin(&self, entity: usize) -> Origin {
+    pub(super) fn origin(&self, entity: usize) -> Origin {
         let after = self.runs.partition_point(|run| run.first <= entity);
         match after.checked_sub(1).and_then(|last| self.runs.get(last)) {
             Some(run) => Origin { index: run.origin.index + (entity - run.first), ..run.origin },
             None => Origin { file: 0, list: "entities", index: entity },
         }
+    }
+
+    /// Returns the document index of the first entity that comes from an element of a list.
+    #[cfg(feature = "live")]
+    pub(super) fn order_of(&self, file: usize, list: &str, index: usize) -> Option<usize> {
+        let run = self.runs.iter().find(|Run { origin, .. }| {
+            (origin.file, origin.list) == (file, list)
+                && origin.index <= index
+                && (list != "include" || origin.index == index)
+        })?;
+        Some(run.first + index - run.origin.index)
     }
 
     fn lines(&self, file: usize, paths: &[Vec<PathStep>]) -> impl Iterator<Item = SourceLine<'_>> {

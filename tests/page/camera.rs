@@ -4,6 +4,9 @@ use std::fs;
 use std::thread::sleep;
 use std::time::Duration;
 
+use rayreel::color::Transfer;
+use rayreel::output::encode_quickly;
+use rayreel::{Engine, Scene};
 use serde_json::json;
 
 use crate::browser::Browser;
@@ -136,7 +139,7 @@ fn cameras_with_few_tracks_and_ties() {
     assert_eq!(kept, expected.replace(", (2, (0, 0, -6))", &format!(", (1, {position}), (2, (0, 0, -6))")));
     assert!(vector_after(&kept, "view: ")[1] > 0.5, "from below: {view}");
 
-    // What cannot be moved says why.
+    // What cannot be moved is only looked at from elsewhere, and says why.
     let orbit =
         "(target: \"camera\", channel: Position, track: Orbit(center: (0, 0, 0), radius: 5, duration: 2)), ";
     let looped = "(target: \"camera\", channel: Position, repeat: Loop, track: Keys([(0.2, (0, 0, -5)), (0.5, (0, 0, -6))])), ";
@@ -166,10 +169,70 @@ fn cameras_with_few_tracks_and_ties() {
             &format!("state.reloads > {reloads} && shown.full && shown.reloads === state.reloads"),
         );
         browser.evaluate("(write(at('refused'), ''), true)");
+        let eye = browser.evaluate("currentView().then(view => view.position)");
         browser.drag("#film", (40, 0));
+        until(&browser, &format!("state.edits.look?.startsWith({reason:?}) && !at('unsaved').hidden"));
+        until(&browser, "trying === null && shown.full && shown.reloads === state.reloads");
+        assert_ne!(browser.evaluate("currentView().then(view => view.position)"), eye, "{reload}");
+        browser.press('k');
         until(&browser, &format!("at('refused').textContent.startsWith({reason:?})"));
         assert_eq!((browser.evaluate("state.edits.tried"), file(&preview)), (json!([]), scene), "{reload}");
+        browser.click("#drop");
+        until(&browser, "state.edits.look === null && at('unsaved').hidden");
+        assert_eq!(browser.evaluate("currentView().then(view => view.position)"), eye, "{reload}");
     }
+}
+
+#[test]
+fn look_is_the_picture_of_a_camera_there() {
+    let free = "camera: (position: (0, 1, -5), target: (0, 0, 0), up: (0.1, 1, 0), fov: 40, lens: (aperture: 0.05, focus: 5), shutter: 0.5), \
+                sampling: (samples: 4), overlay: [ScaleBar(length: 1, label: \"one\")]";
+    let scene = SCENE.replace(CAMERA, &free.replace("fov: 40", "fov: 40, follow: \"ball\""));
+    let preview = Preview::of(&scene);
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full");
+    seek(&browser, 12);
+    browser.drag("#film", (50, 20));
+    until(
+        &browser,
+        "state.edits.look !== null && trying === null && shown.full && shown.reloads === state.reloads",
+    );
+    let before = browser.evaluate("state.reloads");
+    browser.evaluate("(at('film').dispatchEvent(new WheelEvent('wheel', { deltaY: 200, bubbles: true, cancelable: true })), true)");
+    until(&browser, &format!("state.reloads > {before}"));
+    for frame in [12, 15] {
+        // The view stays where it is while the camera moves.
+        seek(&browser, frame);
+        until(&browser, "trying === null && shown.full && shown.reloads === state.reloads");
+        let view = browser.evaluate("currentView()");
+        let vector = |name: &str| -> String {
+            let [x, y, z]: [f64; 3] = serde_json::from_value(view[name].clone()).unwrap();
+            format!("{name}: ({x:?}, {y:?}, {z:?})")
+        };
+        let moved = free
+            .replace("position: (0, 1, -5)", &vector("position"))
+            .replace("target: (0, 0, 0)", &vector("target"))
+            .replace("up: (0.1, 1, 0)", &vector("up"));
+        let text = SCENE.replace(CAMERA, &moved);
+        let mut cold = Engine::from_scene(Scene::from_text("ball.ron", text).unwrap());
+        let film = cold.render_frame(frame).unwrap();
+        let png = encode_quickly(&film, cold.effective_settings().film.transfer).unwrap();
+        let id = browser.evaluate("shown.id").as_u64().unwrap();
+        let picture = preview.session.handle().picture(id).unwrap();
+        assert!(picture.info.full && *picture.png == *png, "{moved}");
+    }
+    // Values are changed meanwhile, and written.
+    browser.evaluate("(attempt(['materials.clay.k_d=0.25']).then(keepEdits), true)");
+    until(&browser, "state.edits.undoable === 1 && state.edits.look !== null");
+    assert_eq!(file(&preview), scene.replace("k_d: 0.5", "k_d: 0.25"));
+    browser.press('\u{e00c}');
+    until(&browser, "state.edits.look === null && shown.full && shown.reloads === state.reloads");
+    let own =
+        Engine::from_scene(Scene::from_text("ball.ron", file(&preview)).unwrap()).render_frame(15).unwrap();
+    let id = browser.evaluate("shown.id").as_u64().unwrap();
+    let png = encode_quickly(&own, Transfer::Srgb).unwrap();
+    assert!(*preview.session.handle().picture(id).unwrap().png == *png);
+    assert_eq!(browser.console(), json!([]));
 }
 
 /// Presses at a pixel, drags by some pixels of the film with `button`, and compares the point under the pointer before and after.

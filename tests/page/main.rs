@@ -11,6 +11,7 @@ mod gallery;
 mod http;
 mod lanes;
 mod mistakes;
+mod outline;
 mod phone;
 mod pixels;
 mod rays;
@@ -236,7 +237,7 @@ fn values_of_included_files_are_not_changed() {
     preview.save(&SCENE.replacen("Scene(", "Scene(include: [(file: \"part.ron\", name: \"front\")],", 1));
     until(&browser, "state.reloads === 2 && shown.full && shown.reloads === 2");
     let text = browser.evaluate(list);
-    assert_eq!(text, json!("Its values are changed in its own file."));
+    assert_eq!(text, json!("entity front/ball part.ron:1\n\nIts values are changed in its own file."));
 }
 
 #[test]

@@ -170,8 +170,9 @@ fn film_is_made_on_the_page() {
     person.until("shown.full && shown.frame === 24");
     browser.evaluate("(probe(film().map(size => size >> 1)), true)");
     person.until("document.querySelectorAll('#values .value').length > 2");
-    let names =
-        browser.evaluate("[...document.querySelectorAll('#values .value span')].map(name => name.innerText)");
+    let names = browser.evaluate(
+        "[...document.querySelectorAll('#values section > .value span')].map(name => name.innerText)",
+    );
     assert_eq!(names, json!(["radius", "k_a", "k_d", "color", "k_s", "shininess"]));
     person.look(1.0);
     person.set("shape.radius", &["0.9", "0.8", "0.7", "0.75"]);

@@ -4,9 +4,9 @@ use std::fs;
 use std::sync::mpsc::channel;
 use std::time::Instant;
 
-use rayreel::Engine;
-use rayreel::live::{EditState, Event, Reply, SceneEdit, SessionCommand};
-use rayreel::scene::{KeyChange, WrittenValue};
+use rayreel::live::{EditState, Event, LookView, Reply, SceneEdit, SessionCommand};
+use rayreel::scene::{KeyChange, ScenePart, WrittenValue};
+use rayreel::{Engine, Scene};
 
 use crate::AT_MOST;
 use crate::session::{Stage, scene};
@@ -26,8 +26,13 @@ fn attempt(stage: &Stage, values: &[&str]) -> Result<(), String> {
     edit(stage, SceneEdit::Try(values.iter().map(|value| (*value).to_owned()).collect()))
 }
 
-fn values(stage: &Stage, path: &str) -> Vec<WrittenValue> {
-    ask(stage, |reply| SessionCommand::Values(path.to_owned(), reply))
+/// Returns the written values of a part, without those of the material of an entity.
+fn values(stage: &Stage, part: ScenePart) -> Vec<WrittenValue> {
+    let info = ask(stage, |reply| SessionCommand::Part(part, reply));
+    let first = info.and_then(|info| info.sections.into_iter().next());
+    first.map_or_else(Vec::new, |section| {
+        section.values.into_iter().filter(|value| !value.is_default).collect()
+    })
 }
 
 fn edits(stage: &Stage) -> EditState {
@@ -75,7 +80,12 @@ fn tried_values_are_shown_and_kept_ones_written() {
     let mut cold = Engine::load(stage.path("ball.ron")).unwrap();
     assert!(cold.render_frame(0).unwrap() == *kept.film);
     edit(&stage, SceneEdit::Undo).unwrap();
-    assert_eq!((text(&stage), edits(&stage).undoable), (before, 0));
+    assert_eq!((text(&stage), edits(&stage).undoable), (before.clone(), 0));
+    edit(&stage, SceneEdit::Redo).unwrap();
+    assert_eq!((text(&stage), edits(&stage).undoable, edits(&stage).redoable), (edited, 1, 0));
+    edit(&stage, SceneEdit::Redo).unwrap();
+    edit(&stage, SceneEdit::Undo).unwrap();
+    assert_eq!((text(&stage), edits(&stage).redoable), (before, 1));
     let undone = stage.converges_to_a_cold_start();
     assert!(undone.info.reloads > first.info.reloads);
 }
@@ -170,7 +180,7 @@ fn cameras_that_can_be_moved_are_described() {
     let camera = || ask(&stage, SessionCommand::Camera);
     let view = camera().unwrap();
     assert_eq!((view.path.as_str(), view.position, view.target), ("camera", [0.0, 0.0, -5.0], [0.0; 3]));
-    assert!(!view.has_direction && !view.right_handed && view.position_key.is_none());
+    assert!(!view.has_direction && !view.right_handed && view.position_key.is_none() && view.look.is_none());
     let save = |camera: &str, more: &str| {
         let text = scene(1.0, "").replace("camera: (position: (0, 0, -5), target: (0, 0, 0))", camera);
         stage.save(&text.replace("animate: [", &format!("animate: [{more}")));
@@ -181,8 +191,6 @@ fn cameras_that_can_be_moved_are_described() {
     let view = camera().unwrap();
     assert_eq!((view.path.as_str(), view.target), ("cameras.\"near 1.5\"", [0.0, 0.0, -1.0]));
     assert!(view.has_direction && view.right_handed);
-    save("camera: (position: (0, 0, -5), look_at: \"ball\")", "");
-    assert!(camera().unwrap_err().starts_with("`look_at` ties this camera to `ball`"));
     save(
         "camera: (position: (0, 0, -5), target: (0, 0, 0))",
         "(target: \"camera\", channel: Position, track: Keys([(0, (0, 0, -5)), (2, (0, 0, -6))])),",
@@ -194,6 +202,47 @@ fn cameras_that_can_be_moved_are_described() {
     attempt(&stage, &["cameras.\"near 1.5\".view=(0.1, 0, 2)"]).unwrap();
     edit(&stage, SceneEdit::Keep).unwrap();
     assert!(text(&stage).contains("position: (0, 0, -4), view: (0.1, 0, 2)"));
+}
+
+#[test]
+fn views_of_tied_cameras_are_only_looked_from() {
+    let free = "camera: (position: (0, 0, -5), target: (0, 0, 0))";
+    let tied = scene(1.0, "").replace(free, "camera: (position: (0, 0, -5), look_at: \"ball\")");
+    let stage = Stage::new(Some(&tied));
+    stage.matches_a_cold_start();
+    let camera = || ask(&stage, SessionCommand::Camera).unwrap();
+    let reason = "`look_at` ties this camera to `ball`";
+    assert!(camera().look.unwrap().starts_with(reason));
+    assert_eq!((camera().position, camera().target), ([0.0, 0.0, -5.0], [0.0; 3]));
+    let look = |x: f64| {
+        SceneEdit::Look(LookView { position: [x, 1.0, -5.0], target: [0.0; 3], up: [0.0, 1.0, 0.0] })
+    };
+    let shown = |tried: bool| loop {
+        match stage.next() {
+            Event::Shown(shown) if shown.info.full && shown.tried == tried => break shown.film,
+            event => assert!(!matches!(event, Event::Reloaded(_)) || !tried, "{event:?}"),
+        }
+    };
+    edit(&stage, look(2.0)).unwrap();
+    assert_eq!((camera().position, edits(&stage).tried.len()), ([2.0, 1.0, -5.0], 0));
+    let there = scene(1.0, "").replace("(0, 0, -5)", "(2, 1, -5)");
+    let cold = |text: &str| {
+        let scene = Scene::from_text("ball.ron", text.to_owned()).unwrap();
+        Engine::from_scene(scene).render_frame(0).unwrap()
+    };
+    assert!(*shown(true) == cold(&there));
+    assert!(edit(&stage, look(f64::NAN)).unwrap_err().contains("must be finite"));
+    assert!(edit(&stage, SceneEdit::Keep).unwrap_err().starts_with(reason));
+    edit(&stage, SceneEdit::Drop).unwrap();
+    assert!(*shown(false) == cold(&tied));
+    assert_eq!((camera().position, edits(&stage).look, text(&stage)), ([0.0, 0.0, -5.0], None, tied));
+    // A camera that can be moved is not only looked from.
+    stage.save(&scene(1.0, ""));
+    let start = Instant::now();
+    while camera().look.is_some() {
+        assert!(start.elapsed() < AT_MOST);
+    }
+    assert!(edit(&stage, look(2.0)).unwrap_err().starts_with("this camera can be moved"));
 }
 
 #[test]
@@ -226,32 +275,38 @@ fn keys_and_values_of_a_view_are_one_change() {
 fn written_values_have_kinds_and_limits() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.matches_a_cold_start();
-    let listed = |path: &str| -> Vec<(String, String)> {
+    let listed = |part: ScenePart| -> Vec<(String, String)> {
         let shown = |value: &WrittenValue| {
             let range = format!("{:?} {:?}..{:?}", value.kind, value.least, value.most);
             (format!("{}={}", value.path, value.text), range)
         };
-        values(&stage, path).iter().map(shown).collect()
+        values(&stage, part).iter().map(shown).collect()
     };
     let of = |text: &str, range: &str| (text.to_owned(), range.to_owned());
     assert_eq!(
-        listed("materials.clay"),
+        listed(ScenePart::Material("clay".to_owned())),
         [
             of("materials.clay.k_a=1", "Number Some(0.0)..Some(1.0)"),
             of("materials.clay.k_d=0.5", "Number Some(0.0)..Some(1.0)"),
             of("materials.clay.color=(255, 120, 60)", "Color None..None"),
         ]
     );
-    assert_eq!(listed("entities.ball").len(), 1);
+    assert_eq!(listed(ScenePart::Entity("ball".to_owned())).len(), 1);
     assert_eq!(
-        listed("camera"),
+        listed(ScenePart::Camera("camera".to_owned())),
         [
             of("camera.position=(0, 0, -5)", "Vector None..None"),
             of("camera.target=(0, 0, 0)", "Vector None..None")
         ]
     );
-    assert_eq!(listed("film")[0], of("film.width=64", "Whole Some(1.0)..Some(32768.0)"));
-    assert!(values(&stage, "entities.none").is_empty() && values(&stage, "..").is_empty());
-    let about = &values(&stage, "materials.clay")[1].about;
+    assert_eq!(
+        listed(ScenePart::Setting("film".to_owned()))[0],
+        of("film.width=64", "Whole Some(1.0)..Some(32768.0)")
+    );
+    for unknown in ["none", "#x", "#9999", "..", ""].map(str::to_owned) {
+        assert!(values(&stage, ScenePart::Entity(unknown.clone())).is_empty());
+        assert!(values(&stage, ScenePart::Setting(unknown)).is_empty());
+    }
+    let about = &values(&stage, ScenePart::Material("clay".to_owned()))[1].about;
     assert_eq!(about, "diffuse reflection coefficient, 0 to 1");
 }

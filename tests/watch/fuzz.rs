@@ -10,9 +10,11 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rayreel::Engine;
-use rayreel::live::{Detail, ExportRequest, Handle, Reply, SceneEdit, SessionCommand, ViewChange};
+use rayreel::live::{
+    Detail, ExportRequest, Handle, OutlineRequest, Reply, SceneEdit, SessionCommand, ViewChange,
+};
 use rayreel::output::encode_quickly;
-use rayreel::scene::KeyChange;
+use rayreel::scene::{KeyChange, ScenePart};
 
 use crate::AT_MOST;
 use crate::session::{Stage, scene};
@@ -100,12 +102,14 @@ fn act(stage: &Stage, handle: &Handle, answers: &Answers, random: &mut Random) {
         10 => edit(SceneEdit::TryKeys(vec![value(random)], vec![key_change(random)])),
         11 | 12 => edit(SceneEdit::Keep),
         13 => edit(SceneEdit::Drop),
+        14 if random.once_in(2) => edit(SceneEdit::Redo),
         14 => edit(SceneEdit::Undo),
         15 => handle.send(SessionCommand::Probe((9, 9), answers.reply())),
         16 => {
             handle.send(SessionCommand::Camera(answers.reply()));
             handle.send(SessionCommand::Tracks(answers.reply()));
-            handle.send(SessionCommand::Values("entities.ball".to_owned(), answers.reply()));
+            handle.send(SessionCommand::Part(ScenePart::Entity("ball".to_owned()), answers.reply()));
+            handle.send(SessionCommand::Outline(OutlineRequest::default(), answers.reply()));
         }
         17 => {
             let target = stage.path(["film", "film.gif"][random.index(2)]);

@@ -59,8 +59,11 @@ function movedView(view, kind, right, down) {
   return { position: add(target, swung(view, add(position, target, -1), TURN * right, -TURN * down)), target };
 }
 
-// Tries a view. Tracks of the camera get keys at the frame; without a track, the field of the camera changes.
+// Tries a view. Tracks of the camera get keys at the frame; without a track, the field of the camera changes. A camera that is moved by
+// something else stays: the view is only looked from.
 function setView(view, { position, target }) {
+  showGizmo({ ...view, position, target });
+  if (view.look) { attemptEdit({ look: { position, target, up: view.up } }); return; }
   const look = view.has_direction ? ["view", add(target, position, -1)] : ["target", target];
   const values = [], keys = [];
   for (const [field, vector, key] of [["position", position, view.position_key], [...look, view.target_key]]) {
@@ -68,7 +71,6 @@ function setView(view, { position, target }) {
     else values.push(`${view.path}.${field}=${triple(vector)}`);
   }
   attempt(values, keys);
-  showGizmo({ ...view, position, target });
 }
 
 // The camera of the requested frame; the reason is shown if it cannot be moved.
@@ -101,6 +103,7 @@ const turn = ({ view, kind, right, down }) => setView(view, movedView(view, kind
 
 function approach({ view, factor }) {
   const { position, target } = view;
+  if (view.is_orthographic && view.look) { write(at("refused"), view.look); return; }
   if (view.is_orthographic) { attempt([`${view.path}.orthographic=${formatted(factor * view.pixel_size[1] * film()[1])}`]); return; }
   setView(view, { position: add(target, add(position, target, -1), factor), target });
 }

@@ -15,9 +15,11 @@ async function edit(what) {
   return refused === "";
 }
 
-// Tries values and changes of keys, the last of those that arrive while another try is under way.
-async function attempt(values, keys = []) {
-  let next = keys.length > 0 ? { try_keys: [values, keys] } : { try: values };
+// Tries values and changes of keys.
+const attempt = (values, keys = []) => attemptEdit(keys.length > 0 ? { try_keys: [values, keys] } : { try: values });
+
+// Makes an edit, the last of those that arrive while another one is under way.
+async function attemptEdit(next) {
   if (trying !== null) { trying = next; return; }
   trying = true;
   while (next) {
@@ -34,31 +36,50 @@ async function settled() {
   while (trying !== null) await new Promise(requestAnimationFrame);
 }
 
+const isUnsaved = () => unsaved || state.edits.tried.length > 0 || state.edits.look !== null;
+
 // Writes what is tried into the files.
 async function keepEdits() {
   await settled();
-  if (unsaved || state.edits.tried.length > 0) await edit("keep");
+  if (isUnsaved()) await edit("keep");
 }
 
 async function dropEdits() {
   await settled();
-  if (unsaved || state.edits.tried.length > 0) await edit("drop");
+  if (isUnsaved()) await edit("drop");
 }
 
 const undo = () => { if (!at("undo").disabled) edit("undo"); };
+const redo = () => { if (!at("redo").disabled) edit("redo"); };
 
 // Numbers as one would write them.
 const formatted = number => { const text = String(Number(number.toPrecision(7))); return text.includes("e") ? number.toFixed(12).replace(/0+$/, "0") : text; };
 const triple = vector => `(${vector.map(formatted).join(", ")})`;
 
 function drawEdits() {
-  const { tried, undoable, notice, possible } = state.edits;
+  const { tried, undoable, redoable, last, look, notice, possible } = state.edits, isLook = tried.length === 0 && look !== null;
   at("undo").disabled = undoable === 0;
-  at("undo").hidden = !possible;
-  at("unsaved").hidden = tried.length === 0;
+  at("redo").disabled = redoable === 0;
+  at("undo").hidden = at("redo").hidden = !possible;
+  at("unsaved").hidden = tried.length === 0 && !isLook;
+  write(at("unsaved").firstChild, isLook ? "Only a look, not in the file" : "Not in the file yet");
+  at("unsaved").title = isLook ? look : "";
+  at("keep").hidden = isLook;
+  write(at("drop"), isLook ? "Reset" : "Discard");
+  at("drop").title = isLook ? "Back to the camera in the file (Esc)" : "As it is in the file (Esc)";
+  drawWritten(last);
   if (notice) write(at("refused"), notice);
 }
 
+// The line of the last change of a file, as a link to it.
+function drawWritten(last) {
+  const text = last && `${last.is_undone ? "Taken back" : "Written"}: `, of = JSON.stringify(last);
+  if (at("written").dataset.of === of) return;
+  at("written").dataset.of = of;
+  at("written").replaceChildren(...last ? [text, placeLink(last.place.split(/[\\/]/).pop(), last.place)] : []);
+}
+
 at("undo").onclick = undo;
+at("redo").onclick = redo;
 at("keep").onclick = keepEdits;
 at("drop").onclick = dropEdits;

@@ -68,7 +68,8 @@ const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowD
 document.onkeydown = event => {
   if (!state || document.querySelector("dialog[open]")) return;
   if (event.target.tagName !== "INPUT" && flyKey(event)) { event.preventDefault(); return; }
-  if ((event.ctrlKey || event.metaKey) && event.key === "z" && event.target.tagName !== "INPUT") { undo(); event.preventDefault(); }
+  const letter = event.ctrlKey || event.metaKey ? event.key.toLowerCase() : null, changes = letter === "z" ? event.shiftKey ? redo : undo : letter === "y" ? redo : null;
+  if (changes && event.target.tagName !== "INPUT") { changes(); event.preventDefault(); }
   if (event.ctrlKey || event.metaKey) return;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, tag = event.target.tagName;
   if (event.altKey) {

@@ -9,7 +9,7 @@ const element = (name, text, attributes = {}) => {
 };
 
 // The view: it survives reloads of the scene, of the page, and of the server.
-const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, wipe: null, swap: false, gain: null, scene: null };
+const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, selected: null, outline: null, wipe: null, swap: false, gain: null, scene: null };
 const storage = "rayreel" + location.host;
 try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* keep the defaults */ }
 const keep = () => { try { sessionStorage.setItem(storage, JSON.stringify(view)); } catch { /* not kept */ } };
@@ -67,7 +67,7 @@ function update(latest) {
   const other = state === null || state.session !== latest.session;
   state = latest;
   // Frames and pixels of another scene are meaningless in this one.
-  if (view.scene !== state.scene) Object.assign(view, { scene: state.scene, frame: null, range: null, spot: null });
+  if (view.scene !== state.scene) Object.assign(view, { scene: state.scene, frame: null, range: null, spot: null, selected: null });
   if (other) { shown = compared = loading = requested = null; }
   if (view.frame === null) view.frame = state.frame;
   if (other && view.detail && view.detail !== state.detail) request({ detail: view.detail });
@@ -86,6 +86,8 @@ function update(latest) {
   follow();
   fetchPicture();
   fetchTracks();
+  fetchOutline();
+  followEdit(other);
   draw();
 }
 
@@ -107,6 +109,7 @@ function draw() {
   drawTransport();
   drawKept();
   drawEdits();
+  drawSelected();
   drawExport();
   drawComparison();
   drawMistakes(wrong);

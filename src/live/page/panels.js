@@ -33,12 +33,19 @@ function placeLink(text, place) {
   return link;
 }
 
+// Marks a pixel, and selects what is there.
 async function probe(pixel) {
   view.spot = pixel;
   keep();
   mark();
+  const spot = await describe(pixel);
+  if (spot) select(spot.surface ? { entity: spot.surface.entity } : { setting: "background" }, true);
+}
+
+// Describes the marked pixel.
+async function describe(pixel) {
   const answer = await post("probe", pixel).catch(() => null);
-  if (!answer || !answer.ok || view.spot !== pixel) return;
+  if (!answer || !answer.ok || view.spot !== pixel) return null;
   const spot = await answer.json();
   const rows = [["pixel", pixel.join(", ")]];
   if (spot) {
@@ -70,8 +77,8 @@ async function probe(pixel) {
   const parts = [element("h2", "Pixel"), table];
   if (spot && spot.all !== 1) parts.push(element("small", describeSamples(spot)));
   at("spot").replaceChildren(...parts);
-  drawValues(spot?.surface);
   traceRays();
+  return spot;
 }
 
 // Warnings are about the picture, which mistakes replace by the last good one.

@@ -11,7 +11,7 @@ async function fetchPicture() {
   if (!picture || document.hidden || loading !== null || (shown && shown.id === picture.id)) return;
   if (playing?.local) {
     arrive(picture.frame);
-    if (view.spot && !picture.coarse && described !== picture.id) { described = picture.id; probe(view.spot); }
+    if (view.spot && !picture.coarse && described !== picture.id) { described = picture.id; describe(view.spot); }
     return;
   }
   loading = picture.id;
@@ -25,7 +25,7 @@ async function fetchPicture() {
   arrive(picture.frame);
   if (good && !(shown && shown.id > picture.id) && !playing?.local) {
     display(image, picture);
-    if (!picture.coarse && view.spot) probe(view.spot);
+    if (!picture.coarse && view.spot) describe(view.spot);
   }
   follow();
   draw();

@@ -1,47 +1,45 @@
 "use strict";
-// The panel of values of the clicked thing.
-
-async function valuesAt(path) {
-  const answer = await post("values", path).catch(() => null);
-  return answer?.ok ? answer.json() : [];
-}
+// The panel of values of the selected part.
 
 const quoted = name => `"${name}"`;
-const reaches = new Map();  // the ends of sliders without a valid range by path, which stay while the same thing is selected
-let selected = "";          // the paths of that thing
+const reaches = new Map();  // the ends of sliders without a valid range by path, which stay while the same part is selected
+const unfolded = new Set(); // the titles of the sections whose defaults are shown
+let drawn = null;           // the part, and the reload, whose values are in the panel
 
-// Names are unique in the scene's own file only: other files may have the same ones.
-function isInSceneFile(place) {
-  const file = place?.replace(/(:\d+)+(, .*)?$/, "").replace(/^\.[\\/]/, "");
-  return Boolean(file) && state.scene.endsWith(file);
+// Shows the values of the selected part, as in the file. A slider that is being dragged stays; afterwards, the keyboard's place is kept.
+async function drawSelected() {
+  const part = view.selected, of = `${reload()} ${JSON.stringify(part)}`;
+  const stays = () => trying !== null || state.edits.tried.length > 0 && at("values").contains(document.activeElement);
+  if (drawn === of || stays()) return;
+  const before = drawn;
+  drawn = of;
+  const answer = part && state.edits.possible ? await post("part", part).catch(() => null) : null;
+  const info = answer?.ok ? await answer.json() : null;
+  if (drawn !== of) return;
+  if (stays()) { drawn = before; return; }
+  const active = document.activeElement, label = at("values").contains(active) ? active.getAttribute("aria-label") : null, { type } = active;
+  at("values").replaceChildren(...info ? partSections(info) : []);
+  if (label) [...at("values").querySelectorAll("input")].find(input => input.getAttribute("aria-label") === label && input.type === type)?.focus();
 }
 
-async function drawValues(surface) {
-  const parts = [];
-  if (surface && state.edits.possible && isInSceneFile(surface.place)) {
-    const entity = surface.entity.startsWith("#") ? surface.entity.slice(1) : quoted(surface.entity);
-    parts.push([`entity ${surface.entity}`, `entities.${entity}`]);
-    if (surface.material) parts.push([`material ${surface.material}`, `materials.${quoted(surface.material)}`]);
-    for (const part of parts) part.push(await valuesAt(part[1]));
-  }
-  const paths = parts.map(part => part[1]).join();
-  if (paths !== selected) reaches.clear();
-  selected = paths;
-  const sections = parts.filter(([, , values]) => values.length > 0).map(([title, , values]) => {
-    const section = element("section"), names = namesOf(values);
-    section.append(element("h3", title), ...values.map((value, index) => valueRow(value, names[index])));
+function partSections({ title, place, sections, note }) {
+  const heading = (title, place) => {
+    const made = element("h3", title);
+    if (place) { const where = element("small", undefined, { title: place }); where.append(placeLink(place.split(/[\\/]/).pop(), place)); made.append(" ", where); }
+    return made;
+  };
+  if (sections.length === 0) return [heading(title, place), element("p", note, { className: "faint" })];
+  return sections.map(({ title, values, animated }, index) => {
+    const section = element("section"), names = namesOf(values), row = value => valueRow(value, names[values.indexOf(value)], animated.includes(value.path));
+    const written = values.filter(value => !value.is_default), others = values.filter(value => value.is_default);
+    section.append(heading(title, index === 0 ? place : null), ...written.map(row));
+    if (others.length === 0) return section;
+    const more = element("details", undefined, { className: "defaults", open: unfolded.has(title) || written.length === 0 });
+    more.append(element("summary", `${others.length} not in the file`, { title: "Shown with their defaults; a change writes them" }), ...others.map(row));
+    more.ontoggle = () => unfolded[more.open ? "add" : "delete"](title);
+    section.append(more);
     return section;
   });
-  if (sections.length === 0 && surface?.place && state.edits.possible) {
-    const advice = isInSceneFile(surface.place) ? "With a name, its values can be changed here." : "Its values are changed in its own file.";
-    sections.push(element("p", advice, { className: "faint" }));
-  }
-  // A slider that is being dragged stays; afterwards, the keyboard's place is kept.
-  if (trying !== null || state.edits.tried.length > 0 && at("values").contains(document.activeElement)) return;
-  const label = at("values").contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
-  const type = document.activeElement.type;
-  at("values").replaceChildren(...sections);
-  if (label) [...at("values").querySelectorAll("input")].find(input => input.getAttribute("aria-label") === label && input.type === type)?.focus();
 }
 
 // The last step of each path or, where several values have it, the last two.
@@ -52,9 +50,10 @@ function namesOf(values) {
 }
 
 // Drags within a slider try values; its release writes them.
-function valueRow(value, name) {
+function valueRow(value, name, isAnimated = false) {
   const row = element("label", undefined, { className: "value", title: value.about });
   row.append(element("span", name));
+  if (isAnimated) row.firstChild.append(element("small", "animated", { title: "A track sets this value over time: see the keys below the timeline, or `animate` in the file" }));
   const set = text => attempt([`${value.path}=${text}`]);
   const input = (type, current, text, attributes = {}) => {
     const made = element("input", undefined, { type, value: current, ...attributes });

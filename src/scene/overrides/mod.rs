@@ -2,8 +2,9 @@
 //!
 //! A value is inserted into the text before parsing, so that it passes the same checks and produces the same error messages as the file.
 //! `set_value` finds its position in a file; `unplaced` finds the file. `write_back` puts values into the files themselves. `written` and
-//! `tracks` list the values and the keys that are there.
+//! `tracks` list the values and the keys that are there, `defaults` the fields that are not.
 
+mod defaults;
 mod set_value;
 mod tracks;
 mod unplaced;
