@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 use super::state::{CachedFrames, Planned, Times};
 use super::warnings::PictureWarnings;
-use crate::trace::FrameFingerprint;
+use crate::trace::{FrameFingerprint, RayCounts};
 
 /// The finished pictures, and the fingerprints of the frames of the current scene at the requested quality.
 #[derive(Debug, Default)]
 pub(super) struct FrameCache {
-    /// Maximum size of all PNG files in bytes.
+    /// Maximum size of all pictures in bytes.
     limit: usize,
     bytes: usize,
     pictures: HashMap<FrameFingerprint, CachedPicture>,
@@ -34,6 +34,7 @@ pub(super) struct CachedPicture {
     pub(super) height: u32,
     pub(super) times: Times,
     pub(super) rays: u64,
+    pub(super) tile_rays: Arc<[RayCounts]>,
     pub(super) plan: Vec<Planned>,
     pub(super) warnings: PictureWarnings,
     /// Time of the last use, by the cache's clock.
@@ -48,6 +49,13 @@ pub(super) enum FrameKey {
     Known(FrameFingerprint),
     /// The frame cannot be rendered.
     Failed,
+}
+
+impl CachedPicture {
+    /// Returns the size of the PNG file and of the numbers of rays, in bytes.
+    fn size(&self) -> usize {
+        self.png.len() + size_of_val(&*self.tile_rays)
+    }
 }
 
 impl FrameCache {
@@ -103,7 +111,7 @@ impl FrameCache {
         if self.picture(frame).is_some() {
             return;
         }
-        let size = picture.png.len();
+        let size = picture.size();
         if size > self.limit {
             return;
         }
@@ -189,7 +197,7 @@ impl FrameCache {
 
     fn remove(&mut self, fingerprint: FrameFingerprint) {
         if let Some(picture) = self.pictures.remove(&fingerprint) {
-            self.bytes -= picture.png.len();
+            self.bytes -= picture.size();
         }
     }
 }
@@ -209,6 +217,7 @@ mod tests {
             height: 1,
             times: Times::default(),
             rays: 0,
+            tile_rays: Arc::default(),
             plan: Vec::new(),
             warnings: PictureWarnings::default(),
             used: 0,

@@ -100,6 +100,7 @@ pub(super) fn render(
     let time = engine.timeline().time_of(frame);
     let request = RenderRequest {
         settings: settings_of(engine, detail),
+        tile_rays: true,
         fingerprint: false,
         signals,
         on_pause: Some(visit),

@@ -22,6 +22,7 @@
 //! | `editor` | the command that opens a file in an editor |
 //! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
 //! | `export` | rendering of films into files |
+//! | `tile_rays` | numbers of rays in the tiles of pictures |
 //! | `warnings` | warnings about the scene and its full pictures |
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
 //! | `server`, `page` | the HTTP server for browsers on the same machine, and its page |
@@ -48,6 +49,7 @@ mod scene_files;
 mod server;
 mod session;
 mod state;
+mod tile_rays;
 mod warnings;
 mod watcher;
 mod worker;

@@ -530,6 +530,7 @@ impl Renderer {
     ) -> RenderedPicture {
         let (report, transfer) = (self.engine.report(), self.engine.effective_settings().film.transfer);
         let (mut times, rays) = (state.times, report.rays.total());
+        let tile_rays = Arc::clone(&report.tile_rays);
         times.set_frame(report, traced);
         let is_full = kind == PictureKind::Full;
         let plan = match kind {
@@ -540,7 +541,7 @@ impl Renderer {
             true => PictureWarnings::of(&self.engine, &self.sources, &self.allowed),
             false => PictureWarnings::default(),
         };
-        RenderedPicture { film, transfer, kind, times, rays, plan, warnings }
+        RenderedPicture { film, transfer, kind, times, rays, tile_rays, plan, warnings }
     }
 
     /// Returns the effects of a frame. `is_last` is true if the frame is the last full picture.

@@ -5,6 +5,7 @@
 //! | `GET /state` | the [`State`](super::State), as JSON |
 //! | `GET /events` | the state after each change, as server-sent events |
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
+//! | `GET /tiles/1795/7` | the number of rays in each tile of that picture, a [`TileRayCounts`], as JSON |
 //! | `GET /frame/1795/2/240` | the finished picture of frame 240 of generation 2 of session 1795, as PNG, if it is kept |
 //! | `POST /view` | changes the view according to a [`ViewChange`], as JSON |
 //! | `POST /edit` | changes values of the scene according to a [`SceneEdit`], as JSON; 409 and the reason if that is not possible |
@@ -57,10 +58,11 @@ use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
 use super::export::{ExportEnd, ExportRequest, ExportState};
 use super::outline::OutlineRequest;
 use super::session::Handle;
+use super::tile_rays::TileRayCounts;
 use crate::scene::ScenePart;
 
 /// Path, media type and content of each file of the page.
-const FILES: [(&str, &str, &str); 22] = [
+const FILES: &[(&str, &str, &str)] = &[
     ("/", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
     ("/page.js", SCRIPT, include_str!("page/page.js")),
@@ -75,6 +77,7 @@ const FILES: [(&str, &str, &str); 22] = [
     ("/mistakes.js", SCRIPT, include_str!("page/mistakes.js")),
     ("/rays.js", SCRIPT, include_str!("page/rays.js")),
     ("/pixels.js", SCRIPT, include_str!("page/pixels.js")),
+    ("/heat.js", SCRIPT, include_str!("page/heat.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
     ("/edit.js", SCRIPT, include_str!("page/edit.js")),
     ("/camera.js", SCRIPT, include_str!("page/camera.js")),
@@ -193,6 +196,7 @@ fn router(shared: ServerState) -> Router {
         .route("/state", get(state))
         .route("/events", get(events))
         .route("/picture/{session}/{id}", get(picture))
+        .route("/tiles/{session}/{id}", get(tiles))
         .route("/frame/{session}/{generation}/{frame}", get(frame))
         .route("/view", post(view))
         .route("/probe", post(probe))
@@ -279,6 +283,14 @@ async fn events(State(shared): State<ServerState>) -> Sse<impl Stream<Item = Res
 
 async fn picture(State(shared): State<ServerState>, Path((session, id)): Path<(u64, u64)>) -> Response {
     png(&shared, session, shared.session.picture(id).map(|picture| picture.png))
+}
+
+async fn tiles(State(shared): State<ServerState>, Path((session, id)): Path<(u64, u64)>) -> Response {
+    let picture = shared.session.picture(id).filter(|_| shared.session.state().session == session);
+    match picture.as_ref().and_then(TileRayCounts::of) {
+        Some(rays) => json(&rays),
+        None => (StatusCode::NOT_FOUND, "this picture is coarse or out of date\n").into_response(),
+    }
 }
 
 async fn frame(

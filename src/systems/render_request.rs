@@ -110,6 +110,8 @@ pub struct RenderRequest<'a, E: Encoding = Linear> {
     /// True if the image gets the number of samples of each pixel: see
     /// [`RenderedImage::sample_counts`](crate::RenderedImage::sample_counts).
     pub sample_counts: bool,
+    /// True if the report gets the number of rays in each tile: see [`FrameReport::tile_rays`](super::FrameReport::tile_rays).
+    pub tile_rays: bool,
     /// The settings. `None` uses the engine's.
     pub settings: Option<RenderSettings>,
     /// True if the report gets the image's fingerprint, which takes time if there are many shapes.
@@ -149,6 +151,7 @@ impl<E: Encoding> RenderRequest<'_, E> {
             reference: false,
             passes: false,
             sample_counts: false,
+            tile_rays: false,
             settings: None,
             fingerprint: true,
             signals: Signals::none(),
@@ -175,6 +178,7 @@ impl<E: Encoding + fmt::Debug> fmt::Debug for RenderRequest<'_, E> {
             .field("reference", &self.reference)
             .field("passes", &self.passes)
             .field("sample_counts", &self.sample_counts)
+            .field("tile_rays", &self.tile_rays)
             .field("settings", &self.settings)
             .finish_non_exhaustive()
     }

@@ -1,5 +1,6 @@
 //! The cost report of a frame.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::Plan;
@@ -27,6 +28,9 @@ pub struct FrameReport {
     pub fingerprint: Option<FrameFingerprint>,
     /// The number of rays.
     pub rays: RayCounts,
+    /// The number of rays in each tile of 16 by 16 pixels, row by row from the top, if it was requested. Tiles at the right and lower borders
+    /// may be smaller. Empty for the reference path.
+    pub tile_rays: Arc<[RayCounts]>,
     /// The estimated error of the image, if it has an error target: see [`Sampling::max_error`](crate::components::Sampling::max_error).
     pub error: Option<EstimatedError>,
     /// The number of rays that surfaces spawned but that were not traced.

@@ -67,7 +67,16 @@ fn trace<E: Encoding>(
     report: &mut FrameReport,
 ) -> Result<RenderedImage<E::Pixel>, Interrupted> {
     let RenderRequest {
-        encoding, alpha, sample_counts, fingerprint, signals, on_pause, resume, reuse, ..
+        encoding,
+        alpha,
+        sample_counts,
+        tile_rays,
+        fingerprint,
+        signals,
+        on_pause,
+        resume,
+        reuse,
+        ..
     } = request;
     let (mut own_job, mut own_visit) = (None, |_: &RenderJob<E>| Continue(()));
     let job = resume.unwrap_or(&mut own_job);
@@ -139,6 +148,9 @@ fn trace<E: Encoding>(
     report.trace = traced;
     visited?;
     let job = job.take_if(|_| is_complete).ok_or(Interrupted::Cancelled)?;
+    if tile_rays {
+        report.tile_rays = job.tile_rays();
+    }
     let mut image = finish(job, memory, report, reuse);
     report.fingerprint = hashed.map(|hashed| match policy {
         Some(_) => hashed.finish().with_rounds(&report.rounds),

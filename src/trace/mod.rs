@@ -124,6 +124,8 @@ pub(crate) use scene::{
 };
 pub use shading::{LightTerms, RefractionTerms, SecondaryTerms, Unlit};
 pub use shapes::{Equation, Interval, RodEnds};
+#[cfg(feature = "live")]
+pub(crate) use stages::TILE;
 
 // The kernel's arrays, for tests and benchmarks; not part of the library's interface.
 #[doc(hidden)]

@@ -30,6 +30,7 @@ mod scripts;
 mod spent;
 #[path = "../random/splitmix.rs"]
 mod splitmix;
+mod tile_rays;
 mod visibility;
 mod warnings;
 

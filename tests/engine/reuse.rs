@@ -33,8 +33,8 @@ struct Shot {
     alpha: bool,
 }
 
-/// The pixels of a picture, their alpha, and its rays.
-type Pixels = (Film, Option<Film<f32>>, RayCounts);
+/// The pixels of a picture, their alpha, and its rays, all and by tile.
+type Pixels = (Film, Option<Film<f32>>, RayCounts, Arc<[RayCounts]>);
 
 fn settings(engine: &Engine, size: (u32, u32)) -> RenderSettings {
     RenderSettings { size: Some(size), ..RenderSettings::default() }.or(engine.settings)
@@ -58,14 +58,15 @@ fn reused(
             resume: Some(&mut job),
             reuse: Some(slot),
             fingerprint: false,
+            tile_rays: true,
             alpha,
             ..RenderRequest::at(time)
         };
         match engine.render(request) {
             Err(EngineError::Cancelled) => {}
             other => {
-                let report = engine.report();
-                return other.map(|image| ((image.film, image.alpha, report.rays), report.reused));
+                let (report, tiles) = (engine.report(), Arc::clone(&engine.report().tile_rays));
+                return other.map(|image| ((image.film, image.alpha, report.rays, tiles), report.reused));
             }
         }
     }
@@ -74,9 +75,14 @@ fn reused(
 /// Renders a frame in full.
 fn fresh(engine: &mut Engine, Shot { frame, size, alpha }: Shot) -> Result<Pixels, EngineError> {
     let (time, settings) = (engine.timeline().time_of(frame), settings(engine, size));
-    let image =
-        engine.render(RenderRequest { settings: Some(settings), alpha, ..RenderRequest::at(time) })?;
-    Ok((image.film, image.alpha, engine.report().rays))
+    let image = engine.render(RenderRequest {
+        settings: Some(settings),
+        alpha,
+        tile_rays: true,
+        ..RenderRequest::at(time)
+    })?;
+    let report = engine.report();
+    Ok((image.film, image.alpha, report.rays, Arc::clone(&report.tile_rays)))
 }
 
 /// Begins a picture and discards it, so that nothing of it may stay.

@@ -8,6 +8,7 @@ mod camera;
 mod examples;
 mod export;
 mod gallery;
+mod heat;
 mod http;
 mod lanes;
 mod mistakes;

@@ -40,7 +40,9 @@ function showDecoded(frame) {
   ahead.delete(frame);
   const { naturalWidth: width, naturalHeight: height } = image;
   const { reloads, film, picture } = state, full = state.detail === "full";
-  display(image, { id: picture?.id ?? 0, frame, reloads, width, height, film, full, coarse: false });
+  // The number may be that of another picture, since this one did not come from the session.
+  const isOther = !picture || picture.coarse || picture.frame !== frame;
+  display(image, { id: picture?.id ?? 0, frame, reloads, width, height, film, full, coarse: false, isOther });
   view.frame = frame;
   const now = performance.now();
   if (requested === null && now - noticed > NOTICE_INTERVAL) {

@@ -10,12 +10,13 @@ const setLanes = () => { if (!at("keyed").hidden) at("keyed").click(); };
 const clearRange = () => { view.range = null; keep(); draw(); };
 const moveEdge = by => { if (view.wipe !== null) compare({ wipe: Math.max(0, Math.min(1, view.wipe + by)) }); };
 const centre = () => film().map(count => count >> 1);
+const markPixel = pixel => { probe(pixel); describeHeat(); };
 // Moves the mark to a pixel relative to the marked one, or to the centre.
 function moveSpot(right, down) {
   const [width, height] = film(), [i, j] = view.spot ?? centre();
   const inside = (place, count) => Math.max(0, Math.min(count - 1, place));
   hovered = null;
-  if (shown) probe([inside(i + right, width), inside(j + down, height)]);
+  if (shown) markPixel([inside(i + right, width), inside(j + down, height)]);
 }
 const finish = () => request("finish");
 const measure = () => { if (!at("measure").disabled) { pause(); request("measure"); } };
@@ -56,13 +57,13 @@ at("film").onpointerdown = event => {
 };
 at("film").onpointermove = event => { if (wiping) moveWipe(event); };
 at("film").onpointerup = at("film").onlostpointercapture = () => { wiping = false; };
-at("film").onclick = event => { if (!wiped && !moved && state && shown) probe(pixelOf(event)); wiped = moved = false; };
+at("film").onclick = event => { if (!wiped && !moved && state && shown) markPixel(pixelOf(event)); wiped = moved = false; };
 
 const keys = {
   " ": toggle, ArrowLeft: event => step(event.shiftKey ? -10 : -1), ArrowRight: event => step(event.shiftKey ? 10 : 1),
   i: () => setRange("first", view.frame), o: () => setRange("last", view.frame), x: clearRange, t: setLanes, Home: () => step(-Infinity), End: () => step(Infinity), l: setLoop, "[": () => faster(-1), "]": () => faster(1),
   f: event => event.shiftKey ? fly() : shown && focusOn(hovered ?? view.spot ?? centre()), 0: () => zoom(0), 1: () => zoom(1), "+": () => zoomBy(2), "=": () => zoomBy(2), "-": () => zoomBy(1 / 2),
-  w: setWipe, b: setSwap, d: setDifference, p: pin, z: () => holdLoupe(true), ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("export-open").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
+  w: setWipe, b: setSwap, d: setDifference, p: pin, h: setHeat, z: () => holdLoupe(true), ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("export-open").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
 };
 const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 document.onkeydown = event => {

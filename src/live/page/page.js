@@ -9,7 +9,7 @@ const element = (name, text, attributes = {}) => {
 };
 
 // The view: it survives reloads of the scene, of the page, and of the server.
-const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, selected: null, outline: null, wipe: null, swap: false, gain: null, scene: null };
+const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, selected: null, outline: null, wipe: null, swap: false, gain: null, heat: false, scene: null };
 const storage = "rayreel" + location.host;
 try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* keep the defaults */ }
 const keep = () => { try { sessionStorage.setItem(storage, JSON.stringify(view)); } catch { /* not kept */ } };
@@ -117,11 +117,13 @@ function draw() {
   drawTimes();
   drawPlan();
   drawCurve();
+  showHeat();
   at("fit").setAttribute("aria-pressed", view.zoom === 0);
   at("whole").setAttribute("aria-pressed", view.zoom === 1);
   at("wipe").setAttribute("aria-pressed", view.wipe !== null);
   at("swap").setAttribute("aria-pressed", view.swap);
   at("differ").setAttribute("aria-pressed", view.gain !== null);
+  at("heat").setAttribute("aria-pressed", view.heat);
   at("pin").setAttribute("aria-pressed", pinned !== null);
 }
 

@@ -21,7 +21,7 @@ use crate::trace::render::image::RenderedImage;
 use crate::trace::render::reuse::{ReusablePicture, TileReuse};
 use crate::trace::render::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
 use crate::trace::render::visibility::{self, FeatureScratch};
-use crate::trace::render_stats::RenderStats;
+use crate::trace::render_stats::{RayCounts, RenderStats};
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::shading::RenderContext;
 use crate::trace::stages::{PACKETS, Slots, TILE, Tile, TileLanes};
@@ -211,9 +211,7 @@ impl<E: Encoding> RenderJob<E> {
         plan: SamplePlan,
         SampleMemory { mut sums, pixels: memory }: SampleMemory,
     ) -> Self {
-        let tiles: Vec<TileProgress> = Tile::all((columns, height))
-            .map(|tile| TileProgress { tile, batches: 0, is_seen: false, record: None, is_reused: false })
-            .collect();
+        let tiles: Vec<TileProgress> = Tile::all((columns, height)).map(TileProgress::new).collect();
         let pixels = if plan.samples == 1 && !plan.alpha {
             Pixels::Picture(None)
         } else {
@@ -247,6 +245,7 @@ impl<E: Encoding> RenderJob<E> {
         for (progress, record) in self.tiles.iter_mut().zip(unchanged) {
             if let Some(record) = &record {
                 self.stats += record.stats;
+                progress.rays = record.stats.rays;
                 (progress.is_seen, progress.is_reused) = (true, true);
             }
             progress.record = Some(record.unwrap_or_default());
@@ -397,6 +396,11 @@ impl<E: Encoding> RenderJob<E> {
         let reused = self.tiles.iter().filter(|progress| progress.is_reused);
         let pixels: u32 = reused.map(|progress| progress.tile.width * progress.tile.height).sum();
         f64::from(pixels) / (f64::from(self.width) * f64::from(self.height))
+    }
+
+    /// Returns the rays so far of each tile, in the order of [`Tile::all`].
+    pub(crate) fn tile_rays(&self) -> Arc<[RayCounts]> {
+        self.tiles.iter().map(|progress| progress.rays).collect()
     }
 
     fn copy_reused_tiles(&self, film: &mut Film<E::Pixel>, mut alpha: Option<&mut Film<f32>>) {

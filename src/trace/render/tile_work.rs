@@ -13,7 +13,7 @@ use super::reuse::TileRecord;
 use super::visibility::{self, FeatureScratch, TileFeatures};
 use super::work_queue::WorkQueue;
 use crate::trace::intersect::Naive;
-use crate::trace::render_stats::RenderStats;
+use crate::trace::render_stats::{RayCounts, RenderStats};
 use crate::trace::shading::RenderContext;
 use crate::trace::stages::{Portion, Slots, Tile, TileBuffers, render_sample};
 
@@ -56,6 +56,8 @@ pub(in crate::trace) struct TileProgress {
     pub(in crate::trace) tile: Tile,
     /// Samples per pixel so far or, with adaptive sampling, batches of the current instant.
     pub(in crate::trace) batches: u32,
+    /// The rays so far, of all instants; those of the former picture if the tile is reused.
+    pub(in crate::trace) rays: RayCounts,
     /// True if the tile has any sample.
     pub(in crate::trace) is_seen: bool,
     /// The dependencies and costs of the tile, if they are recorded.
@@ -78,6 +80,13 @@ pub(in crate::trace) struct TileWork<'a> {
 
 /// The features found, tile by tile.
 pub(in crate::trace) type FoundFeatures = Vec<(Tile, Box<TileFeatures>)>;
+
+impl TileProgress {
+    /// Creates a tile without samples.
+    pub(in crate::trace) fn new(tile: Tile) -> Self {
+        Self { tile, batches: 0, rays: RayCounts::default(), is_seen: false, record: None, is_reused: false }
+    }
+}
 
 impl TileWork<'_> {
     /// Adds samples to all tiles on all threads. Returns render statistics, whether all samples were added, and the features found.
@@ -177,6 +186,7 @@ impl TileWork<'_> {
                 light.add(simd, &tile, &samples)
             });
             progress.batches += 1;
+            progress.rays += traced.rays;
             progress.is_seen = true;
             if let Some(record) = &mut progress.record {
                 Arc::make_mut(record).stats += traced;
