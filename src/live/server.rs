@@ -189,7 +189,7 @@ async fn serve(listener: &tokio::net::TcpListener, router: &Router) {
 }
 
 fn router(shared: ServerState) -> Router {
-    let files = FILES.into_iter().fold(Router::new(), |router, (path, kind, text)| {
+    let files = FILES.iter().fold(Router::new(), |router, &(path, kind, text)| {
         router.route(path, get(move || async move { ([(CONTENT_TYPE, kind)], text) }))
     });
     files
