@@ -277,19 +277,23 @@ pub(crate) enum Forgotten {
 impl TileDependencies {
     /// Removes a part of what is recorded.
     pub(crate) fn forget(&mut self, part: Forgotten) {
-        match part {
-            Forgotten::CameraRays => self.hulls[0] = Self::default().hulls[0],
-            Forgotten::LaterBounces => self.hulls[1..].fill(Self::default().hulls[0]),
-            Forgotten::EndlessRays => {
-                self.hulls.iter_mut().for_each(|[_, endless]| *endless = RayHull::EMPTY)
+        let [none, no_endless] = Self::default().hulls[0];
+        for (bounce, hulls) in self.hulls.iter_mut().enumerate() {
+            match part {
+                Forgotten::CameraRays if bounce == 0 => *hulls = [none, no_endless],
+                Forgotten::LaterBounces if bounce > 0 => *hulls = [none, no_endless],
+                Forgotten::EndlessRays => hulls[1] = no_endless,
+                Forgotten::ShadowRays => hulls[0].lights = 0,
+                Forgotten::Extents => {
+                    for hull in hulls {
+                        (hull.from.max, hull.to.max) = (hull.from.min, hull.to.min);
+                    }
+                }
+                _ => {}
             }
-            Forgotten::Materials => self.materials = 0,
-            Forgotten::ShadowRays => {
-                self.hulls.as_flattened_mut().iter_mut().for_each(|hull| hull.lights = 0)
-            }
-            Forgotten::Extents => self.hulls.as_flattened_mut().iter_mut().for_each(|hull| {
-                (hull.from.max, hull.to.max) = (hull.from.min, hull.to.min);
-            }),
+        }
+        if part == Forgotten::Materials {
+            self.materials = 0;
         }
     }
 }
