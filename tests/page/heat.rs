@@ -70,7 +70,9 @@ fn heat_map_counts_the_rays_of_the_picture() {
     until(&browser, "at('film').classList.contains('swap')");
     let top = "(box => document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2).id)(at('film').getBoundingClientRect())";
     assert_eq!(browser.evaluate(top), json!("before"));
+    until(&browser, "at('heat-legend').hidden");
     browser.press('b');
+    until(&browser, "!at('heat-legend').hidden");
     browser.press('p');
 
     // It follows edits, other frames, whether cached or not, and drafts.

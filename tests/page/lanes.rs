@@ -129,6 +129,14 @@ fn dragged_keys_show_their_time_and_new_keys_are_selected() {
     until(&browser, "picked?.index === 1 && tracks.tracks[0].keys.length === 3 && view.frame === 4");
     until(&browser, "document.activeElement.dataset.key === 'animate.0.track.0.1'");
     until(&browser, "document.querySelector('#key input').value === '0.4'");
+    // A selected key comes into view in a panel that is too small for all.
+    let below = "(panel => (panel.style.height = '200px', panel.scrollTop = 0, at('key').getBoundingClientRect().top > panel.getBoundingClientRect().bottom))(at('key').parentElement)";
+    assert_eq!(browser.evaluate(below), json!(true));
+    browser.click("[data-key=\"animate.0.track.0.0\"]");
+    until(
+        &browser,
+        "picked.index === 0 && at('key').getBoundingClientRect().top < at('key').parentElement.getBoundingClientRect().bottom",
+    );
     assert_eq!(browser.console(), json!([]));
 }
 

@@ -61,7 +61,8 @@ function drawEdits() {
   at("undo").disabled = undoable === 0;
   at("redo").disabled = redoable === 0;
   at("undo").hidden = at("redo").hidden = !possible;
-  at("unsaved").hidden = tried.length === 0 && !isLook;
+  // A key that is dragged is written when it is dropped.
+  at("unsaved").hidden = moving !== null || tried.length === 0 && !isLook;
   write(at("unsaved").firstChild, isLook ? "Only a look, not in the file" : "Not in the file yet");
   at("unsaved").title = isLook ? look : "";
   at("keep").hidden = isLook;

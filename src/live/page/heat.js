@@ -15,7 +15,9 @@ function setHeat() {
 }
 
 async function showHeat() {
-  at("heat-legend").hidden = !view.heat || !shown;
+  // What covers the picture has no rays.
+  const isCovered = reference() !== null && (view.swap || view.gain !== null);
+  at("heat-legend").hidden = !view.heat || !shown || isCovered;
   describeHeat();
   // After local playback, the session's picture of the frame has the numbers.
   if (view.heat && !playing && shown?.isOther && shown.frame === state.picture?.frame) fetchPicture();

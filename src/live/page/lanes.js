@@ -172,6 +172,9 @@ function pick(track, index) {
   seekKey(track, moving?.time ?? track.keys[index].time);
   drawLanes();
   drawKey();
+  // On phones, where all of the page scrolls, a dragged key would move away.
+  const panel = at("key").parentElement;
+  if (panel.scrollHeight > panel.clientHeight) at("key").scrollIntoView({ block: "nearest" });
 }
 
 // Shows the frame of a time of keys, if there is one.

@@ -27,8 +27,13 @@ async function list() {
   // While a filter shows all that it finds, what is open stays as it was.
   if (filter === "") openRows = rows.filter(row => row.is_open).map(row => row.key);
   drawOutline();
-  if (reveals) at("outline-rows").querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest" });
+  if (reveals) scrollToRow(at("outline-rows").querySelector("[aria-selected=true]"), at("outline-rows"));
   reveals = false;
+}
+
+// Scrolls the list to a row, and nothing around it.
+function scrollToRow(row, box) {
+  if (row) box.scrollTop += row.getBoundingClientRect().top - box.getBoundingClientRect().top - box.clientHeight / 2;
 }
 
 const reveal = () => { reveals = true; list(); };
