@@ -178,7 +178,9 @@ fn drawing_is_magnified_and_moved() {
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full");
     browser.evaluate("(at('rays').open = true, probe([80, 45]), true)");
-    until(&browser, "at('ray-drawing').querySelector('svg') !== null");
+    // What stands above the drawing, once it is there, moves it.
+    until(&browser, "at('ray-drawing').querySelector('svg') !== null && at('values').childElementCount > 0");
+    until(&browser, "outline !== null && listing === null");
     browser.evaluate("(at('rays').scrollIntoView(), true)");
     until(&browser, "performance.now() - panelScrolled > 250");
     let seen = || numbers(&browser, "#ray-drawing svg", &["viewBox"]);
@@ -192,6 +194,7 @@ fn drawing_is_magnified_and_moved() {
     let under =
         |seen: &[f64]| [seen[0] + (x - left) / width * seen[2], seen[1] + (y - top) / height * seen[3]];
     let wheel = |up: f64| {
+        until(&browser, "performance.now() - panelScrolled > 250");
         browser.evaluate(&format!("at('ray-drawing').dispatchEvent(new WheelEvent('wheel', {{ deltaY: {}, clientX: {x}, clientY: {y}, bubbles: true, cancelable: true }}))", -up))
     };
     assert_eq!(wheel(-100.0), json!(true), "the panel scrolls");
