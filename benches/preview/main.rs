@@ -71,7 +71,7 @@ fn drags(scene: &Path) {
     browser.evaluate(
         "((async () => {
             const view = await currentView(), times = [], show = display;
-            if (!view) { window.times = [NaN]; return; }
+            if (!view) { window.dragTimes = [NaN]; return; }
             let shown = null;
             display = (image, picture) => { show(image, picture); shown?.(picture); };
             for (let step = 1; step <= 25; step++) {
@@ -83,11 +83,11 @@ fn drags(scene: &Path) {
                 await new Promise(resolve => setTimeout(resolve, 60));
                 await settled();
             }
-            window.times = times.sort((one, other) => one - other);
+            window.dragTimes = times.sort((one, other) => one - other);
         })(), true)",
     );
-    wait_for(&browser, "window.times !== undefined");
-    let times: Vec<Option<f64>> = serde_json::from_value(browser.evaluate("times")).unwrap();
+    wait_for(&browser, "window.dragTimes !== undefined");
+    let times: Vec<Option<f64>> = serde_json::from_value(browser.evaluate("dragTimes")).unwrap();
     match times[times.len() / 2].zip(*times.last().unwrap()) {
         Some((median, most)) => {
             println!("{}: {median:.1} ms in the median, {most:.1} at most", scene.display());
