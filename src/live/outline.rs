@@ -158,16 +158,12 @@ impl OutlineRows<'_> {
 
     /// Adds parts that are not entities. Returns their number.
     fn add_parts(&mut self, parts: Vec<ScenePart>, level: usize) -> usize {
-        let described = parts.into_iter().map(|part| {
-            let (name, kind) = match &part {
-                ScenePart::Camera(name) if name == "camera" => (name.clone(), ""),
-                ScenePart::Camera(name) => (name.clone(), "camera"),
-                ScenePart::Setting(name) => (name.replace('_', " "), ""),
-                ScenePart::Material(name) | ScenePart::Entity(name) => (name.clone(), ""),
-            };
-            (part, name, kind)
+        let rows = parts.into_iter().map(|part| {
+            let (kind, name) = described(&part);
+            // Those below a heading are of its kind.
+            (part, name, if level > 1 { "" } else { kind })
         });
-        let found: Vec<_> = described.filter(|(_, name, kind)| self.matches(name, kind)).collect();
+        let found: Vec<_> = rows.filter(|(_, name, kind)| self.matches(name, kind)).collect();
         let count = found.len();
         let mut left_out = 0;
         for (index, (part, name, kind)) in found.into_iter().enumerate() {
@@ -258,14 +254,13 @@ impl PartInfo {
                 (title, place_of(world, sources, entity))
             }
             _ => {
-                let (title, field, target) = match part {
-                    ScenePart::Camera(name) if name == "camera" => (name.clone(), "target", name),
-                    ScenePart::Camera(name) => (format!("camera {name}"), "target", name),
-                    ScenePart::Material(name) => (format!("material {name}"), "material", name),
-                    ScenePart::Setting(name) | ScenePart::Entity(name) => {
-                        (name.replace('_', " "), "target", &"scene".to_owned())
-                    }
+                let (field, target) = match part {
+                    ScenePart::Material(name) => ("material", name.as_str()),
+                    ScenePart::Camera(name) | ScenePart::Entity(name) => ("target", name.as_str()),
+                    ScenePart::Setting(_) => ("target", "scene"),
                 };
+                let (kind, name) = described(part);
+                let title = format!("{kind} {name}").trim_start().to_owned();
                 let (path, place) = match (sources.written_part(part), part) {
                     (Some((path, line)), _) => (path, Some(line.to_string())),
                     (None, ScenePart::Setting(name)) => (vec![name.clone()], None),
@@ -291,6 +286,17 @@ pub(super) fn part_of(world: &World, changed: ChangedPart) -> Option<ScenePart> 
             let entity = entity_named(world, &format!("#{order}"))?;
             Some(ScenePart::Entity(label(world, entity)))
         }
+    }
+}
+
+/// Returns the kind of a part, which is empty if the name says it, and the name as it is shown.
+fn described(part: &ScenePart) -> (&'static str, String) {
+    match part {
+        ScenePart::Camera(name) if name == "camera" => ("", name.clone()),
+        ScenePart::Camera(name) => ("camera", name.clone()),
+        ScenePart::Setting(name) => ("", name.replace('_', " ")),
+        ScenePart::Material(name) => ("material", name.clone()),
+        ScenePart::Entity(name) => ("entity", name.clone()),
     }
 }
 
