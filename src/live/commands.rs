@@ -82,12 +82,11 @@ pub enum Detail {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SceneEdit {
-    /// Overrides values, as in `camera.fov=40`, and leaves the files as they are. Values that are already overridden keep their override.
-    Try(Vec<String>),
+    /// Overrides values, as in `camera.fov=40`, and keys of tracks, and leaves the files as they are. Values that are already overridden keep
+    /// their override; keys that are overridden already are changed further.
+    Try(Vec<String>, Vec<KeyChange>),
     /// Overrides the keys of a track, and leaves the files as they are.
     TryKey(KeyChange),
-    /// Overrides values and keys of tracks, as [`Try`](Self::Try) does. Keys that are overridden already are changed further.
-    TryKeys(Vec<String>, Vec<KeyChange>),
     /// Writes the overriding values into the files.
     Keep,
     /// Ends the overrides.

@@ -227,16 +227,15 @@ impl Worker {
         };
         let transfer = self.renderer.transfer();
         let before = match edit {
-            SceneEdit::Try(values) => Some(files.edits.attempt(values, &[], &files.paths, transfer)?),
+            SceneEdit::Try(values, keys) => {
+                Some(files.edits.attempt(values, keys, &files.paths, transfer)?)
+            }
             // Lists of keys are written whole: values in them that are not in the file yet would be lost.
             SceneEdit::TryKey(_) if files.edits.has_tried() => {
                 return Err(UNSAVED.to_owned());
             }
             SceneEdit::TryKey(change) => {
                 Some(files.edits.attempt(&[], slice::from_ref(change), &files.paths, transfer)?)
-            }
-            SceneEdit::TryKeys(values, keys) => {
-                Some(files.edits.attempt(values, keys, &files.paths, transfer)?)
             }
             SceneEdit::Look(view) => return self.look(*view),
             SceneEdit::Drop => {

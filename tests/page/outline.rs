@@ -301,7 +301,7 @@ fn part_that_is_edited_in_the_file_is_selected() {
     preview.save(&text);
     until(&browser, &format!("state.reloads > {reloads} && shown.full"));
     assert_eq!(browser.evaluate("view.selected"), json!({ "entity": "#3" }));
-    browser.evaluate("(edit({ try: ['materials.chalk.k_a=0.5'] }).then(keepEdits), true)");
+    browser.evaluate("(edit({ try: [['materials.chalk.k_a=0.5'], []] }).then(keepEdits), true)");
     until(&browser, "state.edits.undoable === 1 && shown.full && shown.reloads === state.reloads");
     assert_eq!(browser.evaluate("view.selected"), json!({ "entity": "#3" }));
     assert_eq!(browser.console(), json!([]));

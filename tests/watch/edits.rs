@@ -23,7 +23,7 @@ fn edit(stage: &Stage, edit: SceneEdit) -> Result<(), String> {
 }
 
 fn attempt(stage: &Stage, values: &[&str]) -> Result<(), String> {
-    edit(stage, SceneEdit::Try(values.iter().map(|value| (*value).to_owned()).collect()))
+    edit(stage, SceneEdit::Try(values.iter().map(|value| (*value).to_owned()).collect(), Vec::new()))
 }
 
 /// Returns the written values of a part, without those of the material of an entity.
@@ -254,7 +254,7 @@ fn keys_and_values_of_a_view_are_one_change() {
     stage.matches_a_cold_start();
     let try_view = |target: &str, time: f64, position: &str| {
         let key = KeyChange::Set("animate.0.track.0".to_owned(), time, position.to_owned());
-        edit(&stage, SceneEdit::TryKeys(vec![format!("camera.target={target}")], vec![key]))
+        edit(&stage, SceneEdit::Try(vec![format!("camera.target={target}")], vec![key]))
     };
     try_view("(0, 1, 0)", 1.0, "(0, 0, -4)").unwrap();
     try_view("(0, 2, 0)", 1.5, "(0, 0, -3)").unwrap();

@@ -63,7 +63,7 @@ fn impossible_exports_are_refused() {
     assert_eq!(why(0, frames, "made"), format!("the last frame is {}", frames - 1));
     assert_eq!(why(2, 1, "made"), "the last frame comes before the first");
     assert_eq!(why(0, 1, "ball.ron"), "name a folder for the frames, or a movie, as film.mp4");
-    let attempt = SceneEdit::Try(vec!["entities.ball.shape.radius=1.5".to_owned()]);
+    let attempt = SceneEdit::Try(vec!["entities.ball.shape.radius=1.5".to_owned()], Vec::new());
     ask(&stage, |reply| SessionCommand::Edit(attempt, reply)).unwrap();
     assert_eq!(why(0, 1, "made"), "some values are not in the file yet: keep or discard them first");
     ask(&stage, |reply| SessionCommand::Edit(SceneEdit::Drop, reply)).unwrap();

@@ -16,7 +16,7 @@ async function edit(what) {
 }
 
 // Tries values and changes of keys.
-const attempt = (values, keys = []) => attemptEdit(keys.length > 0 ? { try_keys: [values, keys] } : { try: values });
+const attempt = (values, keys = []) => attemptEdit({ try: [values, keys] });
 
 // Makes an edit, the last of those that arrive while another one is under way.
 async function attemptEdit(next) {
