@@ -233,7 +233,7 @@ fn shipped() -> impl Iterator<Item = Subject> {
 /// Renders a frame with these settings; of alpha, where that is what is hard.
 fn render(Subject { engine, alpha, .. }: &mut Subject, frame: u32, settings: RenderSettings) -> Picture {
     engine.settings = settings;
-    let time = engine.timeline().time_of(frame);
+    let time = engine.timeline.time_of(frame);
     let film = if *alpha {
         let image = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) });
         let alpha = image.unwrap().alpha.unwrap();

@@ -110,7 +110,7 @@ fn frames(bencher: Bencher<'_, '_>, At { name, precision, .. }: &At<()>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("ron");
     let mut engine = Engine::load(path).expect("shipped scenes are good");
     engine.settings = RenderSettings { all_effects: true, precision: Some(*precision), ..engine.settings };
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let middle = timeline.time_of(timeline.frame_count() / 2);
     bencher.bench_local(|| engine.render(middle).expect("shipped scenes can be rendered"));
 }

@@ -101,7 +101,7 @@ fn frames(filter: &str) {
     for name in scenes().iter().filter(|name| name.contains(filter)) {
         let path = shipped::path(name);
         let [mut engine, mut other] = [(); 2].map(|()| Engine::load(&path).expect("it is valid"));
-        let (timeline, mut former) = (engine.timeline(), FormerFrame::default());
+        let (timeline, mut former) = (engine.timeline, FormerFrame::default());
         let first = timeline.frame_count() / 2;
         let (mut full, mut reused, mut share) = (0.0, 0.0, 0.0);
         let mut count = 0;
@@ -146,7 +146,7 @@ fn scenes() -> Vec<String> {
 
 /// Renders the middle frame. Returns the time in milliseconds.
 fn render(engine: &mut Engine, reuse: Option<&mut Option<Arc<ReusablePicture>>>) -> f64 {
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let time = timeline.time_of(timeline.frame_count() / 2);
     let start = Instant::now();
     engine

@@ -75,7 +75,7 @@
 //! world.spawn((FilmSettings::new(32, 18), Ambient(Rgb::ONE)));
 //!
 //! let mut engine = Engine::new(world);
-//! engine.set_timeline(Timeline::new(24, 2.0));
+//! engine.timeline = Timeline::new(24, 2.0);
 //! engine.register::<Velocity>(); // copied and restored when time goes back
 //! engine.add_stepped_system(Step::per_second(240), bounce);
 //!

@@ -42,7 +42,7 @@ pub(crate) fn engine() -> Result<Engine, Box<dyn Error>> {
     world.spawn((FilmSettings::new(640, 360), Ambient(Rgb::ONE), Background::Flat(srgb(190, 215, 240))));
 
     let mut engine = Engine::new(world);
-    engine.set_timeline(Timeline::new(24, 4.0));
+    engine.timeline = Timeline::new(24, 4.0);
     engine.register::<Ball>();
     engine.add_stepped_system(Step::per_second(240), bounce);
     Ok(engine)

@@ -27,7 +27,7 @@ fn dolly_zoom(context: &mut Context<'_>) {
 
 pub(crate) fn engine() -> Result<Engine, EngineError> {
     let mut engine = Engine::load("scenes/fly_around.ron")?;
-    engine.set_timeline(Timeline::new(24, 4.0));
+    engine.timeline = Timeline::new(24, 4.0);
     engine.add_system(dolly_zoom);
     Ok(engine)
 }

@@ -109,7 +109,7 @@ pub(crate) fn engine() -> Result<Engine, Box<dyn Error>> {
     world.spawn((Ambient(Rgb::ONE), Background::Flat(srgb(232, 218, 194))));
 
     let mut engine = Engine::new(world);
-    engine.set_timeline(Timeline::new(24, 4.0));
+    engine.timeline = Timeline::new(24, 4.0);
     engine.register::<Velocity>();
     let obstacles = obstacles()?;
     engine.add_stepped_system(Step::per_second(240), move |context| fall(context, &obstacles));

@@ -11,7 +11,7 @@ use rayreel::trace::PassPixel;
 use rayreel::{Engine, Film, RenderRequest, Rgb};
 
 pub(crate) fn write_passes(engine: &mut Engine, frame: u32, folder: &Path) -> Result<(), Box<dyn Error>> {
-    let time = engine.timeline().time_of(frame);
+    let time = engine.timeline.time_of(frame);
     let image = engine.render(RenderRequest { passes: true, ..RenderRequest::at(time) })?;
     let transfer = engine.effective_settings().film.transfer;
     let passes = image.passes.ok_or("passes were not requested")?;

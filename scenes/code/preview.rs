@@ -59,7 +59,7 @@ pub(crate) fn engine() -> Result<Engine, Box<dyn Error>> {
     world.spawn((Background::Flat(hex("#05060c")?),));
 
     let mut engine = Engine::new(world);
-    engine.set_timeline(Timeline::new(24, PERIOD));
+    engine.timeline = Timeline::new(24, PERIOD);
     engine.register::<Velocity>();
     engine.add_stepped_system(Step::per_second(1000), attract);
     Ok(engine)

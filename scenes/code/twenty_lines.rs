@@ -21,7 +21,7 @@ pub(crate) fn film(movie: impl AsRef<Path>) -> Result<SequenceReport, Box<dyn Er
     let ball = world.spawn((shape, clay, Transform::IDENTITY));
 
     let mut engine = Engine::new(world);
-    engine.set_timeline(Timeline::new(24, 1.0));
+    engine.timeline = Timeline::new(24, 1.0);
     engine.add_system(move |context| {
         let seconds = context.time.seconds();
         if let Ok(mut transform) = context.world.get::<&mut Transform>(ball) {

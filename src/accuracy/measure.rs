@@ -71,7 +71,7 @@ pub fn measure(
     cancelled: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Option<Report>, EngineError> {
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let times = request.frames.iter().map(|frame| timeline.time_of(*frame)).collect();
     let (keep_films, work) = (request.keep_films, WorkEstimate::default());
     let mut measurer = Measurer { engine, times, cancelled, observer, keep_films, work };

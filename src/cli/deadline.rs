@@ -74,7 +74,7 @@ impl Paced {
         if let Some(movie) = movie.filter(|_| !files.is_empty()) {
             let trial = folder.path().join(movie.file_name().unwrap_or_default());
             let encode = |count: usize| {
-                let (start, rate) = (Instant::now(), engine.timeline().rate);
+                let (start, rate) = (Instant::now(), engine.timeline.rate);
                 write_movie(&trial, &files[..count], settings.sequence.format(), rate, cancelled)?;
                 anyhow::Ok(start.elapsed().as_secs_f64())
             };

@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         clear_up(&engine, &settings, arguments)?;
     }
     if let Some(movie) = &arguments.movie {
-        if !movie::make(movie, &settings, engine.timeline().rate, cancelled)? {
+        if !movie::make(movie, &settings, engine.timeline.rate, cancelled)? {
             note(
                 arguments,
                 "interrupted: the movie was not made; the same command makes it from the frames, which are done",
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &RenderArguments, interruption: &Interruption) -> R
         }
         let film = engine.effective_settings().film;
         let frames = settings.ascending().filter_map(|request| request.frame);
-        let remarks = movie::Remarks::new(movie, (film.width, film.height), engine.timeline(), frames);
+        let remarks = movie::Remarks::new(movie, (film.width, film.height), engine.timeline, frames);
         remarks.warnings.iter().for_each(|warning| warn(arguments, warning));
         remarks.notes.iter().for_each(|remark| note(arguments, remark));
         note(arguments, &format!("the movie is in {}", movie.display()));
@@ -119,7 +119,7 @@ pub(super) fn set_up(engine: &mut Engine, arguments: &RenderArguments) -> Result
     if arguments.draft {
         engine.settings = draft::settings(engine);
     }
-    let settings = OutputSettings::new(arguments, engine.timeline(), engine.effective_settings().film)?;
+    let settings = OutputSettings::new(arguments, engine.timeline, engine.effective_settings().film)?;
     engine.settings = RenderSettings {
         size: settings.size,
         cutoff: arguments.cutoff,
@@ -289,7 +289,7 @@ fn clear_up(engine: &Engine, settings: &OutputSettings, arguments: &RenderArgume
     let (film, sequence, clean) = (engine.effective_settings().film, &settings.sequence, arguments.clean);
     let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
     let most_pixels = pixels((film.width, film.height)).max(MOST_PIXELS);
-    let surplus = find_surplus(sequence, engine.timeline().frame_count(), (film.width, film.height))
+    let surplus = find_surplus(sequence, engine.timeline.frame_count(), (film.width, film.height))
         .with_context(|| format!("cannot read the folder `{}`", sequence.directory().display()))?;
     let (mut removed, mut remaining) = (0, Vec::new());
     for surplus in surplus {

@@ -26,7 +26,7 @@ pub(super) fn render(
     report: &mut RenderReport,
 ) -> Result<(), Failure> {
     let (mut progress, mut former) = (Progress::start(settings), FormerFrame::default());
-    let mut stream = VideoStream::new(stdout(), format, engine.timeline().rate);
+    let mut stream = VideoStream::new(stdout(), format, engine.timeline.rate);
     for request in settings.requests() {
         choice.begin(engine, &request);
         choice.render(engine);

@@ -25,7 +25,7 @@ pub(super) fn run(arguments: &VerifyArguments, interruption: &Interruption) -> R
     let rendered = manifest::render_arguments(&arguments.folder, arguments.scene.as_deref())?;
     let mut engine = load(&rendered.scene, &rendered.overrides)?;
     let settings = set_up(&mut engine, &rendered)?;
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let all = FrameList::all(timeline.frame_count());
     let frames = arguments
         .frames

@@ -8,8 +8,8 @@ use super::cast::{Hit, IntoRay, Ray};
 use crate::color::Encoding;
 use crate::scene::{LoadError, Scene, SceneScripts, SceneWarning, ScriptMistake, ScriptSources};
 use crate::systems::{
-    self, CloudFailure, Context, EffectiveSettings, Fault, FrameReport, Interrupted, Preparation,
-    RenderRequest, RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
+    self, CloudFailure, Context, EffectiveSettings, Fault, FrameInstants, FrameReport, Interrupted,
+    Preparation, RenderRequest, RenderSettings, ScriptFailure, Scripts, Simulation, Step, UnknownComponent,
 };
 use crate::time::{Time, Timeline};
 use crate::trace::{Film, PreparedRay, RayTree, RenderedImage, SampleMemory, SharedRoundPolicy, Signals};
@@ -45,6 +45,8 @@ use crate::trace::{Film, PreparedRay, RayTree, RenderedImage, SampleMemory, Shar
 pub struct Engine {
     /// The settings of rendering, which override the scene's own from the next frame on.
     pub settings: RenderSettings,
+    /// The frame rate and the duration, from the next frame on.
+    pub timeline: Timeline,
     /// The policy that chooses the samples of each round, for images with an error target. `None` uses the target alone.
     pub round_policy: Option<SharedRoundPolicy>,
     pub(super) simulation: Simulation,
@@ -107,18 +109,19 @@ impl Engine {
     /// Starts with the timeline, the scripts and the warnings of a scene, after its world has been set.
     pub(super) fn start(&mut self, timeline: Timeline, scripts: SceneScripts, warnings: Vec<SceneWarning>) {
         let (scripts, sources) = scripts.into_parts();
-        self.simulation.start(timeline, Scripts::new(scripts, timeline));
+        self.timeline = timeline;
+        self.simulation.start(Scripts::new(scripts));
         self.script_sources = sources;
         self.scene_warnings = warnings;
     }
 
-    /// Creates an engine for a world. Its timeline has 24 frames per second and a single frame; [`set_timeline`](Engine::set_timeline)
-    /// changes it. Frames beyond the end of the timeline can be rendered too. Missing parts of the world (a camera, film settings) have
-    /// defaults.
+    /// Creates an engine for a world. Its [timeline](Engine::timeline) has 24 frames per second and a single frame. Frames beyond the end of
+    /// the timeline can be rendered too. Missing parts of the world (a camera, film settings) have defaults.
     #[must_use]
     pub fn new(world: World) -> Self {
         Self {
             settings: RenderSettings::default(),
+            timeline: Timeline::still(),
             round_policy: None,
             simulation: Simulation::new(world),
             memory: SampleMemory::default(),
@@ -160,18 +163,6 @@ impl Engine {
         &mut self.simulation.world
     }
 
-    /// Returns the frame rate and the duration.
-    #[must_use]
-    pub fn timeline(&self) -> Timeline {
-        self.simulation.timeline
-    }
-
-    /// Sets the frame rate and the duration.
-    pub fn set_timeline(&mut self, timeline: Timeline) {
-        self.simulation.timeline = timeline;
-        self.simulation.schedule.scripts_mut().set_timeline(timeline);
-    }
-
     /// Returns the scene's film, quality and sampling, with the [settings](Engine::settings) applied.
     #[must_use]
     pub fn effective_settings(&self) -> EffectiveSettings {
@@ -185,7 +176,7 @@ impl Engine {
     /// use rayreel::Engine;
     ///
     /// let mut engine = Engine::load("scenes/fly_around.ron")?;
-    /// let timeline = engine.timeline();
+    /// let timeline = engine.timeline;
     /// for frame in 0..timeline.frame_count() {
     ///     engine.seek(timeline.time_of(frame))?;
     ///     if let Some(prepared) = engine.prepared() {
@@ -300,7 +291,7 @@ impl Engine {
     ///
     /// If custom systems need the world copied and it holds components that were not registered, or if a script fails.
     pub fn render_frame(&mut self, index: u32) -> Result<Film, EngineError> {
-        Ok(self.render(self.timeline().time_of(index))?.film)
+        Ok(self.render(self.timeline.time_of(index))?.film)
     }
 
     /// Renders an image: of a moment, or as a [`RenderRequest`] specifies. Afterwards the [report](Engine::report) describes it.
@@ -322,8 +313,9 @@ impl Engine {
         &mut self,
         request: impl Into<RenderRequest<'a, E>>,
     ) -> Result<RenderedImage<E::Pixel>, EngineError> {
-        let (request, policy) = (request.into(), self.round_policy.as_ref());
-        let frame = self.simulation.frame(request.time, request.settings.unwrap_or(self.settings));
+        let request = request.into();
+        let frame = self.frame(request.time, request.settings);
+        let policy = self.round_policy.as_ref();
         self.report = FrameReport::at(request.time);
         let image = systems::render(
             &mut self.simulation,
@@ -347,8 +339,9 @@ impl Engine {
         &mut self,
         request: impl Into<RenderRequest<'a, E>>,
     ) -> Result<&FrameReport, EngineError> {
-        let (request, policy) = (request.into(), self.round_policy.as_ref());
-        let frame = self.simulation.frame(request.time, request.settings.unwrap_or(self.settings));
+        let request = request.into();
+        let frame = self.frame(request.time, request.settings);
+        let policy = self.round_policy.as_ref();
         self.report = FrameReport::at(request.time);
         let planned = systems::plan(&mut self.simulation, &frame, &request, policy, &mut self.report);
         planned.map_err(|interrupted| self.error(interrupted))?;
@@ -361,7 +354,7 @@ impl Engine {
     ///
     /// As [`Engine::render_frame`].
     pub fn seek(&mut self, time: Time) -> Result<(), EngineError> {
-        let frame = self.simulation.frame(time, self.settings);
+        let frame = self.frame(time, None);
         self.report = FrameReport::at(time);
         let never = Signals::none().cancelled;
         let sought = self.simulation.advance_to(time, &frame, &mut self.report, never);
@@ -380,7 +373,7 @@ impl Engine {
         pixel: (u32, u32),
         index: u32,
     ) -> Result<Option<RayTree>, EngineError> {
-        let frame = self.simulation.frame(time, self.settings);
+        let frame = self.frame(time, None);
         let tree = systems::trace_sample(&mut self.simulation, &frame, pixel, index);
         tree.map_err(|interrupted| self.error(interrupted))
     }
@@ -393,9 +386,14 @@ impl Engine {
     /// As [`Engine::render_frame`].
     pub fn probe_ray(&mut self, time: Time, ray: Ray) -> Result<Option<RayTree>, EngineError> {
         let Some(ray) = PreparedRay::new(ray.origin, ray.direction) else { return Ok(None) };
-        let frame = self.simulation.frame(time, self.settings);
+        let frame = self.frame(time, None);
         let tree = systems::trace_ray(&mut self.simulation, &frame, ray);
         tree.map_err(|interrupted| self.error(interrupted))
+    }
+
+    /// Returns the frame at a moment, with the engine's settings unless others are given.
+    fn frame(&mut self, time: Time, settings: Option<RenderSettings>) -> FrameInstants {
+        self.simulation.frame(time, self.timeline, settings.unwrap_or(self.settings))
     }
 
     /// Returns the error for an interruption.

@@ -47,7 +47,7 @@ pub struct CameraView {
 impl CameraView {
     /// Describes the camera of a frame of a scene in files, or the view that is looked from. Returns the reason why there is no camera.
     pub(super) fn of(engine: &mut Engine, frame: u32, files: &[PathBuf]) -> Result<Self, String> {
-        let rate = engine.timeline().rate;
+        let rate = engine.timeline.rate;
         let time = rate.time_of(frame);
         engine.seek(time).map_err(|error| error.to_string())?;
         let world = engine.world();

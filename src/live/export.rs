@@ -173,7 +173,7 @@ fn render(
         render_movie_until(&mut engine, frames, target, cancelled, on_progress)
     } else {
         let name = file.file_stem().unwrap_or("frame".as_ref());
-        let last = engine.timeline().frame_count() - 1;
+        let last = engine.timeline.frame_count() - 1;
         let sequence = Sequence::new(target.to_owned(), name, last, FrameFormat::default());
         render_sequence_until(&mut engine, frames, &sequence, cancelled, on_progress)
     };

@@ -97,7 +97,7 @@ pub(super) fn render(
     signals: Signals<'_>,
     visit: &mut dyn FnMut(&RenderJob) -> ControlFlow<()>,
 ) -> Result<Option<Film>, EngineError> {
-    let time = engine.timeline().time_of(frame);
+    let time = engine.timeline.time_of(frame);
     let request = RenderRequest {
         settings: settings_of(engine, detail),
         tile_rays: true,

@@ -120,7 +120,7 @@ impl Renderer {
         self.discard_unfinished();
         self.background = None;
         self.begin_cache();
-        let (timeline, film) = (self.engine.timeline(), self.engine.effective_settings().film);
+        let (timeline, film) = (self.engine.timeline, self.engine.effective_settings().film);
         let published = self.publisher.published();
         let before = published.keep_for_comparison();
         // Pages are notified together with the first picture, so that they do not keep the machine busy before it.
@@ -249,7 +249,7 @@ impl Renderer {
     /// otherwise delay the requested picture forever.
     fn render_preview(&mut self, level: PreviewLevel, role: LevelRole) -> Result<JobOutcome, EngineError> {
         let state = self.publisher.published().state();
-        let time = self.engine.timeline().time_of(state.frame);
+        let time = self.engine.timeline.time_of(state.frame);
         let (engine, interrupt) = (&mut self.engine, self.commands.interrupt());
         let deadline = if role == LevelRole::First { level.deadline() } else { None };
         let (image, is_late) = with_deadline(interrupt, deadline, |begin| {
@@ -439,7 +439,7 @@ impl Renderer {
         if index == 0 {
             self.publisher.published().update(|state| state.curve.clear());
         }
-        let time = self.engine.timeline().time_of(state.frame);
+        let time = self.engine.timeline.time_of(state.frame);
         let cost = measure::cost(&mut self.engine, time, *effect, self.commands.interrupt())?;
         self.publisher.published().update(|state| {
             state.rendering = cost.is_some();
@@ -455,7 +455,7 @@ impl Renderer {
 
     /// Measures the error of the frame with the scene's own samples, and then with increasing numbers of samples.
     fn measure_curve(&mut self, frame: u32, index: usize) -> Result<JobOutcome, EngineError> {
-        let time = self.engine.timeline().time_of(frame);
+        let time = self.engine.timeline.time_of(frame);
         let point = measure::curve_point(&mut self.engine, time, index, self.commands.interrupt())?;
         // The next point renders two pictures with twice as many samples.
         let is_last = point.is_none_or(|point| index > 0 && 4.0 * point.milliseconds > LONGEST_POINT);
@@ -476,7 +476,7 @@ impl Renderer {
         if !self.reuses(detail) || self.displayed.is_none() {
             return 0.0;
         }
-        let time = self.engine.timeline().time_of(self.publisher.published().state().frame);
+        let time = self.engine.timeline.time_of(self.publisher.published().state().frame);
         let commands = Arc::clone(&self.commands);
         let signals = Signals { cancelled: commands.interrupt(), ..Signals::none() };
         let reuse = Some(&mut self.displayed);
@@ -546,7 +546,7 @@ impl Renderer {
 
     /// Returns the effects of a frame. `is_last` is true if the frame is the last full picture.
     fn planned(&mut self, frame: u32, is_last: bool) -> Result<Vec<Planned>, EngineError> {
-        let time = self.engine.timeline().time_of(frame);
+        let time = self.engine.timeline.time_of(frame);
         let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
         let report = if is_last { self.engine.report() } else { self.engine.plan(request)? };
         Ok(report.plan.as_ref().map(Planned::all).unwrap_or_default())

@@ -35,7 +35,7 @@ impl Engine {
     /// As [`Engine::render_frame`]; if the extension is not that of a movie; if ffmpeg is needed and cannot be started, or fails; if frames
     /// differ in size; and if the file system reports an error. No incomplete file is left.
     pub fn render_movie(&mut self, movie: impl AsRef<Path>) -> Result<SequenceReport, SequenceError> {
-        let all = FrameList::all(self.timeline().frame_count());
+        let all = FrameList::all(self.timeline.frame_count());
         render_movie_until(self, &all, movie.as_ref(), &AtomicBool::new(false), |_| Continue(()))
     }
 }
@@ -55,7 +55,7 @@ pub fn render_movie_until(
 ) -> Result<SequenceReport, SequenceError> {
     movie_format(movie)?;
     make_folder(folder_of(movie))?;
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let frames = frames.within(timeline.frame_count());
     let total = frames.count();
     let mut writer = MovieWriter::create(movie, u32::try_from(total).unwrap_or(u32::MAX), timeline.rate)?;

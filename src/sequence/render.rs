@@ -151,7 +151,7 @@ impl Engine {
     /// As [`Engine::render_frame`]; if the name of a new folder ends like that of a movie, as `ball.mp4`; and if the file system reports an
     /// error. All files written are complete.
     pub fn render_to(&mut self, folder: impl AsRef<Path>) -> Result<SequenceReport, SequenceError> {
-        let (folder, count) = (folder.as_ref(), self.timeline().frame_count());
+        let (folder, count) = (folder.as_ref(), self.timeline.frame_count());
         if MovieFormat::of(folder).is_ok() && !folder.is_dir() {
             return Err(SequenceError::NamedLikeMovie(folder.to_owned()));
         }
@@ -205,7 +205,7 @@ pub fn render_sequence_until(
     on_progress: impl FnMut(SequenceProgress) -> ControlFlow<()>,
 ) -> Result<SequenceReport, SequenceError> {
     make_folder(sequence.directory())?;
-    let frames = frames.within(engine.timeline().frame_count());
+    let frames = frames.within(engine.timeline.frame_count());
     let mut counted = Counted {
         on_progress,
         total: frames.count(),
@@ -213,7 +213,7 @@ pub fn render_sequence_until(
         flow: Continue(()),
         refused: None,
     };
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let requests = FrameRequest::frames(&frames, timeline);
     render_frames(engine, requests, sequence, Existing::Keep, cancelled, &mut counted)?;
     let Counted { mut report, refused, .. } = counted;

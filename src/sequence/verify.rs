@@ -86,7 +86,7 @@ pub fn verify_sequence(
 ) -> Result<SequenceVerdict, VerifyError> {
     /// Number of files that are read at once.
     const TOGETHER: usize = 64;
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let count = timeline.frame_count();
     let requests: Vec<FrameRequest> = FrameRequest::frames(&frames.within(count), timeline).collect();
     let film = engine.effective_settings().film;

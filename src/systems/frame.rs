@@ -21,7 +21,6 @@ use crate::trace::{BvhUpdate, Effects, InstantOrder, Lighting, SamplePlan, Scene
 /// A world with its systems, and the kernel's data of the moment to which they have advanced.
 pub(crate) struct Simulation {
     pub(crate) world: World,
-    pub(crate) timeline: Timeline,
     pub(crate) schedule: Schedule,
     /// The writes since the last preparation.
     pub(crate) changes: Changes,
@@ -67,7 +66,6 @@ impl Simulation {
     pub(crate) fn new(world: World) -> Self {
         Self {
             world,
-            timeline: Timeline::still(),
             schedule: Schedule::default(),
             changes: Changes::all(),
             preparation: None,
@@ -82,22 +80,27 @@ impl Simulation {
         self.shutters = None;
     }
 
-    /// Starts with the timeline and the scripts of a scene, after its world has been set.
-    pub(crate) fn start(&mut self, timeline: Timeline, scripts: Scripts) {
+    /// Starts with the scripts of a scene, after its world has been set.
+    pub(crate) fn start(&mut self, scripts: Scripts) {
         self.schedule.set_scripts(scripts);
-        self.timeline = timeline;
         self.shutters = None;
     }
 
-    /// Returns the frame at a moment, with the overrides applied.
-    pub(crate) fn frame(&mut self, time: Time, settings: RenderSettings) -> FrameInstants {
+    /// Returns the frame at a moment of a timeline, with the overrides applied.
+    pub(crate) fn frame(
+        &mut self,
+        time: Time,
+        timeline: Timeline,
+        settings: RenderSettings,
+    ) -> FrameInstants {
+        self.schedule.set_timeline(timeline);
         let is_adaptive = settings.effective(&self.world).sampling.is_adaptive();
         let shutter = self.shutters.get_or_insert_with(|| Shutters::of(&self.world)).at(time, &settings);
         let instants = match shutter {
             _ if settings.without.contains(Effect::MotionBlur) => vec![time],
             Shutter::Open(open, count) if settings.all_effects || self.may_move() => {
                 let count = if is_adaptive { InstantOrder::MOST } else { count };
-                self.timeline.instants(time, open, count)
+                timeline.instants(time, open, count)
             }
             _ => vec![time],
         };

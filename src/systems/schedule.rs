@@ -7,7 +7,7 @@ use hecs::World;
 use super::clouds::update_clouds;
 use super::order::order_newcomers;
 use super::{Changes, Context, Interrupted, Registry, Scripts, WorldSnapshot, animate, propagate};
-use crate::time::Time;
+use crate::time::{Time, Timeline};
 
 type System = Box<dyn Fn(&mut Context<'_>) + Send>;
 
@@ -83,9 +83,9 @@ impl Schedule {
         self.scripts = scripts;
     }
 
-    /// Returns the scripts of the scene.
-    pub(crate) fn scripts_mut(&mut self) -> &mut Scripts {
-        &mut self.scripts
+    /// Sets the frame rate and the duration that scripts read.
+    pub(crate) fn set_timeline(&mut self, timeline: Timeline) {
+        self.scripts.set_timeline(timeline);
     }
 
     /// Returns the registry of the component types that snapshots copy.

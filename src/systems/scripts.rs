@@ -96,14 +96,15 @@ enum ChannelState {
 impl Scripts {
     /// Creates the scripts of a scene.
     #[must_use]
-    pub(crate) fn new(scripts: CompiledScripts, timeline: Timeline) -> Self {
+    pub(crate) fn new(scripts: CompiledScripts) -> Self {
         if scripts.uses.is_empty() {
             return Self::default();
         }
-        let context = ScriptContext::new(timeline.rate.per_second(), timeline.duration);
+        let (timeline, context) = (Timeline::still(), ScriptContext::default());
         let (driven, bases, prefix) = (None, HashMap::new(), String::new());
         Self { running: Some(Box::new(Running { scripts, timeline, context, driven, bases, prefix })) }
     }
+
     /// Sets the frame rate and the duration.
     pub(crate) fn set_timeline(&mut self, timeline: Timeline) {
         if let Some(running) = &mut self.running {

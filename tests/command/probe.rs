@@ -73,7 +73,7 @@ fn probe_colors_equal_rendered_pixels() {
         for overlay in engine.world_mut().query_mut::<&mut Overlay>() {
             overlay.0.clear();
         }
-        let time = engine.timeline().time_of(engine.timeline().frame_count() / 2);
+        let time = engine.timeline.time_of(engine.timeline.frame_count() / 2);
         let film = engine.render(time).unwrap().film;
         let means = means_of_samples(&mut engine, time, &film);
         for ((j, i), mean) in (0..27).flat_map(|j| (0..48).map(move |i| (j, i))).zip(means) {

@@ -384,7 +384,7 @@ fn frames_with_alpha_omit_the_background() {
     let folder = folder.path();
     write_film(folder, 1.0, |film| film.replace("Scene(", "Scene(sampling: (samples: 4),"));
     let mut engine = rayreel::Engine::load(folder.join("film.ron")).unwrap();
-    let time = engine.timeline().time_of(1);
+    let time = engine.timeline.time_of(1);
     let image = engine.render(RenderRequest { alpha: true, ..RenderRequest::at(time) }).unwrap();
     let (light, alpha) = (image.film, image.alpha.unwrap());
     let transfer = engine.effective_settings().film.transfer;

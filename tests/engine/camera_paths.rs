@@ -20,7 +20,7 @@ fn engine(duration: f64, animate: &str) -> Engine {
 
 /// Returns the position of the camera in each frame.
 fn eyes(engine: &mut Engine) -> Vec<DVec3> {
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let eye = |frame| {
         engine.seek(timeline.time_of(frame)).unwrap();
         engine.prepared().unwrap().camera().position()
@@ -158,7 +158,7 @@ fn targets_stay_at_the_end_of_their_paths() {
         "Keys([(0, (0, 1, 0), Cubic), (1, (3, 1, 2), Cubic), (2, (6, 1, 1))])",
     ] {
         let mut engine = engine(6.0, &format!("(target: \"camera\", channel: Target, track: {track})"));
-        let timeline = engine.timeline();
+        let timeline = engine.timeline;
         let mut view = |frame| {
             engine.seek(timeline.time_of(frame)).unwrap();
             engine.prepared().unwrap().camera().axes()[2]

@@ -651,7 +651,7 @@ fn systems_move_and_hide_particles() {
     let world = world(cloud(), Shape::Sphere { radius: 0.5 }, Transform::IDENTITY);
     let gas = world.query::<(rayreel::Entity, &Cloud)>().iter().next().unwrap().0;
     let mut engine = Engine::new(world);
-    engine.set_timeline(Timeline::new(4, 2.0));
+    engine.timeline = Timeline::new(4, 2.0);
     engine.add_system(move |context: &mut Context<'_>| {
         let seconds = context.time.seconds();
         let mut cloud = context.world.get::<&mut Cloud>(gas).unwrap();

@@ -155,7 +155,7 @@ fn reports_list_the_faults_of_all_frames() {
     let (clay, ball) = (CLAY, world.spawn((BALL, CLAY, Transform::IDENTITY)));
     world.spawn((BALL, Transform::at(3.0, 0.0, 0.0), rayreel::components::Name::new("bare")));
     let mut engine = Engine::new(world);
-    engine.set_timeline(Timeline::new(4, 1.0));
+    engine.timeline = Timeline::new(4, 1.0);
     engine.add_system(move |context| {
         let late = context.time.seconds() > 0.3;
         context.world.insert_one(ball, Material { k_a: if late { 2.0 } else { 0.5 }, ..clay }).unwrap();

@@ -148,7 +148,7 @@ fn refits_do_not_change_films_or_hits() {
                 assert!(alone.render_frame(frame).unwrap() == film, "frame {frame} of {seed} alone");
                 assert_eq!(alone.report().bvh_refits, 0);
                 assert_eq!(hits(&along), hits(&alone), "frame {frame} of {seed}");
-                let moment = alone.timeline().time_of(frame);
+                let moment = alone.timeline.time_of(frame);
                 assert!(
                     alone
                         .render(RenderRequest { reference: true, ..RenderRequest::at(moment) })

@@ -333,7 +333,7 @@ fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
     assert_eq!(engine.render_frame(5).unwrap(), first);
     assert_eq!(
         engine
-            .render(RenderRequest { reference: true, ..RenderRequest::at(engine.timeline().time_of(5)) })
+            .render(RenderRequest { reference: true, ..RenderRequest::at(engine.timeline.time_of(5)) })
             .unwrap()
             .film,
         first

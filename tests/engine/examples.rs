@@ -61,7 +61,7 @@ fn camera_path_keeps_the_size_of_its_subject() {
     let mut engine = camera_path::engine().unwrap();
     // Returns the eye, and the corner of the view in the plane of the subject.
     let mut view = |frame| {
-        engine.seek(engine.timeline().time_of(frame)).unwrap();
+        engine.seek(engine.timeline.time_of(frame)).unwrap();
         let camera = engine.prepared().unwrap().camera();
         (camera.position(), camera.position() + camera.towards(0, 0))
     };
@@ -160,7 +160,7 @@ fn marbles_stay_outside_pegs_floor_walls_and_each_other() {
     let (pegs, radius) = (marbles::pegs(), marbles::MARBLE);
     let mut lowest = f64::INFINITY;
     for frame in 0..96 {
-        engine.seek(engine.timeline().time_of(frame)).unwrap();
+        engine.seek(engine.timeline.time_of(frame)).unwrap();
         let mut query = engine.world().query::<(&Transform, &marbles::Velocity)>();
         let places: Vec<DVec3> = query.iter().map(|(transform, _)| transform.translation).collect();
         for (index, marble) in places.iter().enumerate() {

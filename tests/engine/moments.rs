@@ -29,13 +29,13 @@ fn script(target: &str, channel: &str, script: &str) -> String {
 }
 
 fn translation(engine: &mut Engine, name: &str, frame: u32) -> DVec3 {
-    let time = engine.timeline().time_of(frame);
+    let time = engine.timeline.time_of(frame);
     engine.seek(time).unwrap_or_else(|error| panic!("{error}"));
     engine.world().get::<&Transform>(named(engine, name)).unwrap().translation
 }
 
 fn error_text(engine: &mut Engine, frame: u32) -> String {
-    engine.seek(engine.timeline().time_of(frame)).unwrap_err().to_string()
+    engine.seek(engine.timeline.time_of(frame)).unwrap_err().to_string()
 }
 
 /// Animations of `leader` and other entities, and an expression of three numbers of the value `v` of a channel.
@@ -436,7 +436,7 @@ fn cameras_look_ahead_across_cuts() {
         ),
     );
     for frame in [12, 2, 7, 8] {
-        engine.seek(engine.timeline().time_of(frame)).unwrap();
+        engine.seek(engine.timeline.time_of(frame)).unwrap();
         let position = |name| engine.world().get::<&Camera>(named(&engine, name)).unwrap().position;
         let t = f64::from(frame) / 8.0;
         assert_eq!(position("wide"), DVec3::new((2.0 * t + 0.5).max(0.0), 0.0, -8.0));

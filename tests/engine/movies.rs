@@ -21,7 +21,7 @@ fn moving_ball() -> Engine {
     let ball = world.spawn((Shape::Sphere { radius: 1.0 }, Material::matte(Rgb::ONE), Transform::IDENTITY));
     world.spawn((FilmSettings::new(9, 5), Ambient(Rgb::ONE)));
     let mut engine = Engine::new(world);
-    engine.set_timeline(Timeline::new(24, 0.25));
+    engine.timeline = Timeline::new(24, 0.25);
     engine.add_system(move |context| {
         let seconds = context.time.seconds();
         context.world.get::<&mut Transform>(ball).unwrap().translation = DVec3::X * 8.0 * seconds;
@@ -73,13 +73,8 @@ fn animations_hold_the_frames_of_the_timeline() {
     let files: Vec<_> = (0..6).map(|index| sequence.frame(index)).collect();
     let first = fs::read(movies.join("ball.GIF")).unwrap();
     fs::write(movies.join("ball.GIF"), "an old file").unwrap();
-    let made = write_movie(
-        &movies.join("ball.GIF"),
-        &files,
-        sequence.format(),
-        engine.timeline().rate,
-        &false.into(),
-    );
+    let made =
+        write_movie(&movies.join("ball.GIF"), &files, sequence.format(), engine.timeline.rate, &false.into());
     assert!(made.unwrap() && fs::read(movies.join("ball.GIF")).unwrap() == first);
     assert_eq!(names(&movies), ["ball.GIF", "ball.apng"]);
 }

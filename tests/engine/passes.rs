@@ -67,7 +67,7 @@ fn passes(camera: &str, entities: &str) -> Vec<PassPixel> {
             animate: [(target: "gone", channel: Scale, track: Keys([(0, (-1, 1, 1)), (2, (1, 1, 1))]))])"#
     );
     let mut engine = Engine::from_scene(Scene::from_text("passes.ron", text).unwrap());
-    let time = engine.timeline().time_of(1);
+    let time = engine.timeline.time_of(1);
     let request = RenderRequest { passes: true, ..RenderRequest::at(time) };
     engine.render(request).unwrap().passes.unwrap().pixels().to_vec()
 }

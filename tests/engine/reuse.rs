@@ -47,7 +47,7 @@ fn reused(
     slot: &mut Slot,
     pauses: bool,
 ) -> Result<(Pixels, f64), EngineError> {
-    let (time, settings) = (engine.timeline().time_of(frame), settings(engine, size));
+    let (time, settings) = (engine.timeline.time_of(frame), settings(engine, size));
     let (mut job, polls) = (None::<RenderJob>, AtomicUsize::new(1));
     loop {
         let pause = || pauses && polls.fetch_add(1, Ordering::Relaxed).is_multiple_of(5);
@@ -74,7 +74,7 @@ fn reused(
 
 /// Renders a frame in full.
 fn fresh(engine: &mut Engine, Shot { frame, size, alpha }: Shot) -> Result<Pixels, EngineError> {
-    let (time, settings) = (engine.timeline().time_of(frame), settings(engine, size));
+    let (time, settings) = (engine.timeline.time_of(frame), settings(engine, size));
     let image = engine.render(RenderRequest {
         settings: Some(settings),
         alpha,
@@ -87,7 +87,7 @@ fn fresh(engine: &mut Engine, Shot { frame, size, alpha }: Shot) -> Result<Pixel
 
 /// Begins a picture and discards it, so that nothing of it may stay.
 fn interrupted(engine: &mut Engine, frame: u32, slot: &mut Slot) {
-    let (time, settings) = (engine.timeline().time_of(frame), settings(engine, SIZE));
+    let (time, settings) = (engine.timeline.time_of(frame), settings(engine, SIZE));
     let (cancelled, polls) = (AtomicBool::new(false), AtomicUsize::new(0));
     let pause = || {
         cancelled.store(polls.fetch_add(1, Ordering::Relaxed) > 3, Ordering::Relaxed);
@@ -167,7 +167,7 @@ fn frames_of_shipped_scenes_equal_a_cold_start_in_any_order() {
     let mut shares = Vec::new();
     for path in scenes() {
         let (mut engine, mut cold) = (Engine::load(&path).unwrap(), Engine::load(&path).unwrap());
-        let (mut slot, last) = (None, engine.timeline().frame_count() - 1);
+        let (mut slot, last) = (None, engine.timeline.frame_count() - 1);
         for frame in [12, 3, 13, 4].map(|frame| frame.min(last)) {
             let shot = Shot { frame, size: SMALL, alpha: false };
             let (pixels, share) = reused(&mut engine, shot, &mut slot, false).unwrap();
@@ -191,7 +191,7 @@ fn frames_of_a_sequence_equal_frames_alone() {
         };
         let (mut engine, mut former, mut shares) = (load(), FormerFrame::default(), Vec::new());
         for index in 20..24 {
-            let request = FrameRequest::frame(index, engine.timeline());
+            let request = FrameRequest::frame(index, engine.timeline);
             let encoded = |engine: &mut Engine, former: &mut FormerFrame<Transfer>| {
                 render_encoded(engine, &request, former, &AtomicBool::new(false), &mut |_| {})
                     .unwrap()

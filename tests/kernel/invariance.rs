@@ -72,7 +72,7 @@ fn picture(path: &Path, scale: f64, offset: DVec3) -> Film {
             refractive.absorption = (refractive.absorption.as_dvec3() / scale).as_vec3();
         }
     });
-    let middle = engine.timeline().frame_count() / 2;
+    let middle = engine.timeline.frame_count() / 2;
     engine.render_frame(middle).unwrap()
 }
 
@@ -151,7 +151,7 @@ fn moved(path: &Path, motion: Motion, checkers: bool) -> (Film, rayreel::trace::
             mirror(context.world);
         }
     });
-    let middle = engine.timeline().frame_count() / 2;
+    let middle = engine.timeline.frame_count() / 2;
     let film = engine.render_frame(middle).unwrap();
     (film, *engine.prepared().unwrap().camera())
 }

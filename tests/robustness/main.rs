@@ -71,7 +71,7 @@ fn small(scene: Scene, frame: u32) -> (Engine, [Time; 2]) {
     for film in engine.world_mut().query_mut::<&mut FilmSettings>() {
         *film = FilmSettings { width: 32, height: 18, ..*film };
     }
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let times = [0, frame % timeline.frame_count()].map(|frame| timeline.time_of(frame));
     (engine, times)
 }

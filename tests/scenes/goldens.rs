@@ -44,7 +44,7 @@ fn load(path: &Path, (width, height): (u32, u32)) -> Engine {
 
 /// Returns the first frame, one from the middle, and the last.
 fn frames(engine: &Engine) -> [u32; 3] {
-    let count = engine.timeline().frame_count();
+    let count = engine.timeline.frame_count();
     [0, count / 2, count - 1]
 }
 
@@ -182,7 +182,7 @@ fn reference_path_matches_the_goldens() {
     for path in scenes().into_iter().chain(flush_faces()) {
         let mut engine = load(&path, (80, 45));
         for frame in frames(&engine) {
-            let time = engine.timeline().time_of(frame);
+            let time = engine.timeline.time_of(frame);
             let fast = engine.render(time).unwrap().film;
             let reference =
                 engine.render(RenderRequest { reference: true, ..RenderRequest::at(time) }).unwrap().film;

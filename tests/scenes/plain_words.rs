@@ -407,7 +407,7 @@ fn integers_are_accepted_in_any_notation() {
     let (plain, other) = (read(plain), read(&other));
     assert_eq!(plain.effective_settings().film, other.effective_settings().film);
     assert_eq!(plain.effective_settings().sampling, other.effective_settings().sampling);
-    assert_eq!(plain.timeline(), other.timeline());
+    assert_eq!(plain.timeline, other.timeline);
     let refused = |number: &str| {
         let text = format!("(camera: (position: (0, 0, -5), target: (0, 0, 0)), sampling: (seed: {number}))");
         Scene::from_text("part.ron", text)

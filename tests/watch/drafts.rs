@@ -31,7 +31,7 @@ fn draft_has_one_sample_and_keeps_the_frame() {
     let sampled = scene(1.0, "").replacen("Scene(", "Scene(sampling: (samples: 4),", 1);
     let never = AtomicBool::new(false);
     let (mut plain, mut sampled) = (engine(scene(1.0, "")), engine(sampled));
-    let time = plain.timeline().time_of(3);
+    let time = plain.timeline.time_of(3);
     let (one, four) = (plain.render(time).unwrap().film, sampled.render(time).unwrap().film);
     assert!(one != four);
     assert!(render(&mut sampled, time, sized(1), &never).unwrap() == one);
@@ -60,7 +60,7 @@ fn rich(samples: u32, instants: u32) -> String {
 #[test]
 fn cheaper_drafts_trace_fewer_rays_and_keep_the_scene() {
     let mut engine = engine(rich(4, 2));
-    let (time, never) = (engine.timeline().time_of(3), AtomicBool::new(false));
+    let (time, never) = (engine.timeline.time_of(3), AtomicBool::new(false));
     let full = engine.render(time).unwrap().film;
     let plain = RenderSettings { max_light_samples: Some(1), depth: Some(2), ..sized(1) };
     let bare = RenderSettings { without: [Effect::Shadows].into(), depth: Some(1), ..plain };
@@ -83,7 +83,7 @@ fn cheaper_drafts_trace_fewer_rays_and_keep_the_scene() {
 fn resumed_picture_equals_an_uninterrupted_one() {
     for (samples, instants) in [(1, 1), (3, 1), (4, 4), (5, 2)] {
         let mut engine = engine(rich(samples, instants));
-        let time = engine.timeline().time_of(3);
+        let time = engine.timeline.time_of(3);
         let once = engine.render(time).unwrap().film;
         let report = engine.report().clone();
         for rest in 1..6 {
@@ -125,7 +125,7 @@ fn resumed_picture_equals_an_uninterrupted_one() {
 #[test]
 fn unfinished_picture_is_resolved_over_another() {
     let mut engine = engine(rich(2, 1));
-    let time = engine.timeline().time_of(0);
+    let time = engine.timeline.time_of(0);
     let full = engine.render(time).unwrap().film;
     let beneath = Film::from_pixels(2, 1, [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)].into_iter());
     let (never, mut seen) = (AtomicBool::new(false), Vec::new());

@@ -33,7 +33,7 @@ fn frames_are_those_of_render_and_stay() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.matches_a_cold_start();
     let mut engine = Engine::load(stage.path("ball.ron")).unwrap();
-    let last = engine.timeline().frame_count() - 1;
+    let last = engine.timeline.frame_count() - 1;
     engine.render_to(stage.path("ball")).unwrap();
     export(&stage, 1, 3, "made").unwrap();
     let ExportState { done, total, end, is_movie, .. } = ended(&stage);

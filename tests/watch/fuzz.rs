@@ -140,7 +140,7 @@ fn comes_to_rest(stage: &Stage, handle: &Handle, answers: &Answers, frame: u32) 
         if let Some(png) = png
             && let Ok(mut cold) = Engine::load(stage.path("ball.ron"))
         {
-            let shown = frame.min(cold.timeline().frame_count() - 1);
+            let shown = frame.min(cold.timeline.frame_count() - 1);
             let film = cold.render_frame(shown).unwrap();
             let expected = encode_quickly(&film, cold.effective_settings().film.transfer).unwrap();
             if state.frame == shown && *png == *expected && answers.due.load(Ordering::Relaxed) == 0 {

@@ -76,7 +76,7 @@ impl Exhibit {
                 sampling if sampling.is_adaptive() => format!("up to {} samples", sampling.samples),
                 Sampling { samples, .. } => format!("{samples} samples"),
             },
-            still: Still { file: format!("{}.png", id(file)), frame: engine.timeline().frame_count() / 2 },
+            still: Still { file: format!("{}.png", id(file)), frame: engine.timeline.frame_count() / 2 },
             movie: None,
             seconds: Vec::new(),
             plan: Effect::ALL.map(|effect| (effect, Vec::new())).into(),
@@ -89,7 +89,7 @@ impl Exhibit {
             settings.film.transfer,
             FrameFormat::default(),
         )?;
-        if engine.timeline().frame_count() > 1 {
+        if engine.timeline.frame_count() > 1 {
             exhibit.movie = Some(exhibit.write_movie(&mut engine, options)?);
         } else {
             exhibit.record(&engine, exhibit.still.frame);
@@ -100,7 +100,7 @@ impl Exhibit {
 
     /// Renders as many frames as there is time for, evenly distributed over the timeline, after the frame in the engine's report.
     fn write_movie(&mut self, engine: &mut Engine, options: &Options) -> Result<Movie, Box<dyn Error>> {
-        let (timeline, a_frame) = (engine.timeline(), seconds(engine));
+        let (timeline, a_frame) = (engine.timeline, seconds(engine));
         let count = timeline.frame_count();
         let takes = |step: u32| f64::from(count.div_ceil(step)) * a_frame;
         let step = (1..count / 2).find(|step| takes(*step) <= options.seconds).unwrap_or((count / 2).max(1));
@@ -143,7 +143,7 @@ pub(crate) fn write_loop(
     let never = AtomicBool::new(false);
     let mut writer = MovieWriter::create(movie, u32::try_from(frames.count())?, rate)?;
     for frame in frames.frames() {
-        let (time, transfer) = (engine.timeline().time_of(frame), engine.effective_settings().film.transfer);
+        let (time, transfer) = (engine.timeline.time_of(frame), engine.effective_settings().film.transfer);
         let request = RenderRequest { fingerprint: false, ..RenderRequest::encoded(time, transfer) };
         writer.add(engine.render(request)?.film, &never)?;
         rendered(engine, frame);

@@ -60,9 +60,9 @@ pub(crate) fn make(
         }
         Making::Movie { scene, frames } => {
             let mut engine = engine(&file(scene).unwrap_or(scene.clone()), picture)?;
-            let frames = frames.within(engine.timeline().frame_count());
+            let frames = frames.within(engine.timeline.frame_count());
             require(&engine, frames.last())?;
-            let (rate, step) = (engine.timeline().rate, step(&frames));
+            let (rate, step) = (engine.timeline.rate, step(&frames));
             let (numerator, denominator) = rate.parts();
             let rate = FrameRate::new(numerator, denominator.saturating_mul(step))
                 .ok_or("its frames are too far apart")?;
@@ -112,7 +112,7 @@ fn still(engine: &mut Engine, frame: u32) -> Result<Film, Box<dyn Error>> {
 
 /// Requires that a frame is part of the timeline.
 fn require(engine: &Engine, frame: u32) -> Result<(), String> {
-    let count = engine.timeline().frame_count();
+    let count = engine.timeline.frame_count();
     if frame < count {
         Ok(())
     } else {

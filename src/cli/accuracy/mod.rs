@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         .num_threads(arguments.threads.map_or(0, usize::from))
         .build()
         .context("cannot start the rendering threads")?;
-    let first = engine.timeline().time_of(frames.first().copied().unwrap_or(0));
+    let first = engine.timeline.time_of(frames.first().copied().unwrap_or(0));
     let request = Request {
         frames,
         preset: if arguments.quick { Preset::QUICK } else { Preset::THOROUGH },
@@ -107,7 +107,7 @@ fn sample_map(engine: &Engine, counts: Option<Film<u32>>) -> anyhow::Result<Vec<
 
 /// Returns the frames to measure, by default the middle one. Also returns the number of chosen frames, if not all of them are measured.
 fn frames(arguments: &AccuracyArguments, engine: &Engine) -> anyhow::Result<(Vec<u32>, Option<usize>)> {
-    let timeline = engine.timeline();
+    let timeline = engine.timeline;
     let Some(list) = &arguments.frames else { return Ok((vec![timeline.frame_count() / 2], None)) };
     let chosen: FrameList = list.within(timeline.frame_count());
     require_frame(chosen.last(), timeline)?;

@@ -154,7 +154,7 @@ fn render(
     let mut rendered = MeasuredEffects { films: Vec::new(), rays: 0.0, instructions: None, seconds: 0.0 };
     let cancelled = Signals::none().cancelled;
     for frame in frames {
-        let time = engine.timeline().time_of(*frame);
+        let time = engine.timeline.time_of(*frame);
         let measured =
             MeasuredFrame::render(engine, time, settings, cancelled, &mut || progress.instructions())?;
         let MeasuredFrame { film, seconds, rays, instructions, .. } = measured;

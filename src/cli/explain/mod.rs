@@ -28,10 +28,10 @@ use timeline::PlannedTimeline;
 pub(super) fn run(arguments: &ExplainArguments) -> Result<(), Failure> {
     let mut engine = load(&arguments.scene, &arguments.overrides)?;
     let frames = match &arguments.frames {
-        Some(frames) => frames.within(engine.timeline().frame_count()),
-        None => FrameList::all(engine.timeline().frame_count()),
+        Some(frames) => frames.within(engine.timeline.frame_count()),
+        None => FrameList::all(engine.timeline.frame_count()),
     };
-    require_frame(frames.last(), engine.timeline())?;
+    require_frame(frames.last(), engine.timeline)?;
     if let Some(file) = &arguments.path {
         return path::draw(&mut engine, &frames, &arguments.scene, file);
     }

@@ -42,7 +42,7 @@ impl PlannedTimeline {
         let mut frames: Vec<u32> = Vec::new();
         for frame in spread.unwrap_or_else(|| list.frames().collect()) {
             let before = frames.last().copied();
-            let time = engine.timeline().time_of(frame);
+            let time = engine.timeline.time_of(frame);
             let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
             let Some(plan) = &engine.plan(request)?.plan else { continue };
             for needs in &mut effects {

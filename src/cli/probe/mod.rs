@@ -39,9 +39,9 @@ pub(super) fn run(arguments: &ProbeArguments) -> Result<(), Failure> {
     };
     let frame = arguments.at.is_none().then(|| arguments.frame.unwrap_or(0));
     if let Some(frame) = frame {
-        require_frame(frame, engine.timeline())?;
+        require_frame(frame, engine.timeline)?;
     }
-    let time = arguments.at.unwrap_or_else(|| engine.timeline().time_of(frame.unwrap_or(0)));
+    let time = arguments.at.unwrap_or_else(|| engine.timeline.time_of(frame.unwrap_or(0)));
     if let Some(rays) = &arguments.rays {
         engine.seek(time)?;
         return rays::run(rays, &engine, arguments.json);

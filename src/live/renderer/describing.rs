@@ -17,7 +17,7 @@ impl Renderer {
         if state.reloads == 0 {
             return Ok(None);
         }
-        let time = self.engine.timeline().time_of(state.frame);
+        let time = self.engine.timeline.time_of(state.frame);
         let latest = self.publisher.latest().filter(|(info, _)| info.full);
         let full = latest.and_then(|(_, film)| film).map(|film| &**film);
         PixelInfo::of(&mut self.engine, &self.sources, time, pixel, full)
@@ -33,7 +33,7 @@ impl Renderer {
         if state.reloads == 0 {
             return Ok(None);
         }
-        let time = self.engine.timeline().time_of(state.frame);
+        let time = self.engine.timeline.time_of(state.frame);
         RayTreeInfo::of(&mut self.engine, &self.sources, time, pixel, sample)
     }
 

@@ -19,7 +19,7 @@ impl Renderer {
     pub(in crate::live) fn begin_cache(&mut self) {
         self.filling = None;
         let published = self.publisher.published();
-        published.cache().begin(self.engine.timeline().frame_count());
+        published.cache().begin(self.engine.timeline.frame_count());
         published.publish_cached_frames(false);
     }
 
@@ -29,7 +29,7 @@ impl Renderer {
         if published.cache().key(frame) != FrameKey::Unknown {
             return;
         }
-        let time = self.engine.timeline().time_of(frame);
+        let time = self.engine.timeline.time_of(frame);
         let settings = settings_of(&self.engine, published.detail());
         let planned = self.engine.plan(RenderRequest { settings, signals, ..RenderRequest::at(time) });
         let key = match planned {

@@ -72,7 +72,7 @@ fn sequence(seed: u64, prepare: impl Fn(&mut Engine), tally: &mut Tally) {
             tally.extended += usize::from(edited.files().0.contains("  extends: "));
             let mut cold = Engine::load(folder.path().join("scene.ron")).unwrap();
             prepare(&mut cold);
-            assert_eq!(engine.timeline(), cold.timeline(), "{}", about());
+            assert_eq!(engine.timeline, cold.timeline, "{}", about());
             assert_same(&described(engine.world(), false), &described(cold.world(), false), &about);
             if !random.once_in(4) {
                 compare(&mut engine, &mut cold, random, tally, &about);

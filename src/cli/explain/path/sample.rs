@@ -43,7 +43,7 @@ impl CameraPath {
         let spread_over = (frames.count() < chosen).then_some(chosen);
         let (mut samples, mut shapes) = (Vec::with_capacity(frames.count()), Vec::new());
         for frame in frames.frames() {
-            let time = engine.timeline().time_of(frame);
+            let time = engine.timeline.time_of(frame);
             engine.seek(time)?;
             if samples.is_empty() {
                 shapes = outlined_shapes(engine);
