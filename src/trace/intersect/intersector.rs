@@ -1,7 +1,7 @@
 //! Intersection of rays with a shape of any kind: of single rays, robustly or by naive formulas, and of packets.
 //!
-//! Formulas of packets that are long and rarely executed are wrapped in `simd.vectorize`, which makes them separate functions for each SIMD
-//! level unless the compiler inlines them.
+//! Formulas of packets that are long and rarely executed have functions of their own, which are never inlined. The body of `simd.vectorize` in
+//! such a function is compiled once for each SIMD level; elsewhere it would be compiled again for each module that calls it.
 
 use std::cmp::Ordering;
 use std::ops::AddAssign;
@@ -256,24 +256,24 @@ impl PacketIntersector<'_> {
                 intersection.undecided |= slow;
                 Some(intersection)
             }
-            ShapeRef::SphereImage(image) => simd.vectorize(
-                #[inline(always)]
-                || image.intersections(&rays),
-            ),
-            ShapeRef::BoxImage(image) => Some(simd.vectorize(
-                #[inline(always)]
-                || image.intersections(&rays),
-            )),
-            ShapeRef::Rod(rod) => simd.vectorize(
-                #[inline(always)]
-                || rod.intersections(&rays),
-            ),
-            ShapeRef::RodImage(image) => simd.vectorize(
-                #[inline(always)]
-                || image.intersections(&rays),
-            ),
+            _ => near_image(simd, &rays, shape),
         }
     }
+}
+
+/// Intersects half of a packet's rays with a rod or with an image of a shape, which they do not leave.
+#[inline(never)]
+fn near_image<S: Simd>(simd: S, rays: &Rays<F64s<S>>, shape: ShapeRef<'_>) -> Option<PacketIntersection<S>> {
+    simd.vectorize(
+        #[inline(always)]
+        || match shape {
+            ShapeRef::SphereImage(image) => image.intersections(rays),
+            ShapeRef::BoxImage(image) => Some(image.intersections(rays)),
+            ShapeRef::Rod(rod) => rod.intersections(rays),
+            ShapeRef::RodImage(image) => image.intersections(rays),
+            ShapeRef::Sphere(_) | ShapeRef::Plane(_) | ShapeRef::AlignedBox(_) => None,
+        },
+    )
 }
 
 /// Finds the exits of half of a packet's rays from a shape that they leave inwards. `None` if the shape has no exit.
@@ -287,21 +287,25 @@ pub(super) fn exit<S: Simd>(
         ShapeRef::Sphere(sphere) => Some(sphere.exits(rays)),
         ShapeRef::Plane(_) => None,
         ShapeRef::AlignedBox(shape) => Some(shape.exits(rays)),
-        ShapeRef::SphereImage(image) => Some(simd.vectorize(
-            #[inline(always)]
-            || image.exits(rays),
-        )),
-        ShapeRef::BoxImage(image) => Some(simd.vectorize(
-            #[inline(always)]
-            || image.exits(rays),
-        )),
-        ShapeRef::Rod(rod) => Some(simd.vectorize(
-            #[inline(always)]
-            || rod.exits(rays),
-        )),
-        ShapeRef::RodImage(image) => Some(simd.vectorize(
-            #[inline(always)]
-            || image.exits(rays),
-        )),
+        _ => exit_of_image(simd, rays, shape),
     }
+}
+
+/// Finds the exits of half of a packet's rays from a rod or from an image of a shape, which they leave inwards.
+#[inline(never)]
+fn exit_of_image<S: Simd>(
+    simd: S,
+    rays: &Rays<F64s<S>>,
+    shape: ShapeRef<'_>,
+) -> Option<PacketIntersection<S>> {
+    simd.vectorize(
+        #[inline(always)]
+        || match shape {
+            ShapeRef::SphereImage(image) => Some(image.exits(rays)),
+            ShapeRef::BoxImage(image) => Some(image.exits(rays)),
+            ShapeRef::Rod(rod) => Some(rod.exits(rays)),
+            ShapeRef::RodImage(image) => Some(image.exits(rays)),
+            ShapeRef::Sphere(_) | ShapeRef::Plane(_) | ShapeRef::AlignedBox(_) => None,
+        },
+    )
 }

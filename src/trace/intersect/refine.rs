@@ -8,7 +8,7 @@ use crate::trace::math::{
     BoundedT, Double, F64s, F64s3, Mask, Numbers, Vectors, bits, dot, half_lanes, half_of, lanes, mask,
     moderate, moderate3, pick3, splat, splat3,
 };
-use crate::trace::rays::{RayPacket, ShapeId, ShapeIds};
+use crate::trace::rays::{RayPacket, Rays, ShapeId, ShapeIds};
 use crate::trace::scene::{Geometry, PreparedScene, ShapeKind, ShapeRef};
 use crate::trace::shapes::{AlignedBox, Refined, Sphere, refine_box, refine_plane, refine_sphere};
 
@@ -122,16 +122,7 @@ fn refine_half<S: Simd>(
         let these = hits.ids.lanes_of(simd, id) & images;
         images &= !these;
         let far = mask(simd, hits.far, half);
-        let Some(image) = simd.vectorize(
-            #[inline(always)]
-            || match geometry.shape(id) {
-                ShapeRef::SphereImage(image) => Some(image.refined(&rays, t)),
-                ShapeRef::BoxImage(image) => Some(image.refined(&rays, t, far)),
-                ShapeRef::Rod(rod) => Some(rod.refined(&rays, t, far)),
-                ShapeRef::RodImage(image) => Some(image.refined(&rays, t, far)),
-                ShapeRef::Sphere(_) | ShapeRef::Plane(_) | ShapeRef::AlignedBox(_) => None,
-            },
-        ) else {
+        let Some(image) = refine_image(simd, &rays, t, far, geometry.shape(id)) else {
             unknown |= these;
             continue;
         };
@@ -147,6 +138,27 @@ fn refine_half<S: Simd>(
     surfaces.ts.store(half, refined.t.high);
     surfaces.rests.store(half, refined.t.low);
     special
+}
+
+/// Refines the hits of half of a packet's rays with a rod or with an image of a shape. `None` for other shapes.
+#[inline(never)]
+fn refine_image<S: Simd>(
+    simd: S,
+    rays: &Rays<F64s<S>>,
+    t: F64s<S>,
+    far: Mask<S>,
+    shape: ShapeRef<'_>,
+) -> Option<Refined<F64s<S>>> {
+    simd.vectorize(
+        #[inline(always)]
+        || match shape {
+            ShapeRef::SphereImage(image) => Some(image.refined(rays, t)),
+            ShapeRef::BoxImage(image) => Some(image.refined(rays, t, far)),
+            ShapeRef::Rod(rod) => Some(rod.refined(rays, t, far)),
+            ShapeRef::RodImage(image) => Some(image.refined(rays, t, far)),
+            ShapeRef::Sphere(_) | ShapeRef::Plane(_) | ShapeRef::AlignedBox(_) => None,
+        },
+    )
 }
 
 /// Selects `these` in lanes in which the mask is true, and `others` elsewhere.

@@ -123,7 +123,7 @@ pub(crate) fn transmittances<S: Simd>(simd: S, absorption: Rgb, lengths: &Number
 }
 
 /// Computes exp(-coefficient length). `first` and `second` are the coefficients of the two halves of the lanes.
-#[inline(always)]
+#[inline(never)]
 fn shares<S: Simd>(simd: S, (first, second): (F64s<S>, F64s<S>), lengths: &Numbers) -> f32x16<S> {
     simd.vectorize(
         #[inline(always)]
