@@ -21,10 +21,13 @@
 //! | [`Animated`] | motions of the values above, each a [`Property`] and a [`Motion`] |
 //! | [`Name`], [`Order`] | the name of an entity and its index in document order |
 //! | [`WorldTransform`] | the transform to world space; derived by [`systems::propagate`](crate::systems::propagate), never written by hand |
+//!
+//! [`Control`] is a value of a program that its preview changes.
 
 mod animated;
 mod camera;
 mod cloud;
+mod control;
 mod identity;
 mod light;
 mod list;
@@ -44,6 +47,7 @@ pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, 
 pub use cloud::{
     AtParticle, Cloud, CloudBonds, CloudColors, CloudLegend, CloudMember, CloudSource, DataMoment, Particles,
 };
+pub use control::Control;
 pub use identity::{Name, Order};
 pub use light::{AreaShape, Falloff, Light, LightKind};
 pub(crate) use list::with_components;

@@ -29,8 +29,8 @@ pub enum SessionCommand {
     Edit(SceneEdit, Reply<Result<(), String>>),
     /// Lists the parts of the scene.
     Outline(OutlineRequest, Reply<Vec<OutlineRow>>),
-    /// Describes a part of the scene; `None` if there is no such part.
-    Part(ScenePart, Reply<Option<PartInfo>>),
+    /// Describes a part of the scene, or the controls of an engine; `None` if there is no such part, or no control.
+    Part(Option<ScenePart>, Reply<Option<PartInfo>>),
     /// Lists the keys of tracks, and the shots.
     Tracks(Reply<WrittenTracks>),
     /// Renders frames into files, on another thread.
@@ -83,17 +83,17 @@ pub enum Detail {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SceneEdit {
     /// Overrides values, as in `camera.fov=40`, and keys of tracks, and leaves the files as they are. Values that are already overridden keep
-    /// their override; keys that are overridden already are changed further.
+    /// their override; keys that are overridden already are changed further. Values of an engine are those of its controls.
     Try(Vec<String>, Vec<KeyChange>),
     /// Overrides the keys of a track, and leaves the files as they are.
     TryKey(KeyChange),
-    /// Writes the overriding values into the files.
+    /// Writes the overriding values into the files; the values of controls become a change that can be taken back.
     Keep,
     /// Ends the overrides.
     Drop,
     /// Shows the scene from another view than that of its camera, which is never written.
     Look(LookView),
-    /// Takes back the last change of the files.
+    /// Takes back the last change.
     Undo,
     /// Makes the change again that was taken back last.
     Redo,

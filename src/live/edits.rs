@@ -10,7 +10,7 @@ use crate::output;
 use crate::scene::{KeyChange, Override, OverrideError, TextChange, written_value};
 
 /// Maximum number of changes that can be taken back.
-const MAX_UNDO: usize = 1000;
+pub(super) const MAX_UNDO: usize = 1000;
 
 pub(super) const UNSAVED: &str = "some values are not in the file yet: keep or discard them first";
 

@@ -21,6 +21,7 @@
 //! | `outline` | the list of the scene's parts, and their values |
 //! | `editor` | the command that opens a file in an editor |
 //! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
+//! | `controls` | values of a program that are changed on the page |
 //! | `export` | rendering of films into files |
 //! | `tile_rays` | numbers of rays in the tiles of pictures |
 //! | `warnings` | warnings about the scene and its full pictures |
@@ -34,6 +35,7 @@
 mod cache;
 mod camera_view;
 mod commands;
+mod controls;
 mod editor;
 mod edits;
 mod export;
@@ -54,6 +56,7 @@ mod warnings;
 mod watcher;
 mod worker;
 
+pub use controls::InvalidControl;
 pub use editor::{EditorCommand, NoEditorCommand};
 pub use publish::{Event, Shown};
 pub use server::{HostName, NoHostName, Server};

@@ -1,6 +1,6 @@
 //! The list of a scene's parts, and the values of one of them.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 
 use hecs::{Entity, World};
@@ -75,6 +75,8 @@ pub struct PartSection {
     pub values: Vec<WrittenValue>,
     /// The paths of those that tracks or scripts set over time.
     pub animated: Vec<String>,
+    /// The paths of those that differ from their initial values, with these; only of a program's controls.
+    pub initial: BTreeMap<String, String>,
 }
 
 /// An entity in the list.
@@ -229,7 +231,8 @@ impl PartInfo {
             let is_animated =
                 |value: &&WrittenValue| animated.iter().any(|channel| sets(channel, &value.path));
             let animated = values.iter().filter(is_animated).map(|value| value.path.clone()).collect();
-            info.sections.push(PartSection { title, values, animated });
+            let initial = BTreeMap::new();
+            info.sections.push(PartSection { title, values, animated, initial });
         };
         let (title, place) = match part {
             ScenePart::Entity(name) => {

@@ -8,6 +8,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use hecs::World;
+
 use super::cache::FrameKey;
 use super::commands::{CommandQueue, Detail};
 use super::jobs::{
@@ -199,6 +201,11 @@ impl Renderer {
     /// Returns whether the current frame is shown by a finished picture from the cache, which has no film.
     pub(super) fn shows_cached_picture(&self) -> bool {
         self.publisher.latest().is_some_and(|(_, film)| film.is_none())
+    }
+
+    /// Returns the world at the start of the timeline, for changes.
+    pub(super) fn world_mut(&mut self) -> &mut World {
+        self.engine.world_mut()
     }
 
     /// Sets the view in place of that of the camera.

@@ -10,7 +10,7 @@
 //! | `POST /view` | changes the view according to a [`ViewChange`], as JSON |
 //! | `POST /edit` | changes values of the scene according to a [`SceneEdit`], as JSON; 409 and the reason if that is not possible |
 //! | `POST /outline` | the rows of the list of the scene's parts for an [`OutlineRequest`](super::OutlineRequest), as JSON |
-//! | `POST /part` | the values of a part of the scene, such as `{"entity": "ball"}`: a [`PartInfo`](super::PartInfo) or null, as JSON |
+//! | `POST /part` | the values of a part of the scene, such as `{"entity": "ball"}`, or for null the controls of an engine: a [`PartInfo`](super::PartInfo) or null, as JSON |
 //! | `POST /tracks` | the keys of tracks, and the shots, as JSON |
 //! | `POST /camera` | the camera of the current frame, as JSON; 409 and the reason if it cannot be moved |
 //! | `POST /export` | renders frames into files according to a [`ExportRequest`](super::ExportRequest), or cancels that for null, as JSON; 409 and the reason if that is not possible |
@@ -396,7 +396,7 @@ async fn outline(State(shared): State<ServerState>, body: Bytes) -> Response {
 }
 
 async fn part(State(shared): State<ServerState>, body: Bytes) -> Response {
-    match serde_json::from_slice::<ScenePart>(&body) {
+    match serde_json::from_slice::<Option<ScenePart>>(&body) {
         Ok(part) => answer(&shared, |reply| SessionCommand::Part(part, reply), |info| json(&info)).await,
         Err(error) => refused(&error),
     }

@@ -10,6 +10,7 @@ use hecs::World;
 use tokio::sync::watch;
 
 use super::commands::{CommandQueue, SessionCommand};
+use super::controls::{Controls, InvalidControl};
 use super::editor::EditorCommand;
 use super::export::ExportState;
 use super::publish::{Event, Picture, Published, Publisher};
@@ -95,31 +96,40 @@ impl Session {
                 let files = SceneFiles::new(scene, overrides, watcher, editor);
                 let nothing = Engine::new(World::new());
                 let renderer = Renderer::new(nothing, without, allowed, Arc::clone(&commands), publisher);
-                Worker::new(Some(files), renderer, commands, published, frame, finish)
+                Worker::new(Some(files), Controls::default(), renderer, commands, published, frame, finish)
             },
         )
     }
 
     /// Starts the thread, which shows an engine's timeline under a name, with the engine's settings. There are no files: after a change of
     /// the program, start it again. A page that is open continues with the new session if the [server](super::Server) has the same port.
+    /// The page shows the [controls](crate::components::Control) of the world, and renders the frame again when one of them is changed.
     ///
     /// ```no_run
     /// use rayreel::live::{Server, Session};
     /// use rayreel::{Engine, World};
     ///
-    /// let session = Session::of_engine("my world", Engine::new(World::new()), |_| {});
+    /// let session = Session::of_engine("my world", Engine::new(World::new()), |_| {})?;
     /// let server = Server::start(8080, session.handle())?;
     /// println!("http://{}/", server.address());
     /// std::io::stdin().read_line(&mut String::new())?; // runs until Enter is pressed
-    /// # Ok::<(), std::io::Error>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    #[must_use]
-    pub fn of_engine(name: &str, engine: Engine, emit: impl FnMut(Event) + Send + 'static) -> Self {
-        Self::spawn(name, 0, DEFAULT_CACHE, emit, move |commands, published, publisher| {
+    ///
+    /// # Errors
+    ///
+    /// If two controls have the same name, or a control has a value that is not within its range.
+    pub fn of_engine(
+        name: &str,
+        mut engine: Engine,
+        emit: impl FnMut(Event) + Send + 'static,
+    ) -> Result<Self, InvalidControl> {
+        let controls = Controls::of(engine.world_mut())?;
+        Ok(Self::spawn(name, 0, DEFAULT_CACHE, emit, move |commands, published, publisher| {
             let without = engine.settings.without;
             let renderer = Renderer::new(engine, without, Vec::new(), Arc::clone(&commands), publisher);
-            Worker::new(None, renderer, commands, published, 0, false)
-        })
+            Worker::new(None, controls, renderer, commands, published, 0, false)
+        }))
     }
 
     /// Starts the thread of a worker, which `worker` creates on that thread.

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use super::camera_view::CameraView;
 use super::commands::{CommandQueue, Detail, LookView, Reply, SceneEdit, SessionCommand, ViewChange};
+use super::controls::Controls;
 use super::editor::Place;
-use super::edits::{EditState, UNSAVED};
+use super::edits::UNSAVED;
 use super::export::{self, ExportRequest, ExportScene};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
 use super::outline::PartInfo;
@@ -53,6 +54,8 @@ enum Task {
 pub(super) struct Worker {
     /// The scene's files; `None` for an engine of a program.
     files: Option<SceneFiles>,
+    /// The controls of an engine of a program.
+    controls: Controls,
     renderer: Renderer,
     commands: Arc<CommandQueue>,
     published: Arc<Published>,
@@ -71,6 +74,7 @@ pub(super) struct Worker {
 impl Worker {
     pub(super) fn new(
         files: Option<SceneFiles>,
+        controls: Controls,
         renderer: Renderer,
         commands: Arc<CommandQueue>,
         published: Arc<Published>,
@@ -79,6 +83,7 @@ impl Worker {
     ) -> Self {
         Self {
             files,
+            controls,
             renderer,
             commands,
             published,
@@ -112,7 +117,7 @@ impl Worker {
                     SessionCommand::Rays(pixel, sample, reply) => self.rays(pixel, sample, reply),
                     SessionCommand::Edit(edit, Reply(reply)) => reply(self.edit(&edit)),
                     SessionCommand::Outline(request, Reply(reply)) => reply(self.renderer.outline(&request)),
-                    SessionCommand::Part(part, Reply(reply)) => reply(self.part(&part)),
+                    SessionCommand::Part(part, Reply(reply)) => reply(self.part(part.as_ref())),
                     SessionCommand::Tracks(Reply(reply)) => reply(self.tracks()),
                     SessionCommand::Export(request, Reply(reply)) => reply(self.export(request)),
                     SessionCommand::ExportEnded if self.next == Task::Idle => self.next = self.rest(),
@@ -223,7 +228,7 @@ impl Worker {
     fn edit(&mut self, edit: &SceneEdit) -> Result<(), String> {
         let is_broken = self.failure().is_some() || self.published.state().mistakes.is_some();
         let Some(files) = &mut self.files else {
-            return Err("this world is built by a program: its values are changed there".to_owned());
+            return self.edit_controls(edit);
         };
         let transfer = self.renderer.transfer();
         let before = match edit {
@@ -269,6 +274,18 @@ impl Worker {
         refused
     }
 
+    /// Changes values of the controls of an engine. Returns the reason why that is not possible.
+    fn edit_controls(&mut self, edit: &SceneEdit) -> Result<(), String> {
+        let is_changed = self.controls.edit(edit)?;
+        self.publish_edits(None);
+        if is_changed {
+            self.controls.apply(self.renderer.world_mut());
+            self.renderer.begin(Times::default(), self.wanted_frame);
+            self.begin();
+        }
+        Ok(())
+    }
+
     /// Shows the scene from a view that is not written. Returns the reason why that is not possible.
     fn look(&mut self, LookView { position, target, up }: LookView) -> Result<(), String> {
         let view = Viewpoint { position: position.into(), target: target.into(), up: up.into() };
@@ -309,14 +326,19 @@ impl Worker {
     }
 
     fn publish_edits(&self, notice: Option<String>) {
-        let state = |files: &SceneFiles| files.edits.state(files.editor.is_some(), notice);
-        let edits = self.files.as_ref().map_or_else(EditState::default, state);
+        let edits = match &self.files {
+            Some(files) => files.edits.state(files.editor.is_some(), notice),
+            None => self.controls.state(),
+        };
         self.published.update(|state| state.edits = edits);
     }
 
-    /// Describes a part of a scene in files.
-    fn part(&self, part: &ScenePart) -> Option<PartInfo> {
-        self.renderer.part(part, &self.files.as_ref()?.paths)
+    /// Describes a part of a scene in files, or the controls of an engine.
+    fn part(&self, part: Option<&ScenePart>) -> Option<PartInfo> {
+        match &self.files {
+            Some(files) => self.renderer.part(part?, &files.paths),
+            None => self.controls.info(),
+        }
     }
 
     fn tracks(&self) -> WrittenTracks {

@@ -5,7 +5,8 @@ use std::any::{TypeId, type_name};
 use hecs::{BuiltEntityClone, Component, Entity, EntityBuilderClone, EntityRef, World};
 
 use super::Unplaced;
-use crate::components::{self, with_components};
+use crate::color::Rgb;
+use crate::components::{self, Control, with_components};
 
 /// The component types that a snapshot copies.
 #[derive(Clone, Debug)]
@@ -46,6 +47,9 @@ impl Default for Registry {
         }
         with_components!(register);
         registry.register::<Unplaced>();
+        registry.register::<Control>();
+        registry.register::<Control<bool>>();
+        registry.register::<Control<Rgb>>();
         registry
     }
 }

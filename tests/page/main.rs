@@ -108,9 +108,14 @@ fn session(folder: &TempDir, allowed: Vec<&'static str>) -> Session {
 
 /// Opens the page in a browser. Returns `None` without one.
 fn open(preview: &Preview) -> Option<Browser> {
+    open_at(preview.port)
+}
+
+/// Opens the page of a server in a browser. Returns `None` without one.
+fn open_at(port: u16) -> Option<Browser> {
     let browser = Browser::start("1000,700");
     if let Some(browser) = &browser {
-        browser.go(&format!("http://127.0.0.1:{}/", preview.port));
+        browser.go(&format!("http://127.0.0.1:{port}/"));
     } else {
         println!("there is no chromedriver: the page was not tried");
     }

@@ -28,7 +28,7 @@ fn attempt(stage: &Stage, values: &[&str]) -> Result<(), String> {
 
 /// Returns the written values of a part, without those of the material of an entity.
 fn values(stage: &Stage, part: ScenePart) -> Vec<WrittenValue> {
-    let info = ask(stage, |reply| SessionCommand::Part(part, reply));
+    let info = ask(stage, |reply| SessionCommand::Part(Some(part), reply));
     let first = info.and_then(|info| info.sections.into_iter().next());
     first.map_or_else(Vec::new, |section| {
         section.values.into_iter().filter(|value| !value.is_default).collect()

@@ -108,7 +108,7 @@ fn act(stage: &Stage, handle: &Handle, answers: &Answers, random: &mut Random) {
         16 => {
             handle.send(SessionCommand::Camera(answers.reply()));
             handle.send(SessionCommand::Tracks(answers.reply()));
-            handle.send(SessionCommand::Part(ScenePart::Entity("ball".to_owned()), answers.reply()));
+            handle.send(SessionCommand::Part(Some(ScenePart::Entity("ball".to_owned())), answers.reply()));
             handle.send(SessionCommand::Outline(OutlineRequest::default(), answers.reply()));
         }
         17 => {

@@ -1,5 +1,5 @@
 "use strict";
-// Changes of the scene: values are tried at once, then written into the file.
+// Changes of the scene: values are tried at once, then written into the file. Controls of a program are tried and kept in the same way.
 
 const PATIENCE = 250;  // milliseconds to wait for the picture of a try before the next one
 
@@ -60,9 +60,9 @@ function drawEdits() {
   const { tried, undoable, redoable, last, look, notice, possible } = state.edits, isLook = tried.length === 0 && look !== null;
   at("undo").disabled = undoable === 0;
   at("redo").disabled = redoable === 0;
-  at("undo").hidden = at("redo").hidden = !possible;
-  // A key that is dragged is written when it is dropped.
-  at("unsaved").hidden = moving !== null || tried.length === 0 && !isLook;
+  at("undo").hidden = at("redo").hidden = !possible && undoable + redoable === 0;
+  // A key that is dragged is written when it is dropped; controls are in no file.
+  at("unsaved").hidden = !possible || moving !== null || tried.length === 0 && !isLook;
   write(at("unsaved").firstChild, isLook ? "Only a look, not in the file" : "Not in the file yet");
   at("unsaved").title = isLook ? look : "";
   at("keep").hidden = isLook;

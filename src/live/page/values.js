@@ -1,19 +1,19 @@
 "use strict";
-// The panel of values of the selected part.
+// The panel of values of the selected part, or of the controls of a program.
 
 const quoted = name => `"${name}"`;
 const reaches = new Map();  // the ends of sliders without a valid range by path, which stay while the same part is selected
 const unfolded = new Set(); // the titles of the sections whose defaults are shown
 let drawn = null;           // the part, and the reload, whose values are in the panel
 
-// Shows the values of the selected part, as in the file. A slider that is being dragged stays; afterwards, the keyboard's place is kept.
+// Shows the values of the selected part, as in the file, or the controls of a program. A slider that is being dragged stays; afterwards, the keyboard's place is kept.
 async function drawSelected() {
-  const part = view.selected, of = `${reload()} ${JSON.stringify(part)}`;
+  const { possible } = state.edits, part = possible ? view.selected : null, of = `${reload()} ${JSON.stringify(part)}`;
   const stays = () => trying !== null || state.edits.tried.length > 0 && at("values").contains(document.activeElement);
   if (drawn === of || stays()) return;
   const before = drawn;
   drawn = of;
-  const answer = part && state.edits.possible ? await post("part", part).catch(() => null) : null;
+  const answer = part || !possible ? await post("part", part).catch(() => null) : null;
   const info = answer?.ok ? await answer.json() : null;
   if (drawn !== of) return;
   if (stays()) { drawn = before; return; }
@@ -29,6 +29,7 @@ function partSections({ title, place, sections, note }) {
     return made;
   };
   if (sections.length === 0) return [heading(title, place), element("p", note, { className: "faint" })];
+  if (!state.edits.possible) return sections.map(controlSection);
   return sections.map(({ title, values, animated }, index) => {
     const section = element("section"), names = namesOf(values), row = value => valueRow(value, names[values.indexOf(value)], animated.includes(value.path));
     const written = values.filter(value => !value.is_default), others = values.filter(value => value.is_default);
@@ -40,6 +41,29 @@ function partSections({ title, place, sections, note }) {
     section.append(more);
     return section;
   });
+}
+
+// The controls of a program, each with a way back to its initial value.
+function controlSection({ title, values, initial }) {
+  const section = element("section"), heading = element("h3", title), changed = Object.entries(initial);
+  const reset = (text, title, values) => Object.assign(element("button", text, { title, disabled: values.length === 0 }), {
+    onclick: async event => {
+      // The keyboard stays at the value, since the button is disabled afterwards.
+      event.target.closest("label, section").querySelector("input").focus();
+      await attempt(values.map(value => value.join("=")));
+      keepEdits();
+    },
+  });
+  heading.append(reset("Reset", "All initial values", changed));
+  section.append(heading, ...values.map(value => {
+    const { path } = value, row = valueRow(value, path), own = changed.filter(([name]) => name === path), first = initial[path]?.replaceAll('"', "");
+    if (first !== undefined) row.firstChild.append(element("small", `initially ${first}`));
+    const back = reset("↺", first === undefined ? "The initial value" : `Back to ${first}`, own);
+    back.setAttribute("aria-label", `${path}: ${back.title}`);
+    row.append(back);
+    return row;
+  }));
+  return section;
 }
 
 // The last step of each path or, where several values have it, the last two.
