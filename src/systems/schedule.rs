@@ -1,6 +1,6 @@
 //! Schedules custom systems.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use hecs::World;
 
@@ -112,7 +112,7 @@ impl Schedule {
     /// # Errors
     ///
     /// If systems need copies of the world and it holds a component that cannot be copied, if a script fails, or if `cancelled` becomes
-    /// true before a script.
+    /// true before a step or a script.
     pub(crate) fn advance(
         &mut self,
         world: &mut World,
@@ -182,12 +182,18 @@ impl Schedule {
             changes.mark_all();
         }
         let mut fresh = Changes::default();
+        let mut result = Ok(());
         loop {
             let due = self.stepped.iter().enumerate().filter_map(|(index, stepped)| {
                 let end = stepped.step.0.times(stepped.done + 1)?;
                 (end <= time).then_some((end, index))
             });
             let Some((_, index)) = due.min() else { break };
+            if cancelled.load(Ordering::Relaxed) {
+                // The steps so far count: the next call continues with them.
+                result = Err(Interrupted::Cancelled);
+                break;
+            }
             let stepped = &mut self.stepped[index];
             let Some(start) = stepped.step.0.times(stepped.done) else { break };
             let animated = animate_all(&mut self.scripts, world, start, true, &mut fresh, cancelled);
@@ -204,7 +210,7 @@ impl Schedule {
         }
         propagate(world, &fresh);
         changes.merge(&fresh);
-        Ok(())
+        result
     }
 
     fn run_pure(&mut self, world: &mut World, time: Time, cancelled: &AtomicBool) -> Result<(), Interrupted> {

@@ -1,5 +1,8 @@
 //! Tests of systems added by a program. Pure systems leave no state behind; stepped systems do not depend on the frames rendered before.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+
 use glam::{DQuat, DVec3};
 
 use rayreel::animation::{Easing, Key, Track};
@@ -7,7 +10,8 @@ use rayreel::components::{
     Animated, Camera, Channel, FilmSettings, Light, Material, Name, Order, Parent, Property, Sampling, Shape,
     Transform, WorldTransform,
 };
-use rayreel::{Context, Engine, Entity, Film, RenderRequest, Rgb, Step, Time, World};
+use rayreel::trace::Signals;
+use rayreel::{Context, Engine, EngineError, Entity, Film, RenderRequest, Rgb, Step, Time, World};
 
 const CLAY: Material = Material::matte(Rgb::new(1.0, 0.5, 0.2));
 
@@ -339,4 +343,38 @@ fn frames_do_not_depend_on_what_a_system_did_to_the_shutter_before() {
         first
     );
     assert_eq!((first.width(), first.height()), (32, 18));
+}
+
+/// Checks that a cancelled simulation stops before its next step and continues there, with and without pure systems.
+#[test]
+fn cancelled_steps_are_continued() {
+    for has_pure_system in [false, true] {
+        let (steps, cancelled) = (Arc::new(AtomicU32::new(0)), Arc::new(AtomicBool::new(false)));
+        let make = |cancel_at: u32| {
+            let mut world = stage();
+            let ball = world.spawn(ball(DVec3::ZERO));
+            let mut engine = Engine::new(world);
+            let (steps, cancelled) = (Arc::clone(&steps), Arc::clone(&cancelled));
+            engine.add_stepped_system(Step::per_second(10), move |context| {
+                context.world.get::<&mut Transform>(ball).unwrap().translation.x += context.time.seconds();
+                context.changes.mark_transform(ball);
+                if steps.fetch_add(1, Relaxed) + 1 == cancel_at {
+                    cancelled.store(true, Relaxed);
+                }
+            });
+            if has_pure_system {
+                engine.add_system(|context| context.changes.mark_settings());
+            }
+            engine
+        };
+        let mut engine = make(4);
+        let cancelling = RenderRequest { signals: Signals::unless(&cancelled), ..RenderRequest::at(at(9)) };
+        assert!(matches!(engine.render(cancelling), Err(EngineError::Cancelled)));
+        assert_eq!(steps.load(Relaxed), 4);
+        let film = engine.render(at(9)).unwrap().film;
+        assert_eq!(steps.swap(0, Relaxed), 9);
+        assert!(film == make(u32::MAX).render(at(9)).unwrap().film);
+        steps.store(0, Relaxed);
+        cancelled.store(false, Relaxed);
+    }
 }
