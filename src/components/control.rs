@@ -28,7 +28,7 @@ use crate::color::Rgb;
 ///
 /// let mut height_after_a_second = |gravity| {
 ///     GRAVITY.set(engine.world_mut(), gravity); // as the preview's slider does; steps start over
-///     engine.seek(engine.timeline().time_of(24))?;
+///     engine.seek(engine.timeline.time_of(24))?;
 ///     Ok::<f64, rayreel::EngineError>(engine.world().get::<&Transform>(ball).unwrap().translation.y)
 /// };
 /// assert_eq!(height_after_a_second(8.0)?, -3.0);
