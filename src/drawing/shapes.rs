@@ -33,7 +33,8 @@ pub fn outlined_shapes(engine: &Engine) -> Vec<OutlinedShape> {
 }
 
 impl OutlinedShape {
-    fn of(shape: Shape, transform: &WorldTransform) -> Option<Self> {
+    /// Returns the outline of a shape; `None` if it has no size or no finite place.
+    pub fn of(shape: Shape, transform: &WorldTransform) -> Option<Self> {
         let affine = transform.affine;
         let center = affine.translation;
         let outline = match shape {

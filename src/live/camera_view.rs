@@ -6,11 +6,11 @@ use glam::DVec3;
 use hecs::{Entity, World};
 use serde::Serialize;
 
-use crate::components::{Animated, Camera, Follow, LookAt, Name, Parent, Projection, Property, Space, View};
+use super::frame_keys::{FrameKeys, KeyPlace, name_of};
+use crate::components::{Camera, Follow, LookAt, Name, Parent, Projection, Property, Space, View};
 use crate::engine::{Engine, Ray};
-use crate::scene::{WrittenTracks, written_value};
+use crate::scene::written_value;
 use crate::systems::active_camera;
-use crate::time::Time;
 
 /// Distance of the point about which a view turns if nothing is in front of the camera, in scene units.
 const DEFAULT_DISTANCE: f64 = 10.0;
@@ -29,9 +29,9 @@ pub struct CameraView {
     /// True if the camera has a direction in place of a target.
     pub has_direction: bool,
     /// The key of another position: the path of its list of keys, and its time in seconds of the keys. `None` without a track.
-    pub position_key: Option<(String, f64)>,
+    pub position_key: Option<KeyPlace>,
     /// The key of another target or direction.
-    pub target_key: Option<(String, f64)>,
+    pub target_key: Option<KeyPlace>,
     /// The direction that is up in the image.
     pub up: [f64; 3],
     /// Rotation about the view direction in radians.
@@ -47,15 +47,14 @@ pub struct CameraView {
 impl CameraView {
     /// Describes the camera of a frame of a scene in files, or the view that is looked from. Returns the reason why there is no camera.
     pub(super) fn of(engine: &mut Engine, frame: u32, files: &[PathBuf]) -> Result<Self, String> {
-        let rate = engine.timeline.rate;
-        let time = rate.time_of(frame);
+        let time = engine.timeline.time_of(frame);
         engine.seek(time).map_err(|error| error.to_string())?;
         let world = engine.world();
         let missing = "the scene has no camera: write `camera: ()` in the file to move it here";
         let active = active_camera(world, time).ok_or(missing)?;
         let camera = world.get::<&Camera>(active.entity).map(|camera| *camera).map_err(|_| missing)?;
         let viewpoint = engine.settings.view;
-        let keys = keys_of(world, active.entity, &camera, (time, 1.0 / rate.per_second()), files);
+        let keys = keys_of(world, active.entity, &camera, &FrameKeys::new(engine, frame, files));
         let look = match (&keys, viewpoint) {
             (Err(reason), _) => Some(reason.clone()),
             (Ok(_), Some(_)) => Some("this view is only looked from: reset it to move the camera".to_owned()),
@@ -90,46 +89,23 @@ impl CameraView {
     }
 }
 
-/// The path of a list of keys, and a time of the keys in seconds; `None` without a track.
-type KeyPlace = Option<(String, f64)>;
-
-/// Returns the keys of another position, and of another target or direction, for the frame at a time. Returns the reason why the camera
-/// cannot be moved by hand.
+/// Returns the keys of another position, and of another target or direction, at a frame. Returns the reason why the camera cannot be moved by
+/// hand.
 fn keys_of(
     world: &World,
     entity: Entity,
     camera: &Camera,
-    (time, interval): (Time, f64),
-    files: &[PathBuf],
-) -> Result<[KeyPlace; 2], String> {
+    keys: &FrameKeys<'_>,
+) -> Result<[Option<KeyPlace>; 2], String> {
     if let Some((field, other)) = tie(world, entity) {
         return Err(format!(
             "`{field}` ties this camera to {other}: replace it in the file by a position and a target of its own to move the \
              view here"
         ));
     }
-    let name = name_of(world, entity);
-    let tracks = WrittenTracks::of(files).tracks;
-    let key = |property: Property| {
-        let animated = world.get::<&Animated>(entity).ok();
-        if !animated.is_some_and(|animated| animated.0.iter().any(|channel| channel.property == property)) {
-            return Ok(None);
-        }
-        let channel = property.name();
-        let track = tracks.iter().find(|track| track.target == name && track.channel == channel).ok_or_else(|| {
-            format!(
-                "the {channel} of this camera is not animated by keys in the scene file: move it where it is written, or \
-                 replace its track by `Keys`"
-            )
-        })?;
-        track.key_time(time.seconds(), interval).map(|time| Some((track.path.clone(), time)))
-    };
     let target = if matches!(camera.view, View::Direction(_)) { Property::View } else { Property::Target };
+    let key = |property| keys.place(world, entity, property, "this camera");
     Ok([key(Property::Position)?, key(target)?])
-}
-
-fn name_of(world: &World, camera: Entity) -> String {
-    world.get::<&Name>(camera).map(|name| name.0.clone()).unwrap_or_default()
 }
 
 /// Returns the field that ties a camera to another entity, and the entity's name.

@@ -11,6 +11,7 @@ use super::camera_view::CameraView;
 use super::export::ExportRequest;
 use super::outline::{OutlineRequest, OutlineRow, PartInfo};
 use super::pixel_info::PixelInfo;
+use super::placement::Placement;
 use super::ray_info::RayTreeInfo;
 use crate::scene::{KeyChange, ScenePart, WrittenTracks};
 
@@ -41,6 +42,8 @@ pub enum SessionCommand {
     Open(String, Reply<Result<(), String>>),
     /// Describes the camera of the current frame, or the reason why it cannot be moved.
     Camera(Reply<Result<CameraView, String>>),
+    /// Describes the place of a part at the current frame; `None` for a part without one.
+    Placement(ScenePart, Reply<Option<Placement>>),
     /// Ends the session.
     Stop,
 }
@@ -91,6 +94,8 @@ pub enum SceneEdit {
     Keep,
     /// Ends the overrides.
     Drop,
+    /// Ends the overrides at these paths.
+    DropPaths(Vec<String>),
     /// Shows the scene from another view than that of its camera, which is never written.
     Look(LookView),
     /// Takes back the last change.

@@ -110,7 +110,7 @@ impl Controls {
             SceneEdit::Drop => self.return_to(self.last),
             SceneEdit::Undo => self.return_to(self.last.saturating_sub(1)),
             SceneEdit::Redo => self.return_to((self.last + 1).min(self.history.len().saturating_sub(1))),
-            SceneEdit::Try(..) | SceneEdit::TryKey(_) | SceneEdit::Look(_) => {
+            SceneEdit::Try(..) | SceneEdit::TryKey(_) | SceneEdit::DropPaths(_) | SceneEdit::Look(_) => {
                 return Err("this world is built by a program: it is changed there".to_owned());
             }
         }

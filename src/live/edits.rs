@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::color::Transfer;
 use crate::output;
-use crate::scene::{KeyChange, Override, OverrideError, TextChange, written_value};
+use crate::scene::{KeyChange, Override, OverrideError, TextChange, joined, written_value};
 
 /// Maximum number of changes that can be taken back.
 pub(super) const MAX_UNDO: usize = 1000;
@@ -140,6 +140,11 @@ impl Edits {
 
     pub(super) fn drop_tried(&mut self) {
         self.tried.clear();
+    }
+
+    /// Ends the overrides at paths, which are written as an [`Override`] has them before its `=`.
+    pub(super) fn drop_paths(&mut self, paths: &[String]) {
+        self.tried.retain(|tried| !paths.contains(&joined(tried.value.path())));
     }
 
     pub(super) fn has_tried(&self) -> bool {

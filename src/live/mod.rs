@@ -19,8 +19,9 @@
 //! | `cache` | finished pictures, for playback and for edits that are undone |
 //! | `measure`, `pixel_info`, `ray_info` | costs of effects, the error curve, single pixels and their rays |
 //! | `outline` | the list of the scene's parts, and their values |
+//! | `placement` | the outline of an entity in the picture, and the values that a move of it changes |
 //! | `editor` | the command that opens a file in an editor |
-//! | `edits`, `camera_view` | values and views that are changed on the page, and written into the files |
+//! | `edits`, `camera_view`, `frame_keys` | values, views and keys that are changed on the page, and written into the files |
 //! | `controls` | values of a program that are changed on the page |
 //! | `export` | rendering of films into files |
 //! | `tile_rays` | numbers of rays in the tiles of pictures |
@@ -39,10 +40,12 @@ mod controls;
 mod editor;
 mod edits;
 mod export;
+mod frame_keys;
 mod jobs;
 mod measure;
 mod outline;
 mod pixel_info;
+mod placement;
 mod progressive;
 mod publish;
 mod ray_info;
@@ -74,6 +77,7 @@ pub use {
     export::{ExportEnd, ExportRequest, ExportState},
     outline::{OutlineRequest, OutlineRow, PartInfo, PartSection},
     pixel_info::{PixelInfo, SurfaceInfo},
+    placement::{MovedValue, Placement, RoundPart, Silhouette},
     publish::Picture,
     ray_info::{RayRow, RayTreeInfo},
     state::{CachedFrames, EditedPart, Planned, State},

@@ -314,7 +314,7 @@ fn key_of(part: &ScenePart) -> String {
 }
 
 /// Returns the entity with a label, also if a particle of it is named.
-fn entity_named(world: &World, name: &str) -> Option<Entity> {
+pub(super) fn entity_named(world: &World, name: &str) -> Option<Entity> {
     let named = |name: &str| -> Option<Entity> {
         if let Some(order) = name.strip_prefix('#') {
             let order = Order(order.parse().ok()?);

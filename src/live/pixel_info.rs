@@ -106,6 +106,7 @@ pub(super) fn place_of(world: &World, sources: &Sources, entity: Entity) -> Opti
     order_of(world, entity).and_then(|order| sources.entities(&[order]).next().map(|line| line.to_string()))
 }
 
-fn order_of(world: &World, entity: Entity) -> Option<usize> {
+/// Returns an entity's index in document order.
+pub(super) fn order_of(world: &World, entity: Entity) -> Option<usize> {
     world.get::<&Order>(entity).ok().and_then(|order| usize::try_from(order.0).ok())
 }

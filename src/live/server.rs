@@ -82,6 +82,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("/edit.js", SCRIPT, include_str!("page/edit.js")),
     ("/camera.js", SCRIPT, include_str!("page/camera.js")),
     ("/fly.js", SCRIPT, include_str!("page/fly.js")),
+    ("/move.js", SCRIPT, include_str!("page/move.js")),
     ("/gizmo.js", SCRIPT, include_str!("page/gizmo.js")),
     ("/values.js", SCRIPT, include_str!("page/values.js")),
     ("/input.js", SCRIPT, include_str!("page/input.js")),
@@ -208,6 +209,7 @@ fn router(shared: ServerState) -> Router {
         .route("/export", post(export))
         .route("/movie/{session}", get(movie))
         .route("/camera", post(camera))
+        .route("/placement", post(placement))
         .route("/open", post(open))
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
         .with_state(shared)
@@ -398,6 +400,13 @@ async fn outline(State(shared): State<ServerState>, body: Bytes) -> Response {
 async fn part(State(shared): State<ServerState>, body: Bytes) -> Response {
     match serde_json::from_slice::<Option<ScenePart>>(&body) {
         Ok(part) => answer(&shared, |reply| SessionCommand::Part(part, reply), |info| json(&info)).await,
+        Err(error) => refused(&error),
+    }
+}
+
+async fn placement(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<ScenePart>(&body) {
+        Ok(part) => answer(&shared, |reply| SessionCommand::Placement(part, reply), |info| json(&info)).await,
         Err(error) => refused(&error),
     }
 }

@@ -14,6 +14,7 @@ use super::export::{self, ExportRequest, ExportScene};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
 use super::outline::PartInfo;
 use super::pixel_info::PixelInfo;
+use super::placement::Placement;
 use super::publish::{Event, Published};
 use super::ray_info::RayTreeInfo;
 use super::renderer::Renderer;
@@ -124,6 +125,7 @@ impl Worker {
                     SessionCommand::ExportEnded => {}
                     SessionCommand::Open(place, Reply(reply)) => reply(self.open(&place)),
                     SessionCommand::Camera(Reply(reply)) => reply(self.camera()),
+                    SessionCommand::Placement(part, Reply(reply)) => reply(self.placement(&part)),
                     SessionCommand::Stop => return,
                 }
             }
@@ -247,6 +249,10 @@ impl Worker {
                 files.edits.drop_tried();
                 files.edits.set_look(None);
                 self.renderer.set_view(None);
+                None
+            }
+            SceneEdit::DropPaths(paths) => {
+                files.edits.drop_paths(paths);
                 None
             }
             SceneEdit::Keep if is_broken => {
@@ -393,6 +399,11 @@ impl Worker {
         let files =
             self.files.as_ref().ok_or("this world is built by a program: its camera is moved there")?;
         self.renderer.camera(&files.paths)
+    }
+
+    /// Describes the place of a part at the current frame.
+    fn placement(&mut self, part: &ScenePart) -> Option<Placement> {
+        self.renderer.placement(part, self.files.as_ref().map(|files| &files.paths[..]))
     }
 
     fn probe(&mut self, pixel: (u32, u32), Reply(reply): Reply<Option<PixelInfo>>) {

@@ -60,6 +60,8 @@ pub use error::{Inclusion, InclusionKind, LoadError, Mistake};
 #[doc(hidden)]
 pub use escape::{Printable, is_printable};
 pub use load::{Scene, TEMPLATE};
+#[cfg(feature = "live")]
+pub(crate) use overrides::joined;
 pub use overrides::{
     KeyChange, Override, OverrideError, TextChange, WriteBackError, WrittenKey, WrittenKind, WrittenTrack,
     WrittenTracks, WrittenValue, written_value,

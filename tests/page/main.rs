@@ -12,6 +12,7 @@ mod heat;
 mod http;
 mod lanes;
 mod mistakes;
+mod moving;
 mod outline;
 mod phone;
 mod pixels;

@@ -64,6 +64,37 @@ fn phone_shows_picture_and_values_together_with_large_targets() {
 }
 
 #[test]
+fn fingers_move_the_selected_entity() {
+    let scene = format!("{})", SCENE.split("    animate").next().unwrap());
+    let preview = Preview::of(&scene);
+    let Some(browser) = open_on_phone(&preview) else { return };
+    browser.evaluate("(select({ entity: 'ball' }), true)");
+    until(&browser, "placement?.anchor && !document.querySelector('.handle.x').hasAttribute('hidden')");
+    let widths = "[...document.querySelectorAll('.handle .touch')].map(touch => parseFloat(getComputedStyle(touch).strokeWidth))";
+    let widths: Vec<f64> = serde_json::from_value(browser.evaluate(widths)).unwrap();
+    assert!(widths.len() == 4 && widths.iter().all(|width| *width >= 40.0), "{widths:?}");
+    // The end of an arrow is taken from 18 pixels beside it, and the page does not scroll.
+    let place = "((box, touch) => { const { x, y } = touch.getPointAtLength(touch.getTotalLength()); return [box.left + x, box.top + y + 18]; })(at('film').getBoundingClientRect(), document.querySelector('.handle.x .touch'))";
+    let [x, y]: [f64; 2] = serde_json::from_value(browser.evaluate(place)).unwrap();
+    touch(&browser, "touchStart", &[[x, y]]);
+    touch(&browser, "touchMove", &[[x - 10.0, y + 5.0]]);
+    touch(&browser, "touchMove", &[[x - 40.0, y + 30.0]]);
+    until(&browser, "state.edits.tried.length === 1 && trying === null");
+    assert_eq!(browser.evaluate("scrollY"), json!(0));
+    touch(&browser, "touchEnd", &[]);
+    until(&browser, "state.edits.undoable === 1 && state.edits.tried.length === 0");
+    let x = browser.evaluate("placement.position[0]").as_f64().unwrap();
+    let kept = fs::read_to_string(preview.folder.path().join("ball.ron")).unwrap();
+    let expected = scene.replace(
+        "material: \"clay\"),",
+        &format!("material: \"clay\", transform: (translation: ({x}, 0, 0))),"),
+    );
+    assert!(kept == expected && x < -0.2, "{kept}");
+    assert_eq!(browser.evaluate("[view.selected.entity, view.spot]"), json!(["ball", null]));
+    assert_eq!(browser.console(), json!([]));
+}
+
+#[test]
 fn fingers_drag_keys_and_magnify_the_drawing_of_rays() {
     let preview = Preview::new();
     let Some(browser) = open_on_phone(&preview) else { return };

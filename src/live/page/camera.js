@@ -63,14 +63,13 @@ function movedView(view, kind, right, down) {
 // something else stays: the view is only looked from.
 function setView(view, { position, target }) {
   showGizmo({ ...view, position, target });
+  lookAtPlacement({ ...view, position, target });
   if (view.look) { attemptEdit({ look: { position, target, up: view.up } }); return; }
-  const look = view.has_direction ? ["view", add(target, position, -1)] : ["target", target];
-  const values = [], keys = [];
-  for (const [field, vector, key] of [["position", position, view.position_key], [...look, view.target_key]]) {
-    if (key) keys.push({ set: [...key, triple(vector)] });
-    else values.push(`${view.path}.${field}=${triple(vector)}`);
-  }
-  attempt(values, keys);
+  const [field, vector] = view.has_direction ? ["view", add(target, position, -1)] : ["target", target];
+  attemptAt([
+    { path: `${view.path}.position`, key: view.position_key, text: triple(position) },
+    { path: `${view.path}.${field}`, key: view.target_key, text: triple(vector) },
+  ]);
 }
 
 // The camera of the requested frame; the reason is shown if it cannot be moved.

@@ -18,6 +18,12 @@ async function edit(what) {
 // Tries values and changes of keys.
 const attempt = (values, keys = []) => attemptEdit({ try: [values, keys] });
 
+// Tries texts of values at the shown frame: those with a track become keys.
+function attemptAt(list) {
+  const fields = list.filter(({ key }) => !key), keyed = list.filter(({ key }) => key);
+  return attempt(fields.map(({ path, text }) => `${path}=${text}`), keyed.map(({ key, text }) => ({ set: [...key, text] })));
+}
+
 // Makes an edit, the last of those that arrive while another one is under way.
 async function attemptEdit(next) {
   if (trying !== null) { trying = next; return; }
@@ -61,8 +67,8 @@ function drawEdits() {
   at("undo").disabled = undoable === 0;
   at("redo").disabled = redoable === 0;
   at("undo").hidden = at("redo").hidden = !possible && undoable + redoable === 0;
-  // A key that is dragged is written when it is dropped; controls are in no file.
-  at("unsaved").hidden = !possible || moving !== null || tried.length === 0 && !isLook;
+  // What is dragged is written when it is dropped; controls are in no file.
+  at("unsaved").hidden = !possible || moving !== null || grip !== null || tried.length === 0 && !isLook;
   write(at("unsaved").firstChild, isLook ? "Only a look, not in the file" : "Not in the file yet");
   at("unsaved").title = isLook ? look : "";
   at("keep").hidden = isLook;

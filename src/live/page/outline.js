@@ -110,6 +110,7 @@ function select(part, isElsewhere = false) {
   keep();
   if (differs) reaches.clear();
   drawSelected();
+  fetchPlacement();
   for (const row of at("outline-rows").querySelectorAll("[aria-selected]")) row.setAttribute("aria-selected", isSelected(outline.rows.find(({ key }) => key === row.dataset.key).part));
   if (isElsewhere && at("outline").open) reveal();
 }

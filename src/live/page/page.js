@@ -110,6 +110,7 @@ function draw() {
   drawKept();
   drawEdits();
   drawSelected();
+  fetchPlacement();
   drawExport();
   drawComparison();
   drawMistakes(wrong);

@@ -64,6 +64,7 @@ function layout() {
   at("film").style.height = height * now + "px";
   at("film").classList.toggle("pixels", view.zoom >= 2 && shown !== null && shown.full);
   mark();
+  drawPlacement();
 }
 
 function zoom(factor) {

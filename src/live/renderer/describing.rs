@@ -7,6 +7,7 @@ use crate::engine::EngineError;
 use crate::live::camera_view::CameraView;
 use crate::live::outline::{OutlineRequest, OutlineRow, PartInfo, outline};
 use crate::live::pixel_info::PixelInfo;
+use crate::live::placement::Placement;
 use crate::live::ray_info::RayTreeInfo;
 use crate::scene::ScenePart;
 
@@ -45,6 +46,19 @@ impl Renderer {
     /// Describes a part of the scene in files.
     pub(in crate::live) fn part(&self, part: &ScenePart, files: &[PathBuf]) -> Option<PartInfo> {
         PartInfo::of(self.engine.world(), &self.sources, part, files)
+    }
+
+    /// Describes the place of a part at the current frame. `files` are those of the scene; `None` for a world of a program.
+    pub(in crate::live) fn placement(
+        &mut self,
+        part: &ScenePart,
+        files: Option<&[PathBuf]>,
+    ) -> Option<Placement> {
+        let state = self.publisher.published().state();
+        if state.reloads == 0 {
+            return None;
+        }
+        Placement::of(&mut self.engine, &self.sources, state.frame, part, files)
     }
 
     /// Describes the camera of the current frame of a scene in files. Returns the reason why it cannot be moved.

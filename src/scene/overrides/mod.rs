@@ -18,6 +18,8 @@ use super::spans::is_one_value;
 pub use tracks::{KeyChange, WrittenKey, WrittenTrack, WrittenTracks};
 pub(super) use unplaced::Unplaced;
 pub use write_back::{TextChange, WriteBackError, written_value};
+#[cfg(feature = "live")]
+pub(crate) use written::joined;
 pub use written::{WrittenKind, WrittenValue};
 
 /// An override of a value in the scene's files, identified by its path.

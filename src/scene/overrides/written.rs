@@ -153,7 +153,7 @@ fn described(
 }
 
 /// Returns a path as an override has it before its `=`.
-pub(super) fn joined(path: &[String]) -> String {
+pub(crate) fn joined(path: &[String]) -> String {
     let whole = Override { path: path.to_vec(), value: String::new() }.to_string();
     whole.trim_end_matches('=').to_owned()
 }
