@@ -113,7 +113,7 @@ impl Silhouette {
             return Self::of_box(cloud_bounds(shape, cloud), placed.affine);
         }
         if let Some(shape) = shape {
-            return OutlinedShape::of(shape, placed).map_or_else(Self::default, Self::of_shape);
+            return OutlinedShape::of(shape, placed).as_ref().map_or_else(Self::default, Self::of_shape);
         }
         match world.get::<&Light>(entity).ok().map(|light| light.kind) {
             Some(LightKind::Area { shape: AreaShape::Sphere { radius }, .. }) => {
@@ -131,10 +131,10 @@ impl Silhouette {
         }
     }
 
-    fn of_shape(shape: OutlinedShape) -> Self {
+    fn of_shape(shape: &OutlinedShape) -> Self {
         let outline = Self::default();
         match shape {
-            OutlinedShape::Ball { center, image } => outline.with_round(center, &image.to_cols_array_2d()),
+            OutlinedShape::Ball { center, image } => outline.with_round(*center, &image.to_cols_array_2d()),
             OutlinedShape::Box(corners) => {
                 Self { corners: corners.map(|corner| corner.to_array()).into(), ..outline }
             }
@@ -143,7 +143,7 @@ impl Silhouette {
                     || halves.map(|half| half.to_array()).to_vec(),
                     |ball| ball.to_cols_array_2d().to_vec(),
                 );
-                ends.into_iter().fold(outline, |outline, end| outline.with_round(end, &axes))
+                ends.iter().fold(outline, |outline, end| outline.with_round(*end, &axes))
             }
             OutlinedShape::Plane { normal, .. } => Self { normal: Some(normal.to_array()), ..outline },
         }
@@ -277,7 +277,7 @@ mod tests {
         let scale = DMat3::from_diagonal(DVec3::new(2.0, 1.0, 1.0));
         let affine = DAffine3::from_mat3_translation(scale, DVec3::new(0.0, 5.0, 0.0));
         let placed = WorldTransform { affine, ..WorldTransform::IDENTITY };
-        let outline = |shape| Silhouette::of_shape(OutlinedShape::of(shape, &placed).unwrap());
+        let outline = |shape| Silhouette::of_shape(&OutlinedShape::of(shape, &placed).unwrap());
 
         let ball = outline(Shape::Sphere { radius: 0.5 });
         let axes = vec![[1.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];

@@ -248,7 +248,7 @@ function letGo() {
 async function releaseGrip() {
   const { begun, delta } = letGo();
   if (!begun) return;
-  placement = shifted(placement, delta);
+  placement &&= shifted(placement, delta);
   writing += 1;
   await keepEdits();
   writing -= 1;
@@ -280,10 +280,11 @@ function takeHandle(handle, event) {
   // Not of the handle alone: not all browsers send what is captured to it at once.
   document.addEventListener("pointermove", event => {
     const to = place(event);
-    if (grip !== own || event.buttons === 0 || !own.begun && Math.hypot(...add(to, own.from, -1)) < DRAG) return;
+    if (grip !== own || !placement || !event.isPrimary || event.buttons === 0 || !own.begun && Math.hypot(...add(to, own.from, -1)) < DRAG) return;
     moveBy(pulledBy(handle, placement.camera, placement.anchor, own.from, to));
   }, { signal });
-  for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, () => {
+  for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, event => {
+    if (!event.isPrimary) return;
     end.abort();
     // The click that follows belongs to the handle, wherever it ends.
     moved = true;
