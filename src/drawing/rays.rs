@@ -11,6 +11,7 @@ use crate::time::Time;
 use crate::trace::{LitSurface, PreparedRay, RayEnd, RayKind, RayTree, ShapeId, TracedRay};
 
 use super::names::{label, ray_name};
+use super::view::{PAGE_SIZE, page_frames};
 use super::{
     Area, Labels, OrthographicView, OutlinedShape, PagePoint, Svg, TextAnchor, VIEW_STYLE, directions,
     outlined_shapes,
@@ -245,9 +246,8 @@ impl RayDrawing {
 
     /// Draws two square views, one above the other, for a page with its own style sheet.
     pub fn draw_for_page(&self, name: &str) -> String {
-        let frames = [16.0, 316.0].map(|top| Area { left: 34.0, top, width: 260.0, height: 260.0 });
-        let mut svg = Svg::new([300.0, 596.0], name);
-        self.draw_views(&mut svg, frames);
+        let mut svg = Svg::new(PAGE_SIZE, name);
+        self.draw_views(&mut svg, page_frames());
         svg.finish()
     }
 

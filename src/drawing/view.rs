@@ -101,7 +101,14 @@ impl OrthographicView {
     fn grid(&self, svg: &mut Svg) {
         let half = 0.5 * self.frame.width / self.scale;
         let [x, y] = self.across(self.center).map(|middle| Axis::linear((middle - half, middle + half), 7.0));
-        Plot { area: self.frame, x, y }.draw(svg);
+        let Area { left, top, width, height } = self.frame;
+        let [zero_x, zero_y] = self.project(DVec3::ZERO);
+        // The position of the origin and the scale allow a page to find the place of every point.
+        let view = format!(
+            "{left} {top} {width} {height} {} {} {zero_x} {zero_y} {}",
+            self.axes[0], self.axes[1], self.scale
+        );
+        svg.grid(&view, |svg| Plot { area: self.frame, x, y }.draw(svg));
         svg.text("", [self.frame.left, self.frame.top - 8.0], TextAnchor::Start, &self.name);
     }
 
@@ -170,6 +177,30 @@ impl OrthographicView {
         let end = |sign: f64| [foot[0] + sign * reach * up, foot[1] + sign * reach * right];
         svg.line("thing", end(-1.0), end(1.0));
     }
+}
+
+/// Draws the outlines in two square views, one above the other, that show these points, for a page with its own style sheet.
+pub fn draw_map(
+    name: &str,
+    points: impl Iterator<Item = DVec3>,
+    shapes: &[OutlinedShape],
+    axes: [DVec3; 3],
+    up: DVec3,
+) -> String {
+    let mut svg = Svg::new(PAGE_SIZE, name);
+    for view in OrthographicView::pair(points, std::iter::empty(), shapes, Some(axes), up, page_frames()) {
+        view.begin(&mut svg, shapes);
+        view.end(&mut svg);
+    }
+    svg.finish()
+}
+
+/// Size of a drawing for a page.
+pub(super) const PAGE_SIZE: PagePoint = [300.0, 596.0];
+
+/// Returns the frames of two views, one above the other, in a drawing for a page.
+pub(super) fn page_frames() -> [Area; 2] {
+    [16.0, 316.0].map(|top| Area { left: 34.0, top, width: 260.0, height: 260.0 })
 }
 
 /// Returns the bounds of points, and of the outlines near them.

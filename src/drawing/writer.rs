@@ -16,12 +16,14 @@ pub enum TextAnchor {
 pub struct Svg {
     text: String,
     clips: usize,
+    is_of_page: bool,
 }
 
 impl Svg {
     /// Begins a drawing that is part of a page, whose style sheet has the class `chart`.
     pub fn new(size: PagePoint, name: &str) -> Self {
-        Self::open(size, &format!("class=\"chart\" role=\"img\" aria-label=\"{}\"", escaped(name)))
+        let svg = Self::open(size, &format!("class=\"chart\" role=\"img\" aria-label=\"{}\"", escaped(name)));
+        Self { is_of_page: true, ..svg }
     }
 
     /// Begins a drawing in a file of its own.
@@ -33,7 +35,7 @@ impl Svg {
     }
 
     fn open([width, height]: PagePoint, attributes: &str) -> Self {
-        let mut svg = Self { text: String::new(), clips: 0 };
+        let mut svg = Self { text: String::new(), clips: 0, is_of_page: false };
         svg.write(format_args!("<svg {attributes} viewBox=\"0 0 {width} {height}\">"));
         svg
     }
@@ -132,6 +134,17 @@ impl Svg {
     /// Puts everything drawn until [`Svg::end_group`] into a class.
     pub fn group(&mut self, class: &str) {
         self.write(format_args!("<g class=\"{class}\">"));
+    }
+
+    /// Draws the grid of a view. A page, which draws another grid in a part that it magnifies, gets the numbers of the view.
+    pub fn grid(&mut self, view: &str, draw: impl FnOnce(&mut Self)) {
+        if self.is_of_page {
+            self.write(format_args!("<g class=\"plane\" data-view=\"{view}\">"));
+        }
+        draw(self);
+        if self.is_of_page {
+            self.end_group();
+        }
     }
 
     /// Clips everything drawn until [`Svg::end_group`] to a rectangle.

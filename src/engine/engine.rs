@@ -361,6 +361,13 @@ impl Engine {
         sought.map(drop).map_err(|interrupted| self.error(interrupted))
     }
 
+    /// Advances the world to a moment, without the kernel's data, which stay those of another moment.
+    #[cfg(feature = "live")]
+    pub(crate) fn advance(&mut self, time: Time) -> Result<(), EngineError> {
+        let advanced = self.simulation.advance_world(time, Signals::none().cancelled);
+        advanced.map_err(|interrupted| self.error(interrupted))
+    }
+
     /// Returns the ray tree of sample `index` of the pixel in column `i` and row `j` at a moment, traced by the reference path. `None`
     /// outside the film, and for a sample that the pixel does not have. The [report](Engine::report) of the last image is kept.
     ///

@@ -92,6 +92,15 @@ impl Changes {
         self.declared = before;
     }
 
+    /// Removes entities that occur again, so that the record of many moments stays short.
+    #[cfg(feature = "live")]
+    pub(super) fn deduplicate(&mut self) {
+        for entities in [&mut self.transforms, &mut self.shapes, &mut self.materials] {
+            entities.sort_unstable();
+            entities.dedup();
+        }
+    }
+
     /// Adds the writes of another record.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.all |= other.all;

@@ -211,6 +211,18 @@ impl Simulation {
         Some(preparation.replace_frame_settings(&settings, &self.world))
     }
 
+    /// Advances the world to a moment. The kernel's data stay those of another moment until the next instant of a frame.
+    #[cfg(feature = "live")]
+    pub(crate) fn advance_world(&mut self, time: Time, cancelled: &AtomicBool) -> Result<(), Interrupted> {
+        self.schedule.advance(&mut self.world, time, &mut self.changes, cancelled)?;
+        if self.changes.is_all() {
+            order_newcomers(&mut self.world, &[]);
+        }
+        propagate(&mut self.world, &self.changes);
+        self.changes.deduplicate();
+        Ok(())
+    }
+
     /// Advances the world and the kernel's data to an instant of a frame. Returns the changes of the kernel's data.
     pub(crate) fn advance_to(
         &mut self,

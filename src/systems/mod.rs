@@ -59,6 +59,8 @@ pub(crate) use image_faults::image_faults;
 pub(crate) use interrupted::{CloudFailure, Interrupted, ScriptFailure};
 pub(crate) use order::{Unplaced, order_newcomers};
 pub use plan::{Need, Plan};
+#[cfg(feature = "live")]
+pub(crate) use prepare::scene_camera;
 pub use prepare::{ActiveCamera, EffectiveSettings, Preparation, RenderSettings, Viewpoint, active_camera};
 pub use propagate::propagate;
 pub use property_access::value;

@@ -52,6 +52,12 @@ pub(super) fn prepared_camera(
     camera.lens.map_or(prepared, |lens| prepared.with_lens(lens.aperture, lens.focus))
 }
 
+/// Returns the prepared active camera of the frame at `moment`, whatever the viewpoint. The world must be at that moment.
+#[cfg(feature = "live")]
+pub(crate) fn scene_camera(world: &World, film: FilmSettings, moment: Time) -> trace::PreparedCamera {
+    prepared_camera(world, film, moment, None)
+}
+
 /// The active camera of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveCamera {

@@ -42,6 +42,8 @@ use settings::{
     prepared_sky, sane, sane_sampling,
 };
 
+#[cfg(feature = "live")]
+pub(crate) use camera::scene_camera;
 pub use camera::{ActiveCamera, active_camera};
 pub(super) use camera::{Shutter, Shutters};
 pub(super) use render_settings::FrameSettings;

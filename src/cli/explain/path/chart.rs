@@ -1,7 +1,6 @@
 //! Charts of a value over time.
 
-use super::sample::Rates;
-use rayreel::drawing::{Area, Axis, PagePoint, Plot, Svg, TextAnchor};
+use rayreel::drawing::{Area, Axis, PagePoint, Plot, Rates, Svg, TextAnchor};
 
 pub(super) fn draw(svg: &mut Svg, rates: &Rates, area: Area, title: &str) {
     let (from, to) = rates.span;

@@ -1,10 +1,8 @@
 //! `rayreel explain --path`: the camera's path as a drawing.
 //!
-//! [`sample`] samples the camera frame by frame, [`view`] draws its path from above and from the side, and [`chart`] draws speeds over
-//! time.
+//! [`view`] draws the path from above and from the side, and [`chart`] draws speeds over time.
 
 mod chart;
-mod sample;
 mod view;
 
 use std::path::Path;
@@ -15,8 +13,7 @@ use rayreel::time::FrameList;
 use super::super::exit::Failure;
 use super::super::print;
 use super::super::write_file::{ensure_not_the_scene, write_file};
-use rayreel::drawing::{Area, Svg, TextAnchor, VIEW_STYLE};
-use sample::CameraPath;
+use rayreel::drawing::{Area, CameraPath, Svg, TextAnchor, VIEW_STYLE};
 
 /// Style sheet of the path, in addition to that of the views.
 const STYLE: &str = "
@@ -79,13 +76,16 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::cli::explain::path::sample::CameraSample;
+    use rayreel::drawing::CameraSample;
 
     fn sample(seconds: f64, eye: DVec3, camera: &str) -> CameraSample {
         CameraSample {
+            frame: 0,
             seconds,
             eye,
             axes: [DVec3::X, DVec3::Y, DVec3::Z],
+            half_size: [0.5; 2],
+            is_orthographic: false,
             target: Some(DVec3::ZERO),
             camera: Some(camera.to_owned()),
         }

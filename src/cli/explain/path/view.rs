@@ -5,8 +5,9 @@ use std::ops::Deref;
 use glam::DVec3;
 
 use super::chart::thinned;
-use super::sample::{CameraPath, CameraSample};
-use rayreel::drawing::{Area, Labels, OrthographicView, PagePoint, Svg, TextAnchor, directions};
+use rayreel::drawing::{
+    Area, CameraPath, CameraSample, Labels, OrthographicView, PagePoint, Svg, TextAnchor, directions,
+};
 
 /// Draws the path from above and from the side, at the same scale.
 pub(super) fn draw(svg: &mut Svg, path: &CameraPath, [left, right]: [Area; 2]) {

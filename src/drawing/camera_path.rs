@@ -1,35 +1,40 @@
 //! Samples of the camera, frame by frame.
 
+use std::time::Instant;
+
 use glam::DVec3;
 
-use rayreel::components::Name;
-use rayreel::systems::{ActiveCamera, active_camera};
-use rayreel::time::FrameList;
-use rayreel::{Engine, EngineError, Time};
-
-use rayreel::drawing::{OutlinedShape, Steps, outlined_shapes};
+use super::{OutlinedShape, Steps, outlined_shapes};
+use crate::components::Name;
+use crate::engine::{Engine, EngineError};
+use crate::systems::{ActiveCamera, active_camera, scene_camera};
+use crate::time::{FrameList, Time};
 
 /// The camera's path over the chosen frames.
-pub(super) struct CameraPath {
+pub struct CameraPath {
     /// Samples in ascending order of time. Frames without a finite camera have none.
-    pub(super) samples: Vec<CameraSample>,
-    /// Number of chosen frames, if there are too many to sample each.
-    pub(super) spread_over: Option<usize>,
+    pub samples: Vec<CameraSample>,
+    /// Number of chosen frames, if not each of them has a sample.
+    pub spread_over: Option<usize>,
     /// Outlines of the scene's shapes at the first sample.
-    pub(super) shapes: Vec<OutlinedShape>,
+    pub shapes: Vec<OutlinedShape>,
 }
 
 /// The camera in one frame.
 #[derive(Clone, Debug)]
-pub(super) struct CameraSample {
-    pub(super) seconds: f64,
-    pub(super) eye: DVec3,
+pub struct CameraSample {
+    pub frame: u32,
+    pub seconds: f64,
+    pub eye: DVec3,
     /// Unit vectors to the right, up and forward.
-    pub(super) axes: [DVec3; 3],
+    pub axes: [DVec3; 3],
+    /// Half the width and height of the view at distance 1 or, if rays are parallel, at any distance.
+    pub half_size: [f64; 2],
+    pub is_orthographic: bool,
     /// The point that the camera looks at, if it has a target.
-    pub(super) target: Option<DVec3>,
+    pub target: Option<DVec3>,
     /// The camera's name.
-    pub(super) camera: Option<String>,
+    pub camera: Option<String>,
 }
 
 impl CameraPath {
@@ -37,31 +42,41 @@ impl CameraPath {
     const MOST: u32 = 4000;
 
     /// Samples the camera at these frames, or at [`CameraPath::MOST`] of them, spread evenly, if there are more.
-    pub(super) fn of(engine: &mut Engine, frames: &FrameList) -> Result<Self, EngineError> {
+    pub fn of(engine: &mut Engine, frames: &FrameList) -> Result<Self, EngineError> {
         let chosen = frames.count();
         let frames = frames.spread(Self::MOST);
         let spread_over = (frames.count() < chosen).then_some(chosen);
-        let (mut samples, mut shapes) = (Vec::with_capacity(frames.count()), Vec::new());
-        for frame in frames.frames() {
+        Ok(Self { spread_over, ..Self::at(engine, frames.frames(), None)? })
+    }
+
+    /// Samples the camera at frames in ascending order, until a time if one is given. The kernel's data stay those of another moment.
+    pub fn at(
+        engine: &mut Engine,
+        frames: impl Iterator<Item = u32>,
+        until: Option<Instant>,
+    ) -> Result<Self, EngineError> {
+        let (mut samples, mut shapes) = (Vec::new(), Vec::new());
+        for frame in frames {
+            if until.is_some_and(|until| Instant::now() >= until) {
+                break;
+            }
             let time = engine.timeline.time_of(frame);
-            engine.seek(time)?;
+            engine.advance(time)?;
             if samples.is_empty() {
                 shapes = outlined_shapes(engine);
             }
-            if let Some(sample) = CameraSample::of(engine, time) {
-                samples.push(sample);
-            }
+            samples.extend(CameraSample::of(engine, frame, time));
         }
-        Ok(Self { samples, spread_over, shapes })
+        Ok(Self { samples, spread_over: None, shapes })
     }
 
     /// Returns the shots: runs of samples of the same camera.
-    pub(super) fn shots(&self) -> impl Iterator<Item = &[CameraSample]> {
+    pub fn shots(&self) -> impl Iterator<Item = &[CameraSample]> {
         self.samples.chunk_by(|one, next| one.camera == next.camera)
     }
 
     /// Returns the indices of the samples of a shot that are labelled with their time: the first, and the first at or after each round time.
-    pub(super) fn labelled(&self, shot: &[CameraSample]) -> impl Iterator<Item = usize> {
+    pub fn labelled(&self, shot: &[CameraSample]) -> impl Iterator<Item = usize> {
         let (from, to) = self.span();
         let size = Steps::over(to - from, 12.0).size();
         let round = move |sample: &CameraSample| (sample.seconds / size + 1e-9).floor();
@@ -80,12 +95,12 @@ impl CameraPath {
     }
 
     /// Returns the speeds between consecutive samples, in scene units per second.
-    pub(super) fn speeds(&self) -> Rates {
+    pub fn speeds(&self) -> Rates {
         self.rates(|one, next| one.eye.distance(next.eye))
     }
 
     /// Returns the rotation rates between consecutive samples about any axis, in degrees per second.
-    pub(super) fn turn_rates(&self) -> Rates {
+    pub fn turn_rates(&self) -> Rates {
         self.rates(|one, next| one.turned_to(next).to_degrees())
     }
 
@@ -101,12 +116,12 @@ impl CameraPath {
     }
 
     /// Returns whether the eye stands still throughout every shot.
-    pub(super) fn is_still(&self) -> bool {
+    pub fn is_still(&self) -> bool {
         self.shots().all(|shot| shot.iter().all(|sample| sample.eye == shot[0].eye))
     }
 
     /// Describes the path in one line.
-    pub(super) fn describe(&self) -> String {
+    pub fn describe(&self) -> String {
         let count = match (self.samples.len(), self.spread_over) {
             (count, Some(chosen)) => format!("{count} of {chosen} frames"),
             (1, None) => "1 frame".to_owned(),
@@ -137,18 +152,29 @@ impl CameraPath {
 }
 
 impl CameraSample {
-    fn of(engine: &Engine, time: Time) -> Option<Self> {
-        let prepared = engine.prepared()?.camera();
-        let (eye, axes) = (prepared.position(), prepared.axes());
+    fn of(engine: &Engine, frame: u32, time: Time) -> Option<Self> {
+        let camera = scene_camera(engine.world(), engine.effective_settings().film, time);
+        let (eye, axes) = (camera.position(), camera.axes());
+        let (columns, rows) = camera.resolution();
+        let [width, height] = camera.pixel_size();
         let finite = eye.is_finite() && axes.iter().all(|axis| axis.is_finite());
         let active = active_camera(engine.world(), time);
         let target = active.and_then(|active| active.target).filter(|target| target.is_finite());
         let name = |active: ActiveCamera| Some(engine.world().get::<&Name>(active.entity).ok()?.0.clone());
-        finite.then_some(Self { seconds: time.seconds(), eye, axes, target, camera: active.and_then(name) })
+        finite.then_some(Self {
+            frame,
+            seconds: time.seconds(),
+            eye,
+            axes,
+            half_size: [0.5 * width * f64::from(columns), 0.5 * height * f64::from(rows)],
+            is_orthographic: camera.is_orthographic(),
+            target,
+            camera: active.and_then(name),
+        })
     }
 
     /// Formats the time and, if `named`, the name of the camera.
-    pub(super) fn describe(&self, named: bool) -> String {
+    pub fn describe(&self, named: bool) -> String {
         let seconds = format!("{:.3}", self.seconds);
         let seconds = seconds.trim_end_matches('0').trim_end_matches('.');
         match &self.camera {
@@ -167,16 +193,16 @@ impl CameraSample {
 }
 
 /// A rate per second over time, shot by shot.
-pub(super) struct Rates {
+pub struct Rates {
     /// Times of the first and the last sample in seconds.
-    pub(super) span: (f64, f64),
+    pub span: (f64, f64),
     /// Pairs of time in seconds and rate, shot by shot.
-    pub(super) shots: Vec<Vec<(f64, f64)>>,
+    pub shots: Vec<Vec<(f64, f64)>>,
 }
 
 impl Rates {
     /// Returns the lowest and the highest rate, or 0 if there are none.
-    pub(super) fn range(&self) -> (f64, f64) {
+    pub fn range(&self) -> (f64, f64) {
         let rates = || self.shots.iter().flatten().map(|(_, rate)| *rate);
         (rates().reduce(f64::min).unwrap_or(0.0), rates().reduce(f64::max).unwrap_or(0.0))
     }
