@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::camera_view::CameraView;
 use super::export::ExportRequest;
 use super::outline::{OutlineRequest, OutlineRow, PartInfo};
+use super::path_info::{PathInfo, PathRequest};
 use super::pixel_info::PixelInfo;
 use super::placement::Placement;
 use super::ray_info::RayTreeInfo;
@@ -44,6 +45,8 @@ pub enum SessionCommand {
     Camera(Reply<Result<CameraView, String>>),
     /// Describes the place of a part at the current frame; `None` for a part without one.
     Placement(ScenePart, Reply<Option<Placement>>),
+    /// Describes the path of the camera of the current frame; `None` without a camera.
+    Path(PathRequest, Reply<Option<PathInfo>>),
     /// Ends the session.
     Stop,
 }
@@ -114,6 +117,9 @@ pub struct LookView {
     pub target: [f64; 3],
     /// The direction that is up in the picture.
     pub up: [f64; 3],
+    /// True to look from elsewhere although the camera can be moved.
+    #[serde(default)]
+    pub is_free: bool,
 }
 
 /// A callback that receives the result of a command.

@@ -18,6 +18,7 @@
 //! | `jobs` | the kinds of work, and their results |
 //! | `cache` | finished pictures, for playback and for edits that are undone |
 //! | `measure`, `pixel_info`, `ray_info` | costs of effects, the error curve, single pixels and their rays |
+//! | `path_info` | the path of the camera over the frames of its shot |
 //! | `outline` | the list of the scene's parts, and their values |
 //! | `placement` | the outline of an entity in the picture, and the values that a move of it changes |
 //! | `editor` | the command that opens a file in an editor |
@@ -44,6 +45,7 @@ mod frame_keys;
 mod jobs;
 mod measure;
 mod outline;
+mod path_info;
 mod pixel_info;
 mod placement;
 mod progressive;
@@ -76,6 +78,7 @@ pub use {
     edits::{EditState, LastChange},
     export::{ExportEnd, ExportRequest, ExportState},
     outline::{OutlineRequest, OutlineRow, PartInfo, PartSection},
+    path_info::{PathInfo, PathRequest, PathSample},
     pixel_info::{PixelInfo, SurfaceInfo},
     placement::{MovedValue, Placement, RoundPart, Silhouette},
     publish::Picture,

@@ -12,6 +12,7 @@
 //! | `POST /outline` | the rows of the list of the scene's parts for an [`OutlineRequest`](super::OutlineRequest), as JSON |
 //! | `POST /part` | the values of a part of the scene, such as `{"entity": "ball"}`, or for null the controls of an engine: a [`PartInfo`](super::PartInfo) or null, as JSON |
 //! | `POST /tracks` | the keys of tracks, and the shots, as JSON |
+//! | `POST /path` | the path of the camera of the current frame for a [`PathRequest`](super::PathRequest): a [`PathInfo`](super::PathInfo) or null, as JSON |
 //! | `POST /camera` | the camera of the current frame, as JSON; 409 and the reason if it cannot be moved |
 //! | `POST /export` | renders frames into files according to a [`ExportRequest`](super::ExportRequest), or cancels that for null, as JSON; 409 and the reason if that is not possible |
 //! | `GET /movie/1795` | the movie that session 1795 has made last |
@@ -57,6 +58,7 @@ use super::camera_view::CameraView;
 use super::commands::{Reply, SceneEdit, SessionCommand, ViewChange};
 use super::export::{ExportEnd, ExportRequest, ExportState};
 use super::outline::OutlineRequest;
+use super::path_info::PathRequest;
 use super::session::Handle;
 use super::tile_rays::TileRayCounts;
 use crate::scene::ScenePart;
@@ -76,6 +78,8 @@ const FILES: &[(&str, &str, &str)] = &[
     ("/panels.js", SCRIPT, include_str!("page/panels.js")),
     ("/mistakes.js", SCRIPT, include_str!("page/mistakes.js")),
     ("/rays.js", SCRIPT, include_str!("page/rays.js")),
+    ("/magnify.js", SCRIPT, include_str!("page/magnify.js")),
+    ("/path.js", SCRIPT, include_str!("page/path.js")),
     ("/pixels.js", SCRIPT, include_str!("page/pixels.js")),
     ("/heat.js", SCRIPT, include_str!("page/heat.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),
@@ -210,6 +214,7 @@ fn router(shared: ServerState) -> Router {
         .route("/movie/{session}", get(movie))
         .route("/camera", post(camera))
         .route("/placement", post(placement))
+        .route("/path", post(path))
         .route("/open", post(open))
         .layer(middleware::from_fn_with_state(shared.clone(), guarded))
         .with_state(shared)
@@ -413,6 +418,15 @@ async fn placement(State(shared): State<ServerState>, body: Bytes) -> Response {
 
 async fn tracks(State(shared): State<ServerState>) -> Response {
     answer(&shared, SessionCommand::Tracks, |tracks| json(&tracks)).await
+}
+
+async fn path(State(shared): State<ServerState>, body: Bytes) -> Response {
+    match serde_json::from_slice::<PathRequest>(&body) {
+        Ok(request) => {
+            answer(&shared, |reply| SessionCommand::Path(request, reply), |path| json(&path)).await
+        }
+        Err(error) => refused(&error),
+    }
 }
 
 async fn camera(State(shared): State<ServerState>) -> Response {

@@ -13,6 +13,7 @@ use super::edits::UNSAVED;
 use super::export::{self, ExportRequest, ExportScene};
 use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
 use super::outline::PartInfo;
+use super::path_info::{PathInfo, PathRequest};
 use super::pixel_info::PixelInfo;
 use super::placement::Placement;
 use super::publish::{Event, Published};
@@ -126,6 +127,7 @@ impl Worker {
                     SessionCommand::Open(place, Reply(reply)) => reply(self.open(&place)),
                     SessionCommand::Camera(Reply(reply)) => reply(self.camera()),
                     SessionCommand::Placement(part, Reply(reply)) => reply(self.placement(&part)),
+                    SessionCommand::Path(request, Reply(reply)) => reply(self.path(&request)),
                     SessionCommand::Stop => return,
                 }
             }
@@ -293,14 +295,17 @@ impl Worker {
     }
 
     /// Shows the scene from a view that is not written. Returns the reason why that is not possible.
-    fn look(&mut self, LookView { position, target, up }: LookView) -> Result<(), String> {
+    fn look(&mut self, LookView { position, target, up, is_free }: LookView) -> Result<(), String> {
         let view = Viewpoint { position: position.into(), target: target.into(), up: up.into() };
         if !(view.position.is_finite() && view.target.is_finite() && view.up.is_finite()) {
             return Err("the numbers of a view must be finite".to_owned());
         }
         if !self.files.as_ref().is_some_and(|files| files.edits.is_look()) {
-            let free = "this camera can be moved: set its position and its target";
-            let reason = self.camera()?.look.ok_or(free)?;
+            let reason = match self.camera()?.look {
+                Some(reason) => reason,
+                None if is_free => "the camera stays, so that its path can be seen from elsewhere".to_owned(),
+                None => return Err("this camera can be moved: set its position and its target".to_owned()),
+            };
             if let Some(files) = &mut self.files {
                 files.edits.set_look(Some(reason));
             }
@@ -422,6 +427,11 @@ impl Worker {
             self.fail(error);
             None
         }));
+    }
+
+    /// Describes the path of the camera. A frame that fails shows its mistakes when it is displayed.
+    fn path(&mut self, request: &PathRequest) -> Option<PathInfo> {
+        self.renderer.path(request).unwrap_or_default()
     }
 
     fn fail(&mut self, error: EngineError) {

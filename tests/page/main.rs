@@ -14,6 +14,7 @@ mod lanes;
 mod mistakes;
 mod moving;
 mod outline;
+mod paths;
 mod phone;
 mod pixels;
 mod rays;

@@ -122,7 +122,7 @@ fn fingers_drag_keys_and_magnify_the_drawing_of_rays() {
     touch(&browser, "touchStart", &[[x - 30.0, y], [x + 30.0, y]]);
     touch(&browser, "touchMove", &[[x - 40.0, y], [x + 40.0, y]]);
     touch(&browser, "touchMove", &[[x - 60.0, y], [x + 60.0, y]]);
-    until(&browser, "Math.abs(inView.zoom - 2) < 0.05");
+    until(&browser, "Math.abs(rayMagnifier.part.zoom - 2) < 0.05");
     touch(&browser, "touchEnd", &[]);
     // What was between the fingers is still there.
     let [now_x, now_y] = middle(&browser, "#ray-drawing .camera");

@@ -204,6 +204,10 @@ fn drawing_is_magnified_and_moved() {
     for (before, after) in under(&whole).into_iter().zip(under(&near)) {
         assert!((before - after).abs() < 0.5, "{before} {after}");
     }
+    // The numbers of the axes are in view.
+    let inside = "(box => [...document.querySelectorAll('#ray-drawing .near text')].map(text => text.getBoundingClientRect()).map(({ left, right, top, bottom }) => left > box.left - 1 && right < box.right + 1 && top > box.top - 1 && bottom < box.bottom + 1))(at('ray-drawing').getBoundingClientRect())";
+    let inside: Vec<bool> = serde_json::from_value(browser.evaluate(inside)).unwrap();
+    assert!(inside.len() > 2 && inside.iter().all(|inside| *inside), "{inside:?}");
     // A drag moves the drawing with the pointer, and a double click shows all of it.
     let to = |right: f64, down: f64| json!({ "type": "pointerMove", "duration": 50, "x": x + right, "y": y + down });
     let (press, release) =

@@ -4,7 +4,7 @@ use std::fs;
 use std::sync::mpsc::channel;
 use std::time::Instant;
 
-use rayreel::live::{EditState, Event, LookView, Reply, SceneEdit, SessionCommand};
+use rayreel::live::{EditState, Event, LookView, PathRequest, Reply, SceneEdit, SessionCommand};
 use rayreel::scene::{KeyChange, ScenePart, WrittenValue};
 use rayreel::{Engine, Scene};
 
@@ -214,9 +214,11 @@ fn views_of_tied_cameras_are_only_looked_from() {
     let reason = "`look_at` ties this camera to `ball`";
     assert!(camera().look.unwrap().starts_with(reason));
     assert_eq!((camera().position, camera().target), ([0.0, 0.0, -5.0], [0.0; 3]));
-    let look = |x: f64| {
-        SceneEdit::Look(LookView { position: [x, 1.0, -5.0], target: [0.0; 3], up: [0.0, 1.0, 0.0] })
+    let view = |x: f64, is_free: bool| {
+        let up = [0.0, 1.0, 0.0];
+        SceneEdit::Look(LookView { position: [x, 1.0, -5.0], target: [0.0; 3], up, is_free })
     };
+    let look = |x: f64| view(x, false);
     let shown = |tried: bool| loop {
         match stage.next() {
             Event::Shown(shown) if shown.info.full && shown.tried == tried => break shown.film,
@@ -243,6 +245,15 @@ fn views_of_tied_cameras_are_only_looked_from() {
         assert!(start.elapsed() < AT_MOST);
     }
     assert!(edit(&stage, look(2.0)).unwrap_err().starts_with("this camera can be moved"));
+    assert!(*shown(false) == cold(&scene(1.0, "")));
+    // Its path is seen from elsewhere. Sampling it leaves the world at the shown frame, and the camera is that of the scene.
+    edit(&stage, view(2.0, true)).unwrap();
+    let request = PathRequest { keys: vec![1] };
+    let path = ask(&stage, |reply| SessionCommand::Path(request, reply)).unwrap();
+    assert!(path.is_still && path.samples.iter().all(|sample| sample.eye == [0.0, 0.0, -5.0]), "{path:?}");
+    assert_eq!(path.samples.last().unwrap().frame, stage.session().handle().state().frames - 1);
+    assert!(*shown(true) == cold(&there));
+    assert!(edit(&stage, SceneEdit::Keep).unwrap_err().starts_with("the camera stays"));
 }
 
 #[test]

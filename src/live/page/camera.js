@@ -64,7 +64,7 @@ function movedView(view, kind, right, down) {
 function setView(view, { position, target }) {
   showGizmo({ ...view, position, target });
   lookAtPlacement({ ...view, position, target });
-  if (view.look) { attemptEdit({ look: { position, target, up: view.up } }); return; }
+  if (view.look || looksFree()) { attemptEdit({ look: { position, target, up: view.up, is_free: looksFree() } }); return; }
   const [field, vector] = view.has_direction ? ["view", add(target, position, -1)] : ["target", target];
   attemptAt([
     { path: `${view.path}.position`, key: view.position_key, text: triple(position) },
@@ -102,7 +102,7 @@ const turn = ({ view, kind, right, down }) => setView(view, movedView(view, kind
 
 function approach({ view, factor }) {
   const { position, target } = view;
-  if (view.is_orthographic && view.look) { write(at("refused"), view.look); return; }
+  if (view.is_orthographic && (view.look || looksFree())) { write(at("refused"), view.look ?? "a view with parallel rays is not magnified while the path is shown"); return; }
   if (view.is_orthographic) { attempt([`${view.path}.orthographic=${formatted(factor * view.pixel_size[1] * film()[1])}`]); return; }
   setView(view, { position: add(target, add(position, target, -1), factor), target });
 }

@@ -22,11 +22,8 @@ function drawCurve() {
   const x = axis(places.map(place => place.milliseconds), left, right), y = axis(places.map(place => place.error), bottom, top);
   const unit = Math.max(...x.ticks) < 1000 ? 1 : 1000, drawn = [];
   const draw = (name, attributes, text) => {
-    const made = document.createElementNS(at("plot").namespaceURI, name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    if (text !== undefined) made.textContent = text;
-    drawn.push(made);
-    return made;
+    drawn.push(drawing(name, attributes, text));
+    return drawn.at(-1);
   };
   for (const tick of x.ticks) {
     draw("path", { class: "grid", d: `M${x.at(tick)} ${top}V${bottom}` });
@@ -40,9 +37,7 @@ function drawCurve() {
   draw("polyline", { points: others.map(place => `${x.at(place.milliseconds)},${y.at(place.error)}`).join(" ") });
   const mark = (place, name) => {
     const dot = draw("circle", { cx: x.at(place.milliseconds), cy: y.at(place.error), r: name ? 5 : 3.5, class: name });
-    const title = document.createElementNS(at("plot").namespaceURI, "title");
-    title.textContent = `${samplesOf(place)}: off by ${steps(place.error)} steps, ${duration(place.milliseconds)}`;
-    dot.append(title);
+    dot.append(drawing("title", {}, `${samplesOf(place)}: off by ${steps(place.error)} steps, ${duration(place.milliseconds)}`));
   };
   for (const place of others) mark(place, "");
   if (own) mark(own, "own");

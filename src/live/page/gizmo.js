@@ -11,6 +11,8 @@ const ends = [...at("gizmo").querySelectorAll("g")];
 const endOf = ({ dataset }) => [0, 1, 2].map(axis => axis === Number(dataset.axis) ? Number(dataset.sign) : 0);
 
 function drawGizmo(camera) {
+  seenFrom = { camera, frame: shown?.frame };
+  drawPath();
   const { forward, right, rise } = directions(camera), focused = document.activeElement;
   const far = end => dot(endOf(end), forward);
   for (const end of ends) {
@@ -34,7 +36,7 @@ function showGizmo(camera) {
 
 // Draws the axes of the frame while they are visible.
 async function orient() {
-  const of = `${reload()} ${state?.frame}`, seen = at("stage").matches(":hover, :focus-within") || matchMedia("(hover: none)").matches;
+  const of = `${reload()} ${state?.frame}`, seen = view.path || at("stage").matches(":hover, :focus-within") || matchMedia("(hover: none)").matches;
   if (!state?.edits.possible || !shown || !seen || playing || oriented === of || trying !== null || shown.coarse || shown.frame !== state.frame) return;
   oriented = of;
   const answer = await post("camera").catch(() => null);

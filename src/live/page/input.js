@@ -63,7 +63,7 @@ const keys = {
   " ": toggle, ArrowLeft: event => step(event.shiftKey ? -10 : -1), ArrowRight: event => step(event.shiftKey ? 10 : 1),
   i: () => setRange("first", view.frame), o: () => setRange("last", view.frame), x: clearRange, t: setLanes, Home: () => step(-Infinity), End: () => step(Infinity), l: setLoop, "[": () => faster(-1), "]": () => faster(1),
   f: event => event.shiftKey ? fly() : shown && focusOn(hovered ?? view.spot ?? centre()), 0: () => zoom(0), 1: () => zoom(1), "+": () => zoomBy(2), "=": () => zoomBy(2), "-": () => zoomBy(1 / 2),
-  w: setWipe, b: setSwap, d: setDifference, p: pin, h: setHeat, z: () => holdLoupe(true), ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("export-open").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
+  w: setWipe, b: setSwap, d: setDifference, p: pin, h: setHeat, c: setPath, z: () => holdLoupe(true), ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("export-open").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
 };
 const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 document.onkeydown = event => {

@@ -33,8 +33,9 @@ async function fetchTracks() {
   const answer = await post("tracks", null).catch(() => null), found = answer?.ok ? await answer.json() : null;
   if (fetching !== of) return;
   fetching = null;
+  if (found) tracks = { ...found, of };
+  fetchPath();
   if (!found) return;
-  tracks = { ...found, of };
   if (picked && !trackAt(picked.path)?.keys[picked.index]) picked = null;
   if (!pickAdded()) { drawLanes(); drawKey(); }
 }

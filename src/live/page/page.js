@@ -8,8 +8,16 @@ const element = (name, text, attributes = {}) => {
   return made;
 };
 
+// A part of an SVG drawing.
+function drawing(name, attributes, text) {
+  const made = document.createElementNS(at("plot").namespaceURI, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  if (text !== undefined) made.textContent = text;
+  return made;
+}
+
 // The view: it survives reloads of the scene, of the page, and of the server.
-const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, selected: null, outline: null, wipe: null, swap: false, gain: null, heat: false, scene: null };
+const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, selected: null, outline: null, wipe: null, panels: {}, swap: false, gain: null, heat: false, path: false, scene: null };
 const storage = "rayreel" + location.host;
 try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* keep the defaults */ }
 const keep = () => { try { sessionStorage.setItem(storage, JSON.stringify(view)); } catch { /* not kept */ } };
@@ -87,6 +95,7 @@ function update(latest) {
   fetchPicture();
   fetchTracks();
   fetchOutline();
+  fetchPath();
   followEdit(other);
   draw();
 }
@@ -125,6 +134,7 @@ function draw() {
   at("swap").setAttribute("aria-pressed", view.swap);
   at("differ").setAttribute("aria-pressed", view.gain !== null);
   at("heat").setAttribute("aria-pressed", view.heat);
+  at("camera-path").setAttribute("aria-pressed", view.path);
   at("pin").setAttribute("aria-pressed", pinned !== null);
 }
 

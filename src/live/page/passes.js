@@ -49,18 +49,13 @@ const hasCurve = track => track.channel && track.keys.length > 1 && !/^(true|fal
 
 // Each stretch between keys rises from the bottom, its start, to the top, its end.
 function curveOf(track, passes) {
-  const made = (name, attributes) => {
-    const part = document.createElementNS(at("plot").namespaceURI, name);
-    for (const [key, value] of Object.entries(attributes)) part.setAttribute(key, value);
-    return part;
-  };
-  const svg = made("svg", { viewBox: `0 -0.25 ${lastFrame()} 1.5`, preserveAspectRatio: "none", "aria-hidden": "true" });
+  const svg = drawing("svg", { viewBox: `0 -0.25 ${lastFrame()} 1.5`, preserveAspectRatio: "none", "aria-hidden": "true" });
   for (const { pass, toFrame } of passes) {
     const lines = track.keys.slice(1).map((_, index) => {
       const [from, to] = [timeOf(track, index), timeOf(track, index + 1)], progress = tracks.easings[track.keys[index].easing] ?? [0, 1];
       return "M" + progress.map((share, step) => `${toFrame(from + (to - from) * step / (progress.length - 1)).toFixed(3)} ${(1 - share).toFixed(3)}`).join("L");
     });
-    svg.append(made("path", { class: pass === 0 ? "" : "again", d: lines.join("") }));
+    svg.append(drawing("path", { class: pass === 0 ? "" : "again", d: lines.join("") }));
   }
   return svg;
 }

@@ -65,6 +65,7 @@ function layout() {
   at("film").classList.toggle("pixels", view.zoom >= 2 && shown !== null && shown.full);
   mark();
   drawPlacement();
+  drawPath();
 }
 
 function zoom(factor) {

@@ -108,5 +108,6 @@ function drawTransport() {
   at("speed").value = String(view.speed);
   at("detail").value = state.detail;
   at("finish").hidden = state.detail === "full";
+  drawPath();
 }
 

@@ -6,6 +6,7 @@ use super::Renderer;
 use crate::engine::EngineError;
 use crate::live::camera_view::CameraView;
 use crate::live::outline::{OutlineRequest, OutlineRow, PartInfo, outline};
+use crate::live::path_info::{PathInfo, PathRequest};
 use crate::live::pixel_info::PixelInfo;
 use crate::live::placement::Placement;
 use crate::live::ray_info::RayTreeInfo;
@@ -36,6 +37,15 @@ impl Renderer {
         }
         let time = self.engine.timeline.time_of(state.frame);
         RayTreeInfo::of(&mut self.engine, &self.sources, time, pixel, sample)
+    }
+
+    /// Describes the path of the camera of the current frame. Returns `None` without a camera, and before a scene is read.
+    pub(in crate::live) fn path(&mut self, request: &PathRequest) -> Result<Option<PathInfo>, EngineError> {
+        let state = self.publisher.published().state();
+        if state.reloads == 0 {
+            return Ok(None);
+        }
+        PathInfo::of(&mut self.engine, state.frame, request)
     }
 
     /// Lists the parts of the scene.
