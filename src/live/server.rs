@@ -80,6 +80,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("/rays.js", SCRIPT, include_str!("page/rays.js")),
     ("/magnify.js", SCRIPT, include_str!("page/magnify.js")),
     ("/path.js", SCRIPT, include_str!("page/path.js")),
+    ("/ruler.js", SCRIPT, include_str!("page/ruler.js")),
     ("/pixels.js", SCRIPT, include_str!("page/pixels.js")),
     ("/heat.js", SCRIPT, include_str!("page/heat.js")),
     ("/curve.js", SCRIPT, include_str!("page/curve.js")),

@@ -164,3 +164,79 @@ fn alternating_tracks_show_mirrored_passes() {
     until(&browser, "trying === null && moving === null && state.edits.tried.length === 0");
     assert_eq!(browser.console(), json!([]));
 }
+
+/// The texts of the ruler, with the ends of each in pixels, and the place of the scrubber's frame.
+const RULER: &str = "[...document.querySelectorAll('#ruler span')].map(label => [label.textContent, label.getBoundingClientRect().left, label.getBoundingClientRect().right]).sort((one, other) => one[1] - other[1])";
+
+#[test]
+fn ruler_has_seconds_and_near_frames() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full && document.querySelectorAll('.key').length === 2");
+    let labels = || serde_json::from_value::<Vec<(String, f64, f64)>>(browser.evaluate(RULER)).unwrap();
+    let apart = |labels: &[(String, f64, f64)]| labels.windows(2).all(|pair| pair[0].2 + 2.0 < pair[1].1);
+    let near = labels();
+    assert!(apart(&near), "{near:?}");
+    let texts: Vec<&str> = near.iter().map(|(text, ..)| text.as_str()).collect();
+    assert!(texts.starts_with(&["0 s", "2"]) && texts.contains(&"1 s"), "{texts:?}");
+    // The label of the first second is above frame 10 of the lanes.
+    let place = browser.evaluate("(box => box.left + box.width * 10 / lastFrame())(document.querySelector('.lane').getBoundingClientRect())").as_f64().unwrap();
+    let (_, left, right) = near.iter().find(|(text, ..)| text == "1 s").unwrap();
+    assert!((0.5 * (left + right) - place).abs() < 1.5, "{left} {right} {place}");
+    // A press shows the frame, and a drag follows.
+    let from = browser.evaluate(
+        "(box => [box.left + box.width * 7 / lastFrame(), box.top + 5])(at('ruler').getBoundingClientRect())",
+    );
+    let [x, y]: [f64; 2] = serde_json::from_value(from).unwrap();
+    let to = |right: f64| json!({ "type": "pointerMove", "duration": 50, "x": (x + right).round(), "y": y.round() });
+    browser.point(&[to(0.0), json!({ "type": "pointerDown", "button": 0 })]);
+    until(&browser, "view.frame === 7");
+    browser.point(&[to(-100.0), json!({ "type": "pointerUp", "button": 0 })]);
+    until(&browser, "view.frame < 7 && shown.frame === view.frame");
+    // The buttons of the range.
+    browser.evaluate("(seek(5), true)");
+    assert_eq!(browser.evaluate("at('range-clear').disabled"), json!(true));
+    browser.click("#range-first");
+    assert_eq!(browser.evaluate("view.range"), json!([5, 19]));
+    browser.evaluate("(seek(12), true)");
+    browser.click("#range-last");
+    assert_eq!(browser.evaluate("[view.range, at('range').hidden]"), json!([[5, 12], false]));
+    browser.click("#range-clear");
+    assert_eq!(browser.evaluate("[view.range, at('range').hidden]"), json!([null, true]));
+    // A long film has minutes, and narrow rulers fewer labels.
+    preview.save(&SCENE.replace("duration: 2", "duration: 300"));
+    until(&browser, "state.frames === 3000 && at('ruler').innerText.includes('1:00')");
+    for width in [1600, 600, 360] {
+        let screen = json!({ "width": width, "height": 700, "deviceScaleFactor": 1, "mobile": false });
+        browser.emulate("Emulation.setDeviceMetricsOverride", &screen);
+        until(
+            &browser,
+            &format!(
+                "innerWidth === {width} && ruled === `${{state.frames}} ${{state.rate}} ${{at('ruler').clientWidth}}`"
+            ),
+        );
+        let labels = labels();
+        assert!(apart(&labels) && labels.len() > 2, "{width}: {labels:?}");
+    }
+    assert_eq!(browser.console(), json!([]));
+}
+
+#[test]
+fn long_names_of_lanes_are_whole() {
+    let name = "the second lantern of the harbour";
+    let preview = Preview::of(&SCENE.replace("\"ball\"", &format!("\"{name}\"")));
+    let Some(browser) = open(&preview) else { return };
+    let whole = "[...document.querySelectorAll('.lane > span')].map(name => name.scrollWidth <= name.clientWidth && name.scrollHeight <= name.clientHeight + 1)";
+    until(&browser, "shown !== null && document.querySelectorAll('.key').length === 2");
+    assert_eq!(browser.evaluate(whole), json!([true]));
+    let screen = json!({ "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": true });
+    browser.emulate("Emulation.setDeviceMetricsOverride", &screen);
+    until(&browser, "innerWidth === 390");
+    browser.evaluate("(showsLanes() || at('keyed').click(), true)");
+    until(&browser, "document.querySelectorAll('.key').length === 2 && at('lanes').offsetHeight > 0");
+    assert_eq!(browser.evaluate(whole), json!([true]));
+    // The scrubber begins where the lanes do.
+    let starts = "document.querySelector('.lane').getBoundingClientRect().left - at('ruler').getBoundingClientRect().left";
+    assert!(browser.evaluate(starts).as_f64().unwrap().abs() < 1.0);
+    assert_eq!(browser.console(), json!([]));
+}

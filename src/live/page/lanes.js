@@ -46,7 +46,7 @@ function drawLanes() {
   at("keyed").setAttribute("aria-pressed", showsLanes());
   at("lanes").hidden = at("keyed").hidden || !showsLanes();
   at("transport").classList.toggle("laned", !at("lanes").hidden);
-  if (at("lanes").hidden) return;
+  if (at("lanes").hidden) { at("transport").style.removeProperty("--gutter"); drawRuler(); return; }
   const rows = tracks.tracks.map(track => {
     const row = element("div", undefined, { className: "lane", title: "Double click for a new key" });
     const name = track.channel ? nameOf(track) : "shots";
@@ -58,10 +58,22 @@ function drawLanes() {
   if (tracks.unlisted > 0) rows.push(element("p", tracks.unlisted === 1 ? "1 track with more keys is not shown" : `${tracks.unlisted} tracks with more keys are not shown`, { className: "faint" }));
   const playhead = element("div", undefined, { id: "playhead" });
   at("lanes").replaceChildren(playhead, ...rows);
+  fitNames();
   // The lanes end where the scrubber does, whatever the width of the scroll bar.
   at("lanes").style.setProperty("--bar", `${at("lanes").offsetWidth - at("lanes").clientWidth}px`);
   if (focused) at("lanes").querySelector(`[data-key="${focused}"]`)?.focus();
   drawPlayhead();
+}
+
+// Names get the room that the longest needs, within limits, and longer ones a second line.
+function fitNames() {
+  const names = [...at("lanes").querySelectorAll(".lane > span")], { style } = at("transport");
+  style.removeProperty("--gutter");
+  const room = names[0]?.clientWidth ?? 0, longest = Math.max(...names.map(name => name.scrollWidth)), em = parseFloat(getComputedStyle(at("transport")).fontSize);
+  const most = Math.min(18 * em, 0.32 * at("transport").clientWidth), gutter = parseFloat(getComputedStyle(at("scrubber")).marginLeft);
+  if (longest > room) style.setProperty("--gutter", `${Math.max(gutter, Math.min(most, gutter + longest - room + 2))}px`);
+  for (const name of names) name.classList.toggle("long", name.scrollWidth > name.clientWidth);
+  drawRuler();
 }
 
 function drawPlayhead() {

@@ -100,6 +100,7 @@ function drawTransport() {
   at("range").hidden = view.range === null;
   at("range").style.marginLeft = percentage(first);
   at("range").style.width = percentage(end - first);
+  at("range-clear").disabled = view.range === null;
   drawPlayhead();
   at("play").setAttribute("aria-label", playing ? "Pause" : "Play");
   at("play").setAttribute("aria-pressed", playing !== null);
@@ -108,6 +109,7 @@ function drawTransport() {
   at("speed").value = String(view.speed);
   at("detail").value = state.detail;
   at("finish").hidden = state.detail === "full";
+  drawRuler();
   drawPath();
 }
 
