@@ -77,7 +77,7 @@ pub use {
     commands::{Detail, LookView, Reply, SceneEdit, SessionCommand, ViewChange},
     edits::{EditState, LastChange},
     export::{ExportEnd, ExportRequest, ExportState},
-    outline::{OutlineRequest, OutlineRow, PartInfo, PartSection},
+    outline::{AnimatedField, OutlineRequest, OutlineRow, PartInfo, PartSection},
     path_info::{PathInfo, PathRequest, PathSample},
     pixel_info::{PixelInfo, SurfaceInfo},
     placement::{MovedValue, Placement, RoundPart, Silhouette},

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::pixel_info::place_of;
 use crate::components::{Cloud, Light, LightKind, Name, Order, Parent, Shape};
 use crate::drawing::label;
-use crate::scene::{ChangedPart, ScenePart, Sources, WrittenValue};
+use crate::scene::{AnimatedChannel, ChangedPart, ScenePart, Sources, WrittenValue};
 
 /// Maximum number of rows below a heading or a parent. A filter finds the others.
 const MOST_ROWS: usize = 200;
@@ -73,10 +73,23 @@ pub struct PartSection {
     pub title: String,
     /// The written values, then the defaults of other fields.
     pub values: Vec<WrittenValue>,
-    /// The paths of those that tracks or scripts set over time.
-    pub animated: Vec<String>,
+    /// Those that tracks or scripts set over time.
+    pub animated: Vec<AnimatedField>,
     /// The paths of those that differ from their initial values, with these; only of a program's controls.
     pub initial: BTreeMap<String, String>,
+}
+
+/// A value that a track or a script sets over time.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AnimatedField {
+    /// The path of the value.
+    pub path: String,
+    /// The path that the list of the track's keys has, if there is one.
+    pub track: String,
+    /// True if a script sets it.
+    pub is_script: bool,
+    /// Position of the track, or of the script's file, as `ball.ron:12`.
+    pub place: String,
 }
 
 /// An entity in the list.
@@ -221,16 +234,14 @@ impl PartInfo {
     /// Describes a part; `None` if the scene has no such part.
     pub(super) fn of(world: &World, sources: &Sources, part: &ScenePart, files: &[PathBuf]) -> Option<Self> {
         let mut info = Self { title: String::new(), place: None, sections: Vec::new(), note: None };
-        let mut add = |title: String, path: &[String], animated: Vec<String>| {
+        let mut add = |title: String, path: &[String], animated: Vec<AnimatedChannel>| {
             // Only named parts are looked for in included files.
             let files = if path.len() == 1 { &files[..files.len().min(1)] } else { files };
             let mut values = WrittenValue::all(path, files);
             if !sources.is_extension() {
                 values.extend(WrittenValue::defaults(path, files));
             }
-            let is_animated =
-                |value: &&WrittenValue| animated.iter().any(|channel| sets(channel, &value.path));
-            let animated = values.iter().filter(is_animated).map(|value| value.path.clone()).collect();
+            let animated = values.iter().filter_map(|value| AnimatedField::of(value, &animated)).collect();
             let initial = BTreeMap::new();
             info.sections.push(PartSection { title, values, animated, initial });
         };
@@ -278,6 +289,16 @@ impl PartInfo {
             info.note = Some("It has no values that can be changed here.");
         }
         Some(Self { title, place, ..info })
+    }
+}
+
+impl AnimatedField {
+    /// Returns `None` if none of the channels sets the value.
+    fn of(value: &WrittenValue, channels: &[AnimatedChannel]) -> Option<Self> {
+        // Of several, the last one has the last word.
+        let AnimatedChannel { track, is_script, place, .. } =
+            channels.iter().rev().find(|channel| sets(&channel.name, &value.path))?.clone();
+        Some(Self { path: value.path.clone(), track, is_script, place })
     }
 }
 

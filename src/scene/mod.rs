@@ -68,9 +68,9 @@ pub use overrides::{
 };
 pub use owner::Owner;
 #[cfg(feature = "live")]
-pub(crate) use parts::ChangedPart;
-#[cfg(feature = "live")]
 pub use parts::ScenePart;
+#[cfg(feature = "live")]
+pub(crate) use parts::{AnimatedChannel, ChangedPart};
 pub use reader::Reader;
 pub use script_sources::ScriptMistake;
 pub(crate) use script_sources::{SceneScripts, ScriptSources};

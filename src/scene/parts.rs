@@ -27,6 +27,17 @@ const OTHERS: [&str; 13] = [
 /// Settings that every scene has, whether or not they are written.
 const ALWAYS: [&str; 5] = ["film", "sampling", "quality", "ambient", "background"];
 
+/// A channel that a track or a script sets over time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct AnimatedChannel {
+    pub(crate) name: String,
+    /// The path that the list of the track's keys has if there is one, as [`WrittenTrack::path`](super::WrittenTrack::path).
+    pub(crate) track: String,
+    pub(crate) is_script: bool,
+    /// Position of the track, or of the script's file.
+    pub(crate) place: String,
+}
+
 /// A part of a scene.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -137,20 +148,35 @@ impl Sources {
     }
 
     /// Returns the channels of a target, or of a material, that are animated by the scene's own text.
-    pub(crate) fn animated_channels(&self, field: &str, target: &str) -> Vec<String> {
+    pub(crate) fn animated_channels(&self, field: &str, target: &str) -> Vec<AnimatedChannel> {
         let Some(source) = self.file(0) else { return Vec::new() };
         let text = source.text();
         let animate = members(text, root(text)).into_iter().find(|member| is_named(text, member, "animate"));
         let all = animate.map_or_else(Vec::new, |animate| members(text, animate.value.start));
-        let channel = |animation: BracketMember| {
+        let channel = |(index, animation): (usize, BracketMember)| {
             let fields = bracket(text, animation.value.start)?;
             let of = literal_text(&text[fields.field(text, field)?])?;
-            (of == target)
-                .then(|| fields.field(text, "channel"))
-                .flatten()
-                .map(|channel| text[channel].to_owned())
+            if of != target {
+                return None;
+            }
+            let track = fields.field(text, "track")?;
+            let script = text[track.clone()].trim_start().starts_with("Script");
+            let file = bracket(text, track.start)
+                .filter(|_| text[track.clone()].trim_start().starts_with("ScriptFile"))
+                .and_then(|script| literal_text(&text[script.members.first()?.value.clone()]));
+            let place = match file {
+                Some(file) => format!("{}:1", source.files().first()?.folder.join(file).display()),
+                None => source.line(&track).to_string(),
+            };
+            let name = text[fields.field(text, "channel")?].to_owned();
+            Some(AnimatedChannel {
+                name,
+                track: format!("animate.{index}.track.0"),
+                is_script: script,
+                place,
+            })
         };
-        all.into_iter().filter_map(channel).collect()
+        all.into_iter().enumerate().filter_map(channel).collect()
     }
 
     /// Returns the part in which the first difference from an earlier text is; for an animation, the animated part.

@@ -306,3 +306,31 @@ fn part_that_is_edited_in_the_file_is_selected() {
     assert_eq!(browser.evaluate("view.selected"), json!({ "entity": "#3" }));
     assert_eq!(browser.console(), json!([]));
 }
+
+#[test]
+fn animated_values_lead_to_their_keys_and_scripts() {
+    let script = "(target: \"crate\", channel: Translation, track: Script(\"[2.5, t, 0]\")),\n        (target: \"sled\"";
+    let keys = "Keys([(0, 0.02), (1, 0.025), (2, 0.03)])";
+    let scene = PARTS.replace("(target: \"sled\"", script).replace("Keys([(0, 0.02), (2, 0.03)])", keys);
+    let preview = Preview::of(&scene);
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full && outline !== null && tracks !== null");
+    // A field that a track sets is not changed where it has no effect; its word selects the key at the frame.
+    choose(&browser, "fog");
+    until(&browser, "document.querySelector('#values .animated') !== null");
+    let disabled = "[...document.querySelectorAll('#values input')].filter(input => input.disabled).map(input => input.getAttribute('aria-label'))";
+    assert_eq!(browser.evaluate(disabled), json!(["fog.density", "fog.density"]));
+    browser.evaluate("(seek(14), true)");
+    until(&browser, "shown.frame === 14 && shown.full");
+    browser.click("#values .animated button");
+    until(&browser, "picked?.path === 'animate.2.track.0' && picked.index === 1 && !at('key').hidden");
+    assert_eq!(browser.evaluate("document.activeElement.dataset.key"), json!("animate.2.track.0.1"));
+    assert_eq!(browser.evaluate("view.frame"), json!(14));
+    // A script is named with its place.
+    choose(&browser, "crate");
+    until(&browser, "at('values').innerText.includes('entity crate')");
+    let note = browser.evaluate("document.querySelector('#values .animated small').innerText");
+    assert_eq!(note, json!("script ball.ron:16"));
+    assert_eq!(file(&preview), scene);
+    assert_eq!(browser.console(), json!([]));
+}

@@ -190,6 +190,21 @@ function pick(track, index) {
   if (panel.scrollHeight > panel.clientHeight) at("key").scrollIntoView({ block: "nearest" });
 }
 
+// Selects the key of a track at the shown frame or, without one, the last before it. Returns whether the track has a lane.
+function pickAtFrame(path) {
+  const track = trackAt(path);
+  if (!track) return false;
+  if (!showsLanes()) setLanes();
+  const latest = folded(track, keyTime(track, view.frame + 0.5 * Math.sign(track.speed)));
+  picked = { path, index: Math.max(0, track.keys.findLastIndex(({ time }) => time <= latest)) };
+  drawLanes();
+  drawKey();
+  const button = at("lanes").querySelector(`[data-key="${path}.${picked.index}"]`);
+  button?.focus();
+  button?.scrollIntoView({ block: "nearest" });
+  return true;
+}
+
 // Shows the frame of a time of keys, if there is one.
 function seekKey(track, time) {
   const frame = Math.round(frameOf(track, time));

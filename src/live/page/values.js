@@ -31,7 +31,7 @@ function partSections({ title, place, sections, note }) {
   if (sections.length === 0) return [heading(title, place), element("p", note, { className: "faint" })];
   if (!state.edits.possible) return sections.map(controlSection);
   return sections.map(({ title, values, animated }, index) => {
-    const section = element("section"), names = namesOf(values), row = value => valueRow(value, names[values.indexOf(value)], animated.includes(value.path));
+    const section = element("section"), names = namesOf(values), row = value => valueRow(value, names[values.indexOf(value)], animated.find(({ path }) => path === value.path));
     const written = values.filter(value => !value.is_default), others = values.filter(value => value.is_default);
     section.append(heading(title, index === 0 ? place : null), ...written.map(row));
     if (others.length === 0) return section;
@@ -73,11 +73,31 @@ function namesOf(values) {
   return values.map(value => last(value, values.filter(other => last(other, 1) === last(value, 1)).length > 1 ? 2 : 1));
 }
 
+// What sets a value over time: its key at the shown frame or, without keys, its place in the file.
+function animatedNote({ track, is_script, place }) {
+  const note = element("small"), where = placeLink(place.split(/[\\/]/).pop(), place);
+  if (is_script) { note.append("script ", where); return note; }
+  const button = element("button", "animated", { type: "button", className: "place", title: "A track sets this value over time: shows its key at this frame" });
+  button.onclick = () => { if (!pickAtFrame(track)) note.replaceChildren("animated ", where); };
+  note.append(button);
+  return note;
+}
+
+// A row of a value; one that is set over time shows what the file has, and is not changed there.
+function valueRow(value, name, animated) {
+  const row = inputRow(value, name, animated ? "div" : "label");
+  if (!animated) return row;
+  row.firstChild.append(animatedNote(animated));
+  row.classList.add("animated");
+  row.title = `Set over time: what the file has here, ${value.text}, has no effect`;
+  for (const input of row.querySelectorAll("input")) input.disabled = true;
+  return row;
+}
+
 // Drags within a slider try values; its release writes them.
-function valueRow(value, name, isAnimated = false) {
-  const row = element("label", undefined, { className: "value", title: value.about });
+function inputRow(value, name, kind) {
+  const row = element(kind, undefined, { className: "value", title: value.about });
   row.append(element("span", name));
-  if (isAnimated) row.firstChild.append(element("small", "animated", { title: "A track sets this value over time: see the keys below the timeline, or `animate` in the file" }));
   const set = text => attempt([`${value.path}=${text}`]);
   const input = (type, current, text, attributes = {}) => {
     const made = element("input", undefined, { type, value: current, ...attributes });
