@@ -96,6 +96,13 @@ fn dialog_describes_the_files_before_they_are_made() {
     assert_eq!(choose(""), json!("out/ball"));
     let typed = browser.evaluate("(at('export-target').value = '/a/long/way/down/into/the/folders/of/somebody/far/away/from/here/film.webm', at('export-target').dispatchEvent(new Event('input')), at('export-format').value)");
     assert_eq!(typed, json!("webm"));
+    // Names are not broken, since lines break between them.
+    let broken = "[...document.querySelectorAll('#export-facts .whole')].filter(name => name.offsetHeight > 30).map(name => name.textContent)";
+    assert_eq!(browser.evaluate(broken), json!([]));
+    assert_eq!(
+        browser.evaluate("at('export-dialog').scrollWidth <= at('export-dialog').clientWidth"),
+        json!(true)
+    );
     assert!(facts().contains("/a/…/") && facts().contains("/from/here/film.webm"), "{}", facts());
     assert_eq!(browser.console(), json!([]));
 }

@@ -183,6 +183,8 @@ fn values_and_views_are_changed_by_hand() {
         &browser,
         "!at('unsaved').hidden && state.edits.tried.length === 2 && shown.full && shown.reloads > 1",
     );
+    let notice = browser.evaluate("at('unsaved').firstChild.textContent");
+    assert_eq!(notice, json!("Not in the file yet: camera: position, target"));
     assert_eq!(file(), SCENE);
     browser.click("#keep");
     until(&browser, "at('unsaved').hidden && state.edits.undoable === 1 && shown.full");
@@ -400,6 +402,8 @@ fn panels_are_empty_before_the_first_picture() {
         assert!(!text.as_str().unwrap().contains(hollow), "{hollow}: {text}");
     }
     preview.save(SCENE);
+    browser.click("#time-panel summary");
+    browser.click("#plan-panel summary");
     until(&browser, "shown !== null && shown.full && at('times').innerText.includes('rays')");
     until(&browser, "document.body.innerText.includes('others are omitted')");
 }

@@ -50,6 +50,13 @@ fn phone_shows_picture_and_values_together_with_large_targets() {
     until(&browser, "at('fit').offsetHeight > 0 && at('tools').getAttribute('aria-expanded') === 'true'");
     fits();
     browser.click("#tools");
+    browser.click("#more");
+    until(
+        &browser,
+        "at('export-open').offsetHeight > 0 && at('more').getAttribute('aria-expanded') === 'true'",
+    );
+    fits();
+    browser.click("#more");
     browser.evaluate("(at('keyed').click(), probe([80, 45]), true)");
     until(&browser, "at('values').children.length > 0 && !at('lanes').hidden");
     fits();
@@ -57,9 +64,17 @@ fn phone_shows_picture_and_values_together_with_large_targets() {
     let together = "[...document.querySelectorAll('#values input')].map(input => {
         input.scrollIntoView({ block: 'start' });
         const picture = at('now').getBoundingClientRect(), box = input.getBoundingClientRect();
-        return picture.top >= 0 && picture.height > 150 && picture.bottom < box.top + 1 && box.bottom < innerHeight + 1; })";
+        return picture.top >= 0 && picture.height > 150 && picture.bottom < box.top + 1 && box.bottom < at('transport').getBoundingClientRect().top + 1; })";
     let together: Vec<bool> = serde_json::from_value(browser.evaluate(together)).unwrap();
     assert!(together.len() > 3 && together.iter().all(|together| *together), "{together:?}");
+    // Playing and undoing are at hand wherever the page is scrolled to.
+    for place in [0, 100_000] {
+        browser.evaluate(&format!("(scrollTo(0, {place}), true)"));
+        let hidden = "['play', 'undo', 'redo', 'scrubber'].filter(id => { const box = at(id).getBoundingClientRect();
+            return box.top < 0 || box.bottom > innerHeight || document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2)?.closest('button, input') !== at(id); })";
+        assert_eq!(browser.evaluate(hidden), json!([]));
+    }
+    assert_eq!(browser.evaluate("[at('time-panel').open, at('plan-panel').open]"), json!([false, false]));
     assert_eq!(browser.console(), json!([]));
 }
 
@@ -98,6 +113,7 @@ fn fingers_move_the_selected_entity() {
 fn fingers_drag_keys_and_magnify_the_drawing_of_rays() {
     let preview = Preview::new();
     let Some(browser) = open_on_phone(&preview) else { return };
+    browser.click("#more");
     browser.click("#keyed");
     until(&browser, "document.querySelectorAll('.key').length === 2");
     let [x, y] = middle(&browser, ".key");
@@ -127,5 +143,28 @@ fn fingers_drag_keys_and_magnify_the_drawing_of_rays() {
     // What was between the fingers is still there.
     let [now_x, now_y] = middle(&browser, "#ray-drawing .camera");
     assert!((now_x - x).abs() < 4.0 && (now_y - y).abs() < 4.0, "{now_x} {now_y} {x} {y}");
+    assert_eq!(browser.console(), json!([]));
+}
+
+#[test]
+fn notices_leave_the_middle_of_the_picture_free() {
+    let preview = Preview::new();
+    let Some(browser) = open_on_phone(&preview) else { return };
+    browser.click("#tools");
+    browser.evaluate("(setHeat(), orient(), attempt(['materials.clay.k_d=0.6']), true)");
+    until(
+        &browser,
+        "!at('unsaved').hidden && !at('heat-legend').hidden && !at('gizmo').hasAttribute('hidden') && shown.full && trying === null",
+    );
+    let covering = "['unsaved', 'heat-legend', 'gizmo', 'refused'].filter(id => at(id).getBoundingClientRect().height > 0).filter(id => {
+        const box = at(id).getBoundingClientRect(), picture = at('film').getBoundingClientRect();
+        const [left, right, top, bottom] = [picture.left + picture.width / 3, picture.right - picture.width / 3, picture.top + picture.height / 3, picture.bottom - picture.height / 3];
+        return box.left < right && box.right > left && box.top < bottom && box.bottom > top; })";
+    assert_eq!(browser.evaluate(covering), json!([]));
+    browser.evaluate("(write(at('refused'), 'a reason that takes more than the width of a phone to be told, and then some'), true)");
+    assert_eq!(browser.evaluate("at('refused').offsetHeight > 20"), json!(true));
+    assert_eq!(browser.evaluate(covering), json!([]));
+    let notice = browser.evaluate("at('unsaved').firstChild.textContent");
+    assert_eq!(notice, json!("Not in the file yet: clay: k_d"));
     assert_eq!(browser.console(), json!([]));
 }

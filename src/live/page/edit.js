@@ -69,13 +69,28 @@ function drawEdits() {
   at("undo").hidden = at("redo").hidden = !possible && undoable + redoable === 0;
   // What is dragged is written when it is dropped; controls are in no file.
   at("unsaved").hidden = !possible || moving !== null || grip !== null || tried.length === 0 && !isLook;
-  write(at("unsaved").firstChild, isLook ? "Only a look, not in the file" : "Not in the file yet");
-  at("unsaved").title = isLook ? look : "";
+  write(at("unsaved").firstChild, isLook ? "Only a look, not in the file" : `Not in the file yet: ${triedParts(tried)}`);
+  at("unsaved").title = isLook ? look : tried.join("\n");
   at("keep").hidden = isLook;
   write(at("drop"), isLook ? "Reset" : "Discard");
   at("drop").title = isLook ? "Back to the camera in the file (Esc)" : "As it is in the file (Esc)";
   drawWritten(last);
   if (notice) write(at("refused"), notice);
+}
+
+// What is tried, as `camera: position, target`.
+function triedParts(tried) {
+  const parts = new Map();
+  for (const value of tried) {
+    const path = value.split("=")[0].trim(), track = tracks?.tracks.find(track => path.startsWith(track.path));
+    const [, list, rest] = /^(\w+)\.?(.*)$/.exec(path) ?? [path, path, ""], isNamed = ["cameras", "entities", "materials"].includes(list);
+    const [, own, field] = isNamed ? /^("[^"]*"|[^.]*)\.?(.*)$/.exec(rest) : [rest, list, rest];
+    const [part, name] = track ? [track.target, track.channel] : [own.replaceAll('"', ""), field.split(".").at(-1)];
+    if (!parts.has(part)) parts.set(part, new Set());
+    if (name) parts.get(part).add(name);
+  }
+  const texts = [...parts].map(([part, names]) => [part, [...names].join(", ")].filter(Boolean).join(": "));
+  return texts.length > 2 ? `${texts.slice(0, 2).join("; ")} and ${texts.length - 2} more` : texts.join("; ");
 }
 
 // The line of the last change of a file, as a link to it.

@@ -58,7 +58,10 @@ function describeExport() {
   ];
   at("export-facts").replaceChildren(...facts.map(([name, text, title = ""]) => {
     const row = element("tr");
-    row.append(element("th", name), element("td", text, { title }));
+    const cell = element("td", undefined, { title });
+    // Names of files and folders stay whole: lines break between them.
+    cell.append(...text.split(/(?<=[/\\ ])/).flatMap(word => [element("span", word, { className: "whole" }), element("wbr")]));
+    row.append(element("th", name), cell);
     return row;
   }));
 }

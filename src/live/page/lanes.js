@@ -251,4 +251,18 @@ function drawKey() {
 }
 
 at("keyed").onclick = () => { view.lanes = !showsLanes(); keep(); drawLanes(); };
-narrow.onchange = drawLanes;
+
+// On narrow screens, undoing is at hand below the picture, and what is needed less is behind a button.
+function placeControls() {
+  if (narrow.matches) at("forth").after(at("undo"), at("redo"));
+  else at("help").before(at("undo"), at("redo"));
+  for (const [id, sign, name] of [["undo", "↶", "Undo"], ["redo", "↷", "Redo"]]) {
+    at(id).textContent = narrow.matches ? sign : name;
+    at(id).setAttribute("aria-label", name);
+  }
+  if (state) drawLanes();
+}
+narrow.onchange = placeControls;
+placeControls();
+at("more").onclick = () => at("more").setAttribute("aria-expanded", at("transport").classList.toggle("open"));
+new ResizeObserver(() => document.documentElement.style.setProperty("--transport-height", `${at("transport").offsetHeight}px`)).observe(at("transport"));

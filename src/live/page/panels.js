@@ -81,6 +81,12 @@ async function describe(pixel) {
   return spot;
 }
 
+// The parts of the panel that a person has opened stay open.
+for (const id of ["path-panel", "time-panel", "plan-panel"]) {
+  at(id).open = view.panels[id] ?? false;
+  at(id).addEventListener("toggle", () => { view.panels[id] = at(id).open; keep(); });
+}
+
 // Warnings are about the picture, which mistakes replace by the last good one.
 function drawWarnings(wrong) {
   const { list, unlisted } = state.warnings, count = list.length + unlisted;
