@@ -98,11 +98,10 @@ function valueRow(value, name, animated) {
 function inputRow(value, name, kind) {
   const row = element(kind, undefined, { className: "value", title: value.about });
   row.append(element("span", name));
-  const set = text => attempt([`${value.path}=${text}`]);
-  const input = (type, current, text, attributes = {}) => {
+  const input = (type, current, text, attributes = {}, path = value.path) => {
     const made = element("input", undefined, { type, value: current, ...attributes });
     made.setAttribute("aria-label", `${value.path} ${attributes.label ?? ""}`.trim());
-    made.oninput = () => { const now = text(made); if (now !== null) set(now); };
+    made.oninput = () => { const now = text(made); if (now !== null) attempt([`${path}=${now}`]); };
     made.onchange = keepEdits;
     return made;
   };
@@ -116,11 +115,13 @@ function inputRow(value, name, kind) {
     const parts = value.text.slice(start + 1, -1).replace(/,\s*$/, "").split(",").map(part => part.trim() === "" ? NaN : Number(part));
     // Numbers in a notation of RON alone, and comments among them, are changed in the text.
     if (parts.some(Number.isNaN)) { row.append(element("code", value.text)); return row; }
+    // Written numbers are changed one by one: the others stay as they are, even if the file has others by now.
+    const isWhole = value.is_default || word !== "";
     row.append(...parts.map((part, axis) => input("number", part, box => {
       if (box.value === "") return null;
       parts[axis] = Number(box.value);
-      return word + triple(parts);
-    }, { step: "any", label: "xyz"[axis] })));
+      return isWhole ? word + triple(parts) : formatted(parts[axis]);
+    }, { step: "any", label: "xyz"[axis] }, isWhole ? value.path : `${value.path}.${axis}`)));
   } else {
     row.append(...numberInputs(value, input));
   }
