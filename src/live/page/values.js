@@ -45,7 +45,7 @@ function partSections({ title, place, sections, note }) {
 
 // The controls of a program, each with a way back to its initial value.
 function controlSection({ title, values, initial }) {
-  const section = element("section"), heading = element("h3", title), changed = Object.entries(initial);
+  const section = element("section", undefined, { className: "program" }), heading = element("h3", title), changed = Object.entries(initial);
   const reset = (text, title, values) => Object.assign(element("button", text, { title, disabled: values.length === 0 }), {
     onclick: async event => {
       // The keyboard stays at the value, since the button is disabled afterwards.
