@@ -57,6 +57,7 @@ fn long_sessions_do_not_leak_and_stay_correct() {
             watching: Watching::Events,
             finish: false,
             cache: DEFAULT_CACHE,
+            cache_folder: None,
             editor: None,
         },
         move |event| sender.send(event).unwrap(),

@@ -55,6 +55,7 @@ fn show(scene: &Path, cache: usize) -> (Session, Server, Browser) {
         watching: Watching::Events,
         finish: false,
         cache,
+        cache_folder: None,
         editor: None,
     };
     let session = Session::start(settings, |_| ());

@@ -301,6 +301,7 @@ pub(super) enum FormatName {
   rayreel watch scenes/first_light.ron
   rayreel watch scenes/first_light.ron --port 4000
   rayreel watch scenes/first_light.ron --out now.png
+  rayreel watch scenes/first_light.ron --cache-dir out/first_light
   rayreel watch scenes/first_light.ron --port 4000 --allow-host localhost:9000
 
 Prints the address of a page for a browser on this machine, which shows the picture, the timeline,
@@ -328,6 +329,9 @@ pub(super) struct WatchArguments {
     /// Keep finished frames of up to this size in all, in MiB, for playback and for edits that are undone; 0 keeps none [default: 512]
     #[arg(long, value_name = "MIB")]
     pub(super) cache: Option<u16>,
+    /// Keep finished frames in this folder too, as `render --out DIR` writes them, and show those that are there already
+    #[arg(long, value_name = "DIR")]
+    pub(super) cache_dir: Option<PathBuf>,
     /// Open places in the files by this command when they are clicked, as 'code -g {file}:{line}:{column}'
     #[arg(long, value_name = "COMMAND")]
     pub(super) editor: Option<EditorCommand>,

@@ -44,6 +44,7 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
         watching: if arguments.poll { Watching::Polling } else { Watching::Events },
         finish: arguments.out.is_some(),
         editor: arguments.editor.clone(),
+        cache_folder: arguments.cache_dir.clone(),
         cache: arguments.cache.map_or(DEFAULT_CACHE, |mebibytes| usize::from(mebibytes) << 20),
     };
     let mut reported = 0;
@@ -65,7 +66,10 @@ pub(super) fn run(arguments: &WatchArguments, interruption: &Interruption) -> Re
     while !interrupted.load(Ordering::Relaxed) {
         match events.recv_timeout(POLL_INTERVAL) {
             Ok(event) => printer.print(event),
-            Err(RecvTimeoutError::Timeout) => printer.print_export(session.handle().export()),
+            Err(RecvTimeoutError::Timeout) => {
+                printer.print_export(session.handle().export());
+                printer.print_cache_error(session.handle().cache_error());
+            }
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(anyhow::anyhow!("the session has come to an end by itself").into());
             }
@@ -93,6 +97,8 @@ struct WatchPrinter {
     good: bool,
     /// The state of the export that was printed last, and when.
     export: Option<(ExportState, Instant)>,
+    /// True once an error of the folder of the cache has been printed.
+    has_cache_error: bool,
 }
 
 impl WatchPrinter {
@@ -106,6 +112,7 @@ impl WatchPrinter {
             out: out.transpose()?,
             good: false,
             export: None,
+            has_cache_error: false,
         })
     }
 
@@ -130,6 +137,13 @@ impl WatchPrinter {
             Some(ExportEnd::Failed(message)) => format!("{target}: {message}"),
         });
         self.export = Some((export, Instant::now()));
+    }
+
+    /// Prints the reason why no more frames are kept in the folder of the cache, once.
+    fn print_cache_error(&mut self, error: Option<String>) {
+        let Some(error) = error.filter(|_| !self.has_cache_error) else { return };
+        self.has_cache_error = true;
+        print::error_line(&format!("no more frames are kept in the folder: {error}"));
     }
 
     fn print(&mut self, event: Event) {

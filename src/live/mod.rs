@@ -16,7 +16,7 @@
 //! | `renderer` | the engine; coarse pictures, the requested one, and the full one |
 //! | `progressive` | levels and times of the pictures before and during a picture that takes long |
 //! | `jobs` | the kinds of work, and their results |
-//! | `cache` | finished pictures, for playback and for edits that are undone |
+//! | `cache`, `cache_folder` | finished pictures, for playback and for edits that are undone, and for the next session |
 //! | `measure`, `pixel_info`, `ray_info` | costs of effects, the error curve, single pixels and their rays |
 //! | `path_info` | the path of the camera over the frames of its shot |
 //! | `outline` | the list of the scene's parts, and their values |
@@ -35,6 +35,7 @@
 //! needed.
 
 mod cache;
+mod cache_folder;
 mod camera_view;
 mod commands;
 mod controls;

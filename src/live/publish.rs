@@ -99,6 +99,11 @@ impl Published {
         self.state.borrow().export.clone()
     }
 
+    /// Returns the reason why no more frames are written into the folder of the cache.
+    pub(super) fn cache_error(&self) -> Option<String> {
+        self.state.borrow().cache_error.clone()
+    }
+
     /// Returns whether values are tried on the page, or a view that is not written.
     pub(super) fn shows_tried_values(&self) -> bool {
         let edits = &self.state.borrow().edits;

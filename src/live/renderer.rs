@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use hecs::World;
 
 use super::cache::FrameKey;
+use super::cache_folder::CacheFolder;
 use super::commands::{CommandQueue, Detail};
 use super::jobs::{
     JobOutcome, LevelRole, Occasion, PreviewJob, REUSE_ABOVE_MS, RenderInProgress, ReuseSlot, render,
@@ -60,6 +61,7 @@ pub(super) struct Renderer {
     displayed: ReuseSlot,
     filled: ReuseSlot,
     cache_reported: Instant,
+    folder: Option<CacheFolder>,
 }
 
 impl Renderer {
@@ -85,6 +87,7 @@ impl Renderer {
             displayed: None,
             filled: None,
             cache_reported: Instant::now(),
+            folder: None,
         }
     }
 
@@ -232,7 +235,8 @@ impl Renderer {
             let cache = published.cache();
             (cache.is_empty(), cache.key(state.frame))
         };
-        if is_empty || key == FrameKey::Unknown && occasion != Occasion::AfterCoarse {
+        let is_unlikely = is_empty || key == FrameKey::Unknown && occasion != Occasion::AfterCoarse;
+        if is_unlikely && !self.may_be_stored() {
             return JobOutcome::NotCached(occasion);
         }
         let commands = Arc::clone(&self.commands);
@@ -241,7 +245,7 @@ impl Renderer {
         let is_unknown = cache.key(state.frame) == FrameKey::Unknown;
         let picture = cache.picture(state.frame).cloned();
         drop(cache);
-        match picture {
+        match picture.or_else(|| self.load_stored(state.frame)) {
             Some(picture) => {
                 self.publisher.publish_cached(&state, picture);
                 JobOutcome::Done
@@ -523,6 +527,7 @@ impl Renderer {
             let commands = Arc::clone(&self.commands);
             self.find_key(state.frame, Signals { cancelled: commands.interrupt(), ..Signals::none() });
             self.publisher.keep_latest();
+            self.store(state.frame);
         }
         JobOutcome::Done
     }

@@ -9,6 +9,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use hecs::World;
 use tokio::sync::watch;
 
+use super::cache_folder::CacheFolder;
 use super::commands::{CommandQueue, SessionCommand};
 use super::controls::{Controls, InvalidControl};
 use super::editor::EditorCommand;
@@ -44,6 +45,9 @@ pub struct SessionSettings {
     pub finish: bool,
     /// Maximum size in bytes of the finished pictures that are kept for playback and for edits that are undone; 0 keeps none.
     pub cache: usize,
+    /// Folder of frames, as `rayreel render --out` writes them. Those that the scene needs are shown without rendering them; full pictures
+    /// of the scene in the files are added, in place of frames with another fingerprint.
+    pub cache_folder: Option<PathBuf>,
     /// Command that opens a file at a line, for links on the page. Without it, there are none.
     pub editor: Option<EditorCommand>,
 }
@@ -89,13 +93,18 @@ impl Session {
                     watching,
                     finish,
                     editor,
+                    cache_folder,
                     ..
                 } = settings;
                 let queue = Arc::clone(&commands);
                 let watcher = Watcher::start(watching, move || queue.send(SessionCommand::Reload));
+                let shared = Arc::clone(&published);
+                let fail = move |error| shared.update(|state| state.cache_error = Some(error));
+                let folder = cache_folder.map(|folder| CacheFolder::open(folder, &scene, fail));
                 let files = SceneFiles::new(scene, overrides, watcher, editor);
                 let nothing = Engine::new(World::new());
-                let renderer = Renderer::new(nothing, without, allowed, Arc::clone(&commands), publisher);
+                let mut renderer = Renderer::new(nothing, without, allowed, Arc::clone(&commands), publisher);
+                renderer.set_folder(folder);
                 Worker::new(Some(files), Controls::default(), renderer, commands, published, frame, finish)
             },
         )
@@ -195,6 +204,13 @@ impl Handle {
     #[must_use]
     pub fn export(&self) -> Option<ExportState> {
         self.published.export_state()
+    }
+
+    /// Returns the reason why no more frames are written into the folder of the cache.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn cache_error(&self) -> Option<String> {
+        self.published.cache_error()
     }
 
     /// Returns the current state of the session.

@@ -43,6 +43,8 @@ pub struct State {
     pub edited: Option<EditedPart>,
     /// The frames whose finished pictures are kept.
     pub cached: CachedFrames,
+    /// The reason why no more frames are written into the folder of the cache.
+    pub cache_error: Option<String>,
     /// The export that is running, or was the last.
     pub export: Option<ExportState>,
     /// True while a better picture is being rendered.

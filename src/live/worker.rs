@@ -172,7 +172,11 @@ impl Worker {
     /// Begins with the first picture of a new scene.
     fn begin(&mut self) {
         self.lacks_full = true;
-        self.next = self.first_preview();
+        let is_first = self.published.state().reloads == 1;
+        self.next = match is_first && self.renderer.may_be_stored() {
+            true => self.cached_or_frame_task(Occasion::Request),
+            false => self.first_preview(),
+        };
     }
 
     fn report_mistakes(&mut self) {

@@ -41,12 +41,7 @@ impl FoundFrame {
     /// Inspects the file of a frame of the expected `size`. Memory is bounded by this size, regardless of the file's header and length.
     #[must_use]
     pub fn expected_at(path: &Path, format: FrameFormat, size: (u32, u32)) -> Self {
-        /// Bytes per pixel with alpha and all passes: 16 channels of 4 bytes.
-        const OF_A_PIXEL: u64 = 64;
-        /// Upper bound on the bytes of headers and of compression overhead.
-        const OF_THE_REST: u64 = 1 << 20;
-        let most = u64::from(size.0) * u64::from(size.1) * OF_A_PIXEL + OF_THE_REST;
-        let bytes = match read(path, most) {
+        let bytes = match read(path, most_bytes(size)) {
             Ok(bytes) => bytes,
             Err(error) => return Self::unread(&error),
         };
@@ -79,6 +74,34 @@ impl FoundFrame {
             Self::Corrupt("its pixels are not those that were written".to_owned())
         }
     }
+}
+
+/// Returns the maximum size of the file of a frame in bytes.
+fn most_bytes(size: (u32, u32)) -> u64 {
+    /// Bytes per pixel with alpha and all passes: 16 channels of 4 bytes.
+    const OF_A_PIXEL: u64 = 64;
+    /// Upper bound on the bytes of headers and of compression overhead.
+    const OF_THE_REST: u64 = 1 << 20;
+    u64::from(size.0) * u64::from(size.1) * OF_A_PIXEL + OF_THE_REST
+}
+
+/// Returns the bytes of a frame's file. `None` unless it is complete, with this fingerprint and the expected `size`.
+pub(crate) fn read_complete(
+    path: &Path,
+    format: FrameFormat,
+    size: (u32, u32),
+    fingerprint: FrameFingerprint,
+) -> Option<Vec<u8>> {
+    let bytes = read(path, most_bytes(size)).ok()?;
+    let is_complete = size_of(Cursor::new(&bytes), format) == Some(size)
+        && FoundFrame::of(&bytes, format) == FoundFrame::Complete { fingerprint, size };
+    is_complete.then_some(bytes)
+}
+
+/// Decodes a PNG file of red, green and blue in 8 bits; `None` if it is not valid.
+pub(crate) fn decode_png(png: &[u8]) -> Option<EncodedFilm> {
+    let StoredPicture { size: (width, height), bytes, .. } = decode(png, FrameFormat::default()).ok()?;
+    EncodedFilm::from_bytes(width, height, &bytes)
 }
 
 /// Reads the output bytes of a frame, regardless of its provenance.

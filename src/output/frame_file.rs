@@ -12,7 +12,7 @@ use super::frame_pixels::{FramePixels, LinearFrame};
 use super::provenance::{PixelFingerprint, Provenance};
 use super::{atomic_file, exr_file, hdr_file, pfm_file, png_file, ppm_file};
 use crate::color::Transfer;
-use crate::trace::{Film, FrameFingerprint, Passes};
+use crate::trace::{EncodedFilm, Film, FrameFingerprint, Passes};
 
 /// The file format of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -209,6 +209,17 @@ pub fn write(path: &Path, film: &Film, transfer: Transfer, format: FrameFormat) 
 /// Writes a frame file of pixels like [`write`].
 pub(super) fn write_pixels(path: &Path, pixels: &FramePixels, format: FrameFormat) -> Result<(), WriteError> {
     put(path, pixels, format, None)?;
+    settle(path)
+}
+
+/// Writes the file of a frame with its provenance, completely or not at all.
+pub(crate) fn write_frame(
+    path: &Path,
+    film: EncodedFilm,
+    format: FrameFormat,
+    frame: FrameFingerprint,
+) -> Result<(), WriteError> {
+    put(path, &FramePixels::Encoded(film), format, Some(frame))?;
     settle(path)
 }
 

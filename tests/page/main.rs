@@ -102,6 +102,7 @@ fn session(folder: &TempDir, allowed: Vec<&'static str>) -> Session {
             watching: Watching::Events,
             finish: false,
             cache: DEFAULT_CACHE,
+            cache_folder: None,
             editor: None,
         },
         |_| {},
@@ -447,6 +448,7 @@ fn another_scene_begins_with_its_own_frame() {
         watching: Watching::Events,
         finish: false,
         cache: DEFAULT_CACHE,
+        cache_folder: None,
         editor: None,
     };
     preview.session = Session::start(settings, |_| {});

@@ -12,11 +12,11 @@ use rayreel::trace::RayCounts;
 use crate::AT_MOST;
 use crate::session::{Stage, scene};
 
-const ROOM: usize = 1 << 24;
-const FRAMES: u32 = 20;
+pub(crate) const ROOM: usize = 1 << 24;
+pub(crate) const FRAMES: u32 = 20;
 
 /// Returns the test's scene, whose ball rests for a second and then rises to `height`.
-fn resting(height: f64) -> String {
+pub(crate) fn resting(height: f64) -> String {
     let keys = format!("Keys([(0, (0, 0, 0)), (1, (0, 0, 0)), (2, (0, {height:?}, 0))])");
     let text = scene(1.0, "").replace("Keys([(0, (0, 0, 0)), (2, (0, 1, 0))])", &keys);
     assert!(text.contains(&keys));
@@ -36,7 +36,7 @@ fn until(stage: &Stage, what: &str, condition: impl Fn(&State) -> bool) -> State
     }
 }
 
-fn until_all_are_kept(stage: &Stage, reloads: u64) -> Vec<Arc<[u8]>> {
+pub(crate) fn until_all_are_kept(stage: &Stage, reloads: u64) -> Vec<Arc<[u8]>> {
     let is_filled = |state: &State| {
         state.reloads == reloads && state.cached.ranges == [(0, FRAMES - 1)] && !state.rendering
     };

@@ -18,11 +18,11 @@ pub(crate) fn ask<T: Send + 'static>(stage: &Stage, command: impl FnOnce(Reply<T
     reply.recv_timeout(AT_MOST).unwrap()
 }
 
-fn edit(stage: &Stage, edit: SceneEdit) -> Result<(), String> {
+pub(crate) fn edit(stage: &Stage, edit: SceneEdit) -> Result<(), String> {
     ask(stage, |reply| SessionCommand::Edit(edit, reply))
 }
 
-fn attempt(stage: &Stage, values: &[&str]) -> Result<(), String> {
+pub(crate) fn attempt(stage: &Stage, values: &[&str]) -> Result<(), String> {
     edit(stage, SceneEdit::Try(values.iter().map(|value| (*value).to_owned()).collect(), Vec::new()))
 }
 

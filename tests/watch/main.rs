@@ -7,6 +7,7 @@
 use std::time::Duration;
 
 mod cache;
+mod cache_folder;
 mod command;
 mod drafts;
 mod editors;

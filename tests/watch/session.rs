@@ -19,7 +19,8 @@ use crate::{AT_MOST, LONG_ENOUGH};
 /// A session with its own folder.
 pub(crate) struct Stage {
     folder: TempDir,
-    session: Session,
+    settings: SessionSettings,
+    session: Option<Session>,
     events: Receiver<Event>,
 }
 
@@ -41,6 +42,14 @@ pub(crate) fn scene(radius: f64, more: &str) -> String {
     )
 }
 
+fn start(settings: SessionSettings) -> (Session, Receiver<Event>) {
+    let (sender, events) = channel();
+    let session = Session::start(settings, move |event| {
+        let _ = sender.send(event);
+    });
+    (session, events)
+}
+
 impl Stage {
     pub(crate) fn new(text: Option<&str>) -> Self {
         Self::with(text, false)
@@ -53,12 +62,21 @@ impl Stage {
 
     /// Starts a session that keeps finished frames of up to `cache` bytes.
     pub(crate) fn caching(text: Option<&str>, finish: bool, cache: usize) -> Self {
+        Self::storing(text, finish, cache, |_| None)
+    }
+
+    /// Starts a session that also keeps finished frames in a folder, which `cache_folder` makes of the scene's folder.
+    pub(crate) fn storing(
+        text: Option<&str>,
+        finish: bool,
+        cache: usize,
+        cache_folder: impl Fn(&Path) -> Option<PathBuf>,
+    ) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ball.ron");
         if let Some(text) = text {
             fs::write(&path, text).unwrap();
         }
-        let (sender, events) = channel();
         let settings = SessionSettings {
             scene: path,
             overrides: Vec::new(),
@@ -68,12 +86,23 @@ impl Stage {
             watching: Watching::Events,
             finish,
             cache,
+            cache_folder: cache_folder(folder.path()),
             editor: None,
         };
-        let session = Session::start(settings, move |event| {
-            let _ = sender.send(event);
-        });
-        Self { folder, session, events }
+        let (session, events) = start(settings.clone());
+        Self { folder, settings, session: Some(session), events }
+    }
+
+    /// Ends the session, which writes what is to be written, and starts another one.
+    pub(crate) fn restart(&mut self) {
+        self.session = None;
+        let (session, events) = start(self.settings.clone());
+        (self.session, self.events) = (Some(session), events);
+    }
+
+    /// Ends the session.
+    pub(crate) fn end(&mut self) {
+        self.session = None;
     }
 
     pub(crate) fn path(&self, file: &str) -> PathBuf {
@@ -99,7 +128,7 @@ impl Stage {
     }
 
     pub(crate) fn session(&self) -> &Session {
-        &self.session
+        self.session.as_ref().unwrap()
     }
 
     /// Returns all events within a time.
@@ -146,16 +175,16 @@ impl Stage {
     pub(crate) fn probe(&self, pixel: (u32, u32)) -> Option<PixelInfo> {
         let (sender, answer) = channel();
         let send = move |spot| sender.send(spot).unwrap();
-        self.session.handle().send(SessionCommand::Probe(pixel, Reply(Box::new(send))));
+        self.session().handle().send(SessionCommand::Probe(pixel, Reply(Box::new(send))));
         answer.recv_timeout(AT_MOST).unwrap()
     }
 
     pub(crate) fn seek(&self, frame: u32) {
-        self.session.handle().send(SessionCommand::ViewChange(ViewChange::Seek { frame, playing: false }));
+        self.session().handle().send(SessionCommand::ViewChange(ViewChange::Seek { frame, playing: false }));
     }
 
     pub(crate) fn play(&self, frame: u32) {
-        self.session.handle().send(SessionCommand::ViewChange(ViewChange::Seek { frame, playing: true }));
+        self.session().handle().send(SessionCommand::ViewChange(ViewChange::Seek { frame, playing: true }));
     }
 
     /// Waits until the state meets a condition. Panics after `AT_MOST`.
@@ -166,7 +195,7 @@ impl Stage {
     ) -> rayreel::live::State {
         let start = Instant::now();
         loop {
-            let state = self.session.handle().state();
+            let state = self.session().handle().state();
             if is(&state) {
                 return state;
             }
@@ -191,7 +220,7 @@ fn edits_show_a_coarse_and_then_the_cold_start_picture() {
     assert_eq!((state.picture, state.before), (Some(second.info), Some(first.info)));
     assert!(state.plan.iter().any(|planned| planned.effect == "diffuse light" && planned.needed));
     for shown in [first, second] {
-        let picture = stage.session.handle().picture(shown.info.id).unwrap();
+        let picture = stage.session().handle().picture(shown.info.id).unwrap();
         let png = encode_quickly(&shown.film, shown.transfer).unwrap();
         assert!(picture.info == shown.info && *picture.png == *png);
     }
@@ -205,7 +234,7 @@ fn broken_files_keep_the_last_good_scene_until_fixed() {
     for (radius, broken) in [(0.7, &text[..text.len() / 2]), (0.8, ""), (0.9, "Scene(")] {
         stage.save(broken);
         let mistakes = stage.next_mistakes();
-        let state = stage.session.handle().state();
+        let state = stage.session().handle().state();
         assert_eq!(state.mistakes.as_ref().map(|mistakes| &mistakes.text), Some(&mistakes));
         assert!(state.picture.unwrap().id >= good.info.id);
         // The last good scene can still be viewed.
@@ -215,7 +244,7 @@ fn broken_files_keep_the_last_good_scene_until_fixed() {
         stage.save(&scene(radius, ""));
         while !matches!(stage.next(), Event::Reloaded(_)) {}
         assert_eq!(stage.matches_a_cold_start().info.frame, 7);
-        assert_eq!(stage.session.handle().state().mistakes, None);
+        assert_eq!(stage.session().handle().state().mistakes, None);
     }
     fs::remove_file(stage.path("ball.ron")).unwrap();
     assert!(stage.next_mistakes().contains("there is no file"));
@@ -323,7 +352,7 @@ fn probe_has_the_colour_of_the_picture() {
 fn only_needed_effects_are_measured() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     stage.matches_a_cold_start();
-    stage.session.handle().send(SessionCommand::ViewChange(ViewChange::Measure));
+    stage.session().handle().send(SessionCommand::ViewChange(ViewChange::Measure));
     let is_measured = |state: &rayreel::live::State| {
         !state.rendering && state.plan.iter().any(|planned| planned.cost.is_some())
     };
@@ -339,7 +368,7 @@ fn only_needed_effects_are_measured() {
     assert!(single.error > 0.5 && many.error < 0.25 * single.error, "{:?}", state.curve);
     stage.save(&scene(1.1, ""));
     stage.matches_a_cold_start();
-    assert!(stage.session.handle().state().curve.is_empty());
+    assert!(stage.session().handle().state().curve.is_empty());
 }
 
 #[test]
@@ -347,7 +376,7 @@ fn ended_sessions_emit_no_events() {
     let stage = Stage::new(Some(&scene(1.0, "")));
     let folder: &Path = stage.folder.path();
     assert!(folder.exists());
-    let Stage { session, events, folder } = stage;
+    let Stage { session, events, folder, .. } = stage;
     drop(session);
     fs::write(folder.path().join("ball.ron"), scene(2.0, "")).unwrap();
     // Only earlier events remain, and then the channel closes.

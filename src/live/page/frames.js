@@ -4,6 +4,7 @@
 const AHEAD = 12;             // frames that are decoded in advance: half a second at 24 frames per second
 const NOTICE_INTERVAL = 250; // milliseconds between notices of the frame to the session, which other pages show
 const ahead = new Map();      // frame -> { generation, image }; the image is null until it is decoded
+let failed = null;            // the reason why frames are not written, once it is shown
 let noticed = 0;              // time of the last notice
 
 const isKept = frame => state.cached.ranges.some(([first, last]) => first <= frame && frame <= last);
@@ -61,5 +62,7 @@ function drawKept() {
   });
   at("kept").style.backgroundImage = stops.length ? `linear-gradient(to right, ${stops.join(", ")})` : "none";
   const kept = state.cached.ranges.reduce((sum, [first, last]) => sum + last - first + 1, 0);
+  const { cache_error } = state;
+  if (cache_error && failed !== cache_error) { failed = cache_error; write(at("refused"), `no more frames are kept in the folder: ${cache_error}`); }
   at("kept").title = `${kept} of ${state.frames} frames are finished and play at full rate`;
 }

@@ -74,7 +74,8 @@ function drawHeat() {
 // Describes the tile under the pointer, that of the marked pixel, or the whole picture.
 function describeHeat() {
   if (!view.heat) return;
-  if (!heat) { write(at("heat-count"), playing ? "Pause to see the rays." : "The rays come with the finished picture."); return; }
+  const isRead = shown?.full && state.rays === 0;
+  if (!heat) { write(at("heat-count"), playing ? "Pause to see the rays." : isRead ? "This picture is from a file: R renders it, with its rays." : "The rays come with the finished picture."); return; }
   const spot = hovered ?? view.spot, pixel = spot?.every((place, axis) => place < heat.film[axis]) ? spot : null;
   const [column, row] = [heat.width, heat.height].map((count, axis) => pixel && Math.floor((pixel[axis] + 0.5) / heat.film[axis] * count / heat.tile));
   const kinds = heatOf(pixel ? row * heat.columns + column : null);

@@ -4,11 +4,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{MIN_SLICE, Renderer};
+use crate::components::FilmSettings;
 use crate::engine::{EngineError, RenderRequest};
-use crate::live::cache::FrameKey;
+use crate::live::cache::{CachedPicture, FrameKey};
+use crate::live::cache_folder::CacheFolder;
+use crate::live::commands::Detail;
 use crate::live::jobs::{RenderInProgress, settings_of};
 use crate::live::publish::PictureKind;
 use crate::live::state::State;
+use crate::live::warnings::PictureWarnings;
 use crate::trace::Signals;
 
 /// Minimum interval between reports of new pictures in the cache. Simple scenes fill it with hundreds of pictures a second.
@@ -65,6 +69,11 @@ impl Renderer {
         if published.cache().key(frame) == FrameKey::Unknown {
             let commands = Arc::clone(&self.commands);
             self.find_key(frame, Signals { cancelled: commands.urgent(), ..Signals::none() });
+            // An equal frame may have a picture.
+            self.store(frame);
+            return self.report_cache();
+        }
+        if filling.job.is_none() && self.load_stored(frame).is_some() {
             return self.report_cache();
         }
         let slice = if is_playing { MIN_SLICE } else { Duration::ZERO };
@@ -82,7 +91,9 @@ impl Renderer {
                 let current = state.frame;
                 let state = State { frame, ..state };
                 let picture = self.rendered(&state, kind, film, filling.traced);
-                self.publisher.keep(&state, &picture, current)
+                let is_kept = self.publisher.keep(&state, &picture, current);
+                self.store(frame);
+                is_kept
             }
             Err(_) => false,
         };
@@ -90,6 +101,54 @@ impl Renderer {
             self.publisher.published().cache().set_key(frame, FrameKey::Failed);
         }
         self.report_cache();
+    }
+
+    /// Sets the folder of frames that are kept for other sessions.
+    pub(in crate::live) fn set_folder(&mut self, folder: Option<CacheFolder>) {
+        self.folder = folder;
+    }
+
+    /// Returns whether the folder has a file of the current frame, which may be that of another scene.
+    pub(in crate::live) fn may_be_stored(&self) -> bool {
+        let State { frame, frames, detail, .. } = self.publisher.published().state();
+        let has_file = |folder: &CacheFolder| folder.has_file(frame, frames);
+        detail == Detail::Full && self.folder.as_ref().is_some_and(has_file)
+    }
+
+    /// Adds the picture of a frame from the folder to the cache, and returns it.
+    pub(super) fn load_stored(&mut self, frame: u32) -> Option<CachedPicture> {
+        let state = self.publisher.published().state();
+        let folder = self.folder.as_mut().filter(|_| state.detail == Detail::Full)?;
+        let FrameKey::Known(fingerprint) = self.publisher.published().cache().key(frame) else { return None };
+        let FilmSettings { width, height, .. } = self.engine.effective_settings().film;
+        let png = folder.read(frame, state.frames, (width, height), fingerprint)?;
+        let plan = self.planned(frame, false).ok()?;
+        let mut times = state.times;
+        times.set_frame(self.engine.report(), Duration::ZERO);
+        let warnings = PictureWarnings::of(&self.engine, &self.sources, &self.allowed);
+        let tile_rays = Arc::default();
+        let picture =
+            CachedPicture { png, width, height, times, rays: 0, tile_rays, plan, warnings, used: 0 };
+        self.publisher.published().cache().add(frame, picture.clone(), state.frame);
+        Some(picture)
+    }
+
+    /// Writes the full picture of a frame into the folder, if the cache has it. Values that are tried are in no file.
+    pub(super) fn store(&mut self, frame: u32) {
+        let published = self.publisher.published();
+        let Some(folder) = &mut self.folder else { return };
+        if published.detail() != Detail::Full || published.shows_tried_values() {
+            return;
+        }
+        let frames = published.state().frames;
+        let mut cache = published.cache();
+        if let FrameKey::Known(fingerprint) = cache.key(frame)
+            && let Some(CachedPicture { png, width, height, .. }) = cache.picture(frame)
+        {
+            let picture = (Arc::clone(png), (*width, *height));
+            drop(cache);
+            folder.write(frame, frames, picture, fingerprint);
+        }
     }
 
     /// Publishes which frames have pictures, at once if all have them.
