@@ -113,32 +113,44 @@ fn drag(browser: &Browser, label: &str, kind: &str, values: &[&str]) {
     );
 }
 
-/// The names, numbers and notes of the panel, and its buttons that are enabled.
-const PANEL: &str = "[
-    ...[...document.querySelectorAll('#values .value')].map(row => [row.firstChild.innerText, [...row.querySelectorAll('input')].at(-1).value]),
-    [...document.querySelectorAll('#values button:enabled')].map(button => button.title),
-]";
-const SETTLED: &str = "shown !== null && shown.full && shown.reloads === state.reloads && drawn === `${reload()} null` && \
-                       document.querySelectorAll('#values .value').length === 2";
+/// Waits until the panel has these names, numbers and notes, and these buttons are enabled.
+fn until_panel(browser: &Browser, rows: &Value, buttons: &Value) {
+    until(
+        browser,
+        &format!(
+            "JSON.stringify([
+                [...document.querySelectorAll('#values .value')].map(row => [row.firstChild.innerText, [...row.querySelectorAll('input')].at(-1).value]),
+                [...document.querySelectorAll('#values button:enabled')].map(button => button.title),
+            ]) === JSON.stringify([{rows}, {buttons}])"
+        ),
+    );
+}
+
+const SETTLED: &str = "shown !== null && shown.full && shown.reloads === state.reloads && trying === null";
 
 #[test]
 fn controls_change_the_picture_as_if_the_program_had_been_built_so() {
     let shown = Shown::new();
     let Some(browser) = open_at(shown.port()) else { return };
     shown.send("POST", "/view", r#"{"seek": {"frame": 40}}"#);
-    until(&browser, SETTLED);
+    until(&browser, &format!("{SETTLED} && shown.frame === 40"));
     let picture =
         || serde_json::from_str::<Value>(&shown.send("GET", "/state", "")).unwrap()["picture"].clone();
-    until(&browser, "shown.frame === 40");
-    assert_eq!(browser.evaluate(PANEL), json!([["sky", "#05060c"], ["gravity", "1"], []]));
+    // The history is published before the picture.
+    let click = |selector: &str, condition: &str| {
+        let reloads = browser.evaluate("state.reloads");
+        browser.click(selector);
+        until(&browser, &format!("{SETTLED} && shown.reloads > {reloads} && {condition}"));
+    };
+    let initial = json!([["sky", "#05060c"], ["gravity", "1"]]);
+    until_panel(&browser, &initial, &json!([]));
     assert_eq!(browser.evaluate("[at('undo').hidden, at('unsaved').hidden]"), json!([true, true]));
     shown.assert_shows(&picture(), &mut engine_with(1.0, ""), 40);
 
     drag(&browser, "gravity", "range", &["1.2", "0.9", "0.75"]);
     until(&browser, SETTLED);
-    let changed =
-        json!([["sky", "#05060c"], ["gravity\ninitially 1", "0.75"], ["All initial values", "Back to 1"]]);
-    assert_eq!(browser.evaluate(PANEL), changed);
+    let changed = json!([["sky", "#05060c"], ["gravity\ninitially 1", "0.75"]]);
+    until_panel(&browser, &changed, &json!(["All initial values", "Back to 1"]));
     let late = &mut engine_with(0.75, "");
     shown.assert_shows(&picture(), late, 40);
     // Frames on both sides, also from the cache.
@@ -153,19 +165,19 @@ fn controls_change_the_picture_as_if_the_program_had_been_built_so() {
     shown.assert_shows(&picture(), &mut engine_with(0.75, "#204060"), 3);
 
     // Taken back, made again, and back to the start.
-    browser.click("#undo");
-    until(&browser, &format!("{SETTLED} && state.edits.redoable === 1"));
+    click("#undo", "state.edits.redoable === 1");
     shown.assert_shows(&picture(), late, 3);
-    browser.click("#redo");
-    until(&browser, &format!("{SETTLED} && state.edits.redoable === 0"));
+    click("#redo", "state.edits.redoable === 0");
     shown.assert_shows(&picture(), &mut engine_with(0.75, "#204060"), 3);
-    browser.click("#values .value:last-child button");
-    until(&browser, &format!("{SETTLED} && state.edits.undoable === 3"));
+    let both = json!([["sky\ninitially #05060c", "#204060"], ["gravity\ninitially 1", "0.75"]]);
+    until_panel(&browser, &both, &json!(["All initial values", "Back to #05060c", "Back to 1"]));
+    click("#values .value:last-child button", "state.edits.undoable === 3");
     shown.assert_shows(&picture(), &mut engine_with(1.0, "#204060"), 3);
-    browser.click("#values h3 button");
-    until(&browser, &format!("{SETTLED} && state.edits.undoable === 4"));
+    let one = json!([["sky\ninitially #05060c", "#204060"], ["gravity", "1"]]);
+    until_panel(&browser, &one, &json!(["All initial values", "Back to #05060c"]));
+    click("#values h3 button", "state.edits.undoable === 4");
     shown.assert_shows(&picture(), &mut engine_with(1.0, ""), 3);
-    assert_eq!(browser.evaluate(PANEL), json!([["sky", "#05060c"], ["gravity", "1"], []]));
+    until_panel(&browser, &initial, &json!([]));
     assert_eq!(browser.console(), json!([]));
 }
 
