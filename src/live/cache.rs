@@ -17,6 +17,8 @@ pub(super) struct FrameCache {
     /// Maximum size of all pictures in bytes.
     limit: usize,
     bytes: usize,
+    /// Size of the last picture for which there was no room; 0 after others were dropped.
+    refused: usize,
     pictures: HashMap<FrameFingerprint, CachedPicture>,
     /// Empty if the cache keeps nothing.
     frames: Vec<FrameKey>,
@@ -47,7 +49,7 @@ pub(super) enum FrameKey {
     #[default]
     Unknown,
     Known(FrameFingerprint),
-    /// The frame cannot be rendered.
+    /// The frame cannot be rendered, or its picture is larger than the cache.
     Failed,
 }
 
@@ -67,6 +69,7 @@ impl FrameCache {
     /// Forgets the fingerprints of frames, for another scene of `frames` frames or another quality. The pictures stay.
     pub(super) fn begin(&mut self, frames: u32) {
         self.frames = vec![FrameKey::Unknown; if self.limit == 0 { 0 } else { frames as usize }];
+        self.refused = 0;
         self.generation += 1;
     }
 
@@ -104,7 +107,7 @@ impl FrameCache {
     }
 
     /// Adds the picture of a frame whose fingerprint is known, and drops others for it. `current` is the displayed frame. A picture that
-    /// does not fit is not kept.
+    /// does not fit is not kept, and is not the [next](Self::next_missing) one as long as there is no more room.
     pub(super) fn add(&mut self, frame: u32, mut picture: CachedPicture, current: u32) {
         let FrameKey::Known(fingerprint) = self.key(frame) else { return };
         // Pictures with the same fingerprint are the same.
@@ -113,11 +116,13 @@ impl FrameCache {
         }
         let size = picture.size();
         if size > self.limit {
+            self.set_key(frame, FrameKey::Failed);
             return;
         }
         if self.bytes + size > self.limit {
             for (distance, dropped) in self.droppable(current) {
                 if distance.is_some_and(|distance| distance <= self.distance(frame, current)) {
+                    self.refused = size;
                     return;
                 }
                 self.remove(dropped);
@@ -139,7 +144,7 @@ impl FrameCache {
         let missing = |frame: &u32| self.key(*frame) != FrameKey::Failed && !self.holds(*frame);
         let frame = (0..count).map(|ahead| (current.min(count - 1) + ahead) % count).find(missing)?;
         // The pictures of a film are of similar size.
-        let size = self.bytes.checked_div(self.pictures.len()).unwrap_or(0);
+        let size = self.bytes.checked_div(self.pictures.len()).unwrap_or(0).max(self.refused);
         let has_room = self.bytes + size <= self.limit;
         let is_nearer = |(distance, _): (Option<u32>, _)| {
             distance.is_none_or(|distance| distance > self.distance(frame, current))
@@ -198,6 +203,7 @@ impl FrameCache {
     fn remove(&mut self, fingerprint: FrameFingerprint) {
         if let Some(picture) = self.pictures.remove(&fingerprint) {
             self.bytes -= picture.size();
+            self.refused = 0;
         }
     }
 }
@@ -267,10 +273,23 @@ mod tests {
             cache.add(frame, picture(10), 0);
         }
         assert_eq!((cache.ranges(), cache.bytes, cache.next_missing(0)), (vec![(0, 4)], 50, None));
-        cache.add(7, picture(51), 7);
-        assert_eq!((cache.ranges(), cache.bytes), (vec![(0, 4)], 50));
+        // A picture that is larger than the cache is made once.
+        cache.add(6, picture(51), 6);
+        assert_eq!((cache.ranges(), cache.bytes, cache.next_missing(6)), (vec![(0, 4)], 50, Some(7)));
         cache.add(7, picture(50), 7);
         assert_eq!((cache.ranges(), cache.bytes), (vec![(7, 7)], 50));
+    }
+
+    #[test]
+    fn pictures_larger_than_the_others_are_not_made_again_and_again() {
+        let mut cache = filled(45, 3);
+        assert_eq!(cache.next_missing(0), Some(3));
+        cache.add(3, picture(20), 0);
+        assert_eq!((cache.ranges(), cache.next_missing(0)), (vec![(0, 2)], None));
+        // Elsewhere, it replaces a farther one.
+        assert_eq!(cache.next_missing(3), Some(3));
+        cache.add(3, picture(20), 3);
+        assert_eq!((cache.ranges(), cache.bytes), (vec![(0, 1), (3, 3)], 40));
     }
 
     #[test]
