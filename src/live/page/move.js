@@ -13,7 +13,7 @@ const STEP = 0.01;       // movement by an arrow key, in distances of the camera
 
 let placement = null;    // of the selected entity at a frame, with `of`: the entity, the frame and the reload
 let placing = false;     // true while a placement is being fetched
-let grip = null;         // { handle, from, begun, delta }: the handle that is dragged or moved by keys, and the movement in the world since
+let grip = null;         // { handle, from, begun, delta }: the handle that is dragged, from a press on, or moved by keys; and the movement in the world since
 let writing = 0;         // the number of moves that are being written
 
 const coarse = matchMedia("(pointer: coarse)");
@@ -274,14 +274,16 @@ function takeHandle(handle, event) {
   if (event.button !== 0) return;
   event.stopPropagation();
   if (grip || !event.isPrimary) return;
-  const place = ({ clientX, clientY }) => { const box = at("film").getBoundingClientRect(); return [clientX - box.left, clientY - box.top]; };
-  const end = new AbortController(), { signal } = end, own = grip = { handle, from: place(event), begun: false, delta: null };
+  // As in the picture that was pressed: what else the page shows may move or scale it meanwhile.
+  const pressed = at("film").getBoundingClientRect();
+  const place = ({ clientX, clientY }) => scaled([clientX - pressed.left, clientY - pressed.top], at("film").getBoundingClientRect().width / pressed.width);
+  const end = new AbortController(), { signal } = end, own = grip = { handle, from: event, begun: false, delta: null };
   handle.setPointerCapture(event.pointerId);
   // Not of the handle alone: not all browsers send what is captured to it at once.
   document.addEventListener("pointermove", event => {
-    const to = place(event);
-    if (grip !== own || !placement || !event.isPrimary || event.buttons === 0 || !own.begun && Math.hypot(...add(to, own.from, -1)) < DRAG) return;
-    moveBy(pulledBy(handle, placement.camera, placement.anchor, own.from, to));
+    const [from, to] = [own.from, event].map(place);
+    if (grip !== own || !placement || !event.isPrimary || event.buttons === 0 || !own.begun && Math.hypot(...add(to, from, -1)) < DRAG) return;
+    moveBy(pulledBy(handle, placement.camera, placement.anchor, from, to));
   }, { signal });
   for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, event => {
     if (!event.isPrimary) return;
