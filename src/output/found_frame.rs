@@ -86,6 +86,7 @@ fn most_bytes(size: (u32, u32)) -> u64 {
 }
 
 /// Returns the bytes of a frame's file. `None` unless it is complete, with this fingerprint and the expected `size`.
+#[cfg(feature = "live")]
 pub(crate) fn read_complete(
     path: &Path,
     format: FrameFormat,
@@ -99,6 +100,7 @@ pub(crate) fn read_complete(
 }
 
 /// Decodes a PNG file of red, green and blue in 8 bits; `None` if it is not valid.
+#[cfg(feature = "live")]
 pub(crate) fn decode_png(png: &[u8]) -> Option<EncodedFilm> {
     let StoredPicture { size: (width, height), bytes, .. } = decode(png, FrameFormat::default()).ok()?;
     EncodedFilm::from_bytes(width, height, &bytes)

@@ -12,7 +12,7 @@ use super::frame_pixels::{FramePixels, LinearFrame};
 use super::provenance::{PixelFingerprint, Provenance};
 use super::{atomic_file, exr_file, hdr_file, pfm_file, png_file, ppm_file};
 use crate::color::Transfer;
-use crate::trace::{EncodedFilm, Film, FrameFingerprint, Passes};
+use crate::trace::{Film, FrameFingerprint, Passes};
 
 /// The file format of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -213,9 +213,10 @@ pub(super) fn write_pixels(path: &Path, pixels: &FramePixels, format: FrameForma
 }
 
 /// Writes the file of a frame with its provenance, completely or not at all.
+#[cfg(feature = "live")]
 pub(crate) fn write_frame(
     path: &Path,
-    film: EncodedFilm,
+    film: crate::trace::EncodedFilm,
     format: FrameFormat,
     frame: FrameFingerprint,
 ) -> Result<(), WriteError> {

@@ -36,7 +36,9 @@ pub use animation_writer::{LoopError, LoopFormat, LoopWriter, gif_delays};
 pub use atomic_file::{PartialFile, folder_of, remove_leftovers};
 pub use channels::Channels;
 pub use found_frame::{FoundFrame, frame_size, read_frame};
+#[cfg(feature = "live")]
 pub(crate) use found_frame::{decode_png, read_complete};
+#[cfg(feature = "live")]
 pub(crate) use frame_file::write_frame;
 pub use frame_file::{
     EncodeError, FrameFormat, WriteError, encode, encode_quickly, write, write_bytes, write_new,

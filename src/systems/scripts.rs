@@ -100,7 +100,8 @@ impl Scripts {
         if scripts.uses.is_empty() {
             return Self::default();
         }
-        let (timeline, context) = (Timeline::still(), ScriptContext::default());
+        let timeline = Timeline::still();
+        let context = ScriptContext::new(timeline.rate.per_second(), timeline.duration);
         let (driven, bases, prefix) = (None, HashMap::new(), String::new());
         Self { running: Some(Box::new(Running { scripts, timeline, context, driven, bases, prefix })) }
     }
