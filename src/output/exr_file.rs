@@ -3,13 +3,13 @@
 //! An attribute of every file holds the digest of all its bytes, with zeros in place of the digest itself. The format's own checks cover
 //! only part of the bytes, and decoders are not safe from corrupt files, so the digest is verified before decoding.
 
-use std::io::{BufRead, Cursor, Seek};
+use std::io::{BufRead, Cursor};
 
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::meta::header::LayerAttributes;
 use exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, Vec2, WritableImage, read};
-use image::{ImageFormat, ImageReader};
 use rayon::iter::ParallelIterator;
 
 use super::channels::Channels;
@@ -133,8 +133,10 @@ pub(super) fn encode(
 }
 
 /// Returns the width and height from the beginning of a file.
-pub(super) fn size(file: impl BufRead + Seek) -> Option<(u32, u32)> {
-    ImageReader::with_format(file, ImageFormat::OpenExr).into_dimensions().ok()
+pub(super) fn size(file: impl BufRead) -> Option<(u32, u32)> {
+    let metadata = MetaData::read_from_buffered(file, true).ok()?;
+    let size = metadata.headers.first()?.layer_size;
+    u32::try_from(size.width()).ok().zip(u32::try_from(size.height()).ok())
 }
 
 /// Decodes a file completely. Returns the reason if the file is not valid.

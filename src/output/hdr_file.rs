@@ -1,10 +1,10 @@
 //! Radiance HDR files: linear light in 8 bits per channel with an exponent per pixel, run-length encoded.
 
 use std::error::Error;
-use std::io::{BufRead, Cursor, Seek};
+use std::io::{BufRead, Cursor};
 
+use image::DynamicImage;
 use image::codecs::hdr::{HdrDecoder, HdrEncoder};
-use image::{DynamicImage, ImageFormat, ImageReader};
 
 use super::picture::{FileChannels, FileColors, StoredPicture};
 use super::provenance::Provenance;
@@ -55,8 +55,9 @@ fn without_comments(mut bytes: &[u8]) -> (Vec<u8>, Vec<&[u8]>) {
 }
 
 /// Returns the width and height from the beginning of a file.
-pub(super) fn size(file: impl BufRead + Seek) -> Option<(u32, u32)> {
-    ImageReader::with_format(file, ImageFormat::Hdr).into_dimensions().ok()
+pub(super) fn size(file: impl BufRead) -> Option<(u32, u32)> {
+    let metadata = HdrDecoder::new(file).ok()?.metadata();
+    Some((metadata.width, metadata.height))
 }
 
 /// Decodes a file completely. Returns the reason if the file is not valid. The stored bytes are all bytes after the first line, except
