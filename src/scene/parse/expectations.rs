@@ -87,10 +87,21 @@ impl Trail {
 
     /// Makes a request, which stays pending if it fails.
     fn expect<T, E>(&self, kind: Expectation, fulfil: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
-        self.open.borrow_mut().push(kind);
+        self.request(kind);
         let value = fulfil()?;
-        *self.fulfilled.borrow_mut() = self.open.borrow_mut().pop();
+        self.fulfil();
         Ok(value)
+    }
+
+    // Not inlined into the hundreds of instances of `expect`.
+    #[inline(never)]
+    fn request(&self, kind: Expectation) {
+        self.open.borrow_mut().push(kind);
+    }
+
+    #[inline(never)]
+    fn fulfil(&self) {
+        *self.fulfilled.borrow_mut() = self.open.borrow_mut().pop();
     }
 }
 
