@@ -3,6 +3,7 @@
 use std::f64::consts::SQRT_2;
 use std::sync::atomic::AtomicBool;
 
+use super::film_error::tile_squares;
 use super::{FilmError, MeasuredFrame};
 use crate::engine::{Engine, EngineError, unless_cancelled};
 use crate::systems::RenderSettings;
@@ -10,10 +11,13 @@ use crate::time::Time;
 use crate::trace::Film;
 
 /// The estimated error of a picture, and its cost.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// The RMS error, in output values.
     pub rms: f64,
+    /// The RMS error of each tile of 16 by 16 pixels, row by row from the top, in output values. Tiles at the right and lower borders may be
+    /// smaller.
+    pub tiles: Vec<f32>,
     /// The time to animate, prepare and trace the picture, in seconds.
     pub seconds: f64,
 }
@@ -61,8 +65,11 @@ pub(super) fn pair(
         timed(engine, moment, RenderSettings { seed: Some(SEEDS[0]), ..settings }, cancelled)?,
         timed(engine, moment, RenderSettings { seed: Some(SEEDS[1]), ..settings }, cancelled)?,
     ];
-    let rms = FilmError::between(&one, &other, engine.effective_settings().film.transfer).rms / SQRT_2;
-    Ok(Pair { films: [one, other], estimate: Estimate { rms, seconds: f64::midpoint(first, second) } })
+    let transfer = engine.effective_settings().film.transfer;
+    let rms = FilmError::between(&one, &other, transfer).rms / SQRT_2;
+    let tiles = tile_squares(&one, &other, transfer).map(|square| root(square / 2.0)).collect();
+    let estimate = Estimate { rms, tiles, seconds: f64::midpoint(first, second) };
+    Ok(Pair { films: [one, other], estimate })
 }
 
 /// Estimates the error of a picture with a single sample per pixel, from two pictures with four.
@@ -79,7 +86,16 @@ fn single(
         RenderSettings { samples: Some(4), max_error: Some(0.0), ..settings },
         cancelled,
     )?;
-    Ok(Estimate { rms: four.error_of(&film, engine), seconds })
+    let transfer = engine.effective_settings().film.transfer;
+    let squares = tile_squares(&film, &four.films[0], transfer).zip(&four.estimate.tiles);
+    let tiles = squares.map(|(square, error)| root(square - f64::from(error * error))).collect();
+    Ok(Estimate { rms: four.error_of(&film, engine), tiles, seconds })
+}
+
+/// Returns the square root of a squared error, which may be negative as the difference of two estimates.
+#[expect(clippy::cast_possible_truncation, reason = "an estimate")]
+fn root(square: f64) -> f32 {
+    square.max(0.0).sqrt() as f32
 }
 
 impl Pair {

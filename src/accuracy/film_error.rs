@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::output_values::{OutputValues, apart, largest};
+use super::output_values::{OutputValues, apart, largest, require_same_size};
 use crate::color::Transfer;
-use crate::trace::Film;
+use crate::trace::{Film, Tile};
 
 /// The largest output value.
 const PEAK: f64 = 255.0;
@@ -106,6 +106,23 @@ impl FilmError {
     }
 }
 
+/// Returns the mean squared differences of all channels in output values, tile by tile.
+///
+/// # Panics
+///
+/// If the films have different sizes.
+pub(super) fn tile_squares(film: &Film, reference: &Film, transfer: Transfer) -> impl Iterator<Item = f64> {
+    require_same_size(film, reference);
+    let values = move |film: &Film, i, j| transfer.encode_unrounded(film.pixel(i, j));
+    let square = move |i, j| {
+        apart(&values(film, i, j), &values(reference, i, j)).iter().map(|apart| apart * apart).sum::<f64>()
+    };
+    Tile::all((film.width(), film.height())).map(move |Tile { i, j, width, height }| {
+        let rows = (j..j + height).map(|j| (i..i + width).map(|i| square(i, j)).sum::<f64>());
+        rows.sum::<f64>() / (3.0 * f64::from(width * height))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -146,6 +163,28 @@ mod tests {
         let error = FilmError::between(&film(1, &[[0.5; 3]]), &film(1, &[[0.501; 3]]), Transfer::Classic);
         assert!((error.max - 0.255).abs() < 1e-4 && error.rms > 0.25 && error.share_off == 0.0, "{error:?}");
         assert_eq!(Transfer::Classic.encode(Rgb::splat(0.5)), Transfer::Classic.encode(Rgb::splat(0.501)));
+    }
+
+    #[test]
+    fn squares_of_tiles_sum_to_those_of_the_picture() {
+        // Twelve tiles; those at the right are 12 pixels wide, those at the bottom 9 high.
+        let ramp = |step: f32| {
+            let light =
+                (0_u16..60 * 41).map(|index| f32::from(index % 97) / 97.0 + step * f32::from(index % 7));
+            Film::from_pixels(60, 41, light.map(Rgb::splat))
+        };
+        let (one, other) = (ramp(0.0), ramp(0.01));
+        let squares: Vec<f64> = tile_squares(&one, &other, Transfer::Srgb).collect();
+        let pixels = |index: usize| f64::from([16, 16, 16, 12][index % 4] * [16, 16, 9][index / 4]);
+        let sum: f64 = squares.iter().enumerate().map(|(index, square)| square * pixels(index)).sum();
+        let rms = FilmError::between(&one, &other, Transfer::Srgb).rms;
+        assert!(squares.len() == 12 && rms > 1.0, "{rms}");
+        assert!(((sum / (60.0 * 41.0)).sqrt() - rms).abs() < 1e-9 * rms, "{sum} {rms}");
+        // Only the last tile differs in the last pixel.
+        let mut last = one.clone();
+        last.store(59, 40, std::iter::once(Rgb::ZERO));
+        let squares: Vec<f64> = tile_squares(&one, &last, Transfer::Srgb).collect();
+        assert!(squares[..11].iter().all(|square| *square == 0.0) && squares[11] > 0.0, "{squares:?}");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::state::{CachedFrames, Planned, Times};
 use super::warnings::PictureWarnings;
-use crate::trace::{FrameFingerprint, RayCounts};
+use crate::trace::{FrameFingerprint, TileStats};
 
 /// The finished pictures, and the fingerprints of the frames of the current scene at the requested quality.
 #[derive(Debug, Default)]
@@ -36,7 +36,7 @@ pub(super) struct CachedPicture {
     pub(super) height: u32,
     pub(super) times: Times,
     pub(super) rays: u64,
-    pub(super) tile_rays: Arc<[RayCounts]>,
+    pub(super) tile_stats: Arc<[TileStats]>,
     pub(super) plan: Vec<Planned>,
     pub(super) warnings: PictureWarnings,
     /// Time of the last use, by the cache's clock.
@@ -54,9 +54,9 @@ pub(super) enum FrameKey {
 }
 
 impl CachedPicture {
-    /// Returns the size of the PNG file and of the numbers of rays, in bytes.
+    /// Returns the size of the PNG file and of the statistics of tiles, in bytes.
     fn size(&self) -> usize {
-        self.png.len() + size_of_val(&*self.tile_rays)
+        self.png.len() + size_of_val(&*self.tile_stats)
     }
 }
 
@@ -223,7 +223,7 @@ mod tests {
             height: 1,
             times: Times::default(),
             rays: 0,
-            tile_rays: Arc::default(),
+            tile_stats: Arc::default(),
             plan: Vec::new(),
             warnings: PictureWarnings::default(),
             used: 0,

@@ -100,7 +100,7 @@ pub(super) fn render(
     let time = engine.timeline.time_of(frame);
     let request = RenderRequest {
         settings: settings_of(engine, detail),
-        tile_rays: true,
+        tile_stats: true,
         fingerprint: false,
         signals,
         on_pause: Some(visit),

@@ -1,5 +1,6 @@
 //! Measurements of a frame: the costs of its effects, and its error by the number of samples.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::state::CurvePoint;
@@ -10,6 +11,13 @@ use crate::time::Time;
 
 /// Maximum number of samples per pixel of a curve point, whose error is about 1/32 of that of a single sample.
 const MOST_SAMPLES: u32 = 1024;
+
+/// A measured point of the error curve.
+pub(super) struct MeasuredPoint {
+    pub(super) point: CurvePoint,
+    /// RMS error of each tile, in output values.
+    pub(super) tile_errors: Arc<[f32]>,
+}
 
 /// Returns the fraction of a frame's time that is saved by disabling an effect, or `Some(None)` if the effect is not needed. Returns
 /// `None` if cancelled.
@@ -32,14 +40,14 @@ pub(super) fn cost(
     Ok(full.zip(reduced).map(|(full, reduced)| Some((1.0 - reduced.seconds / full.seconds).max(0.0))))
 }
 
-/// Returns the error of a frame at a point of the curve: with the scene's own samples at point 0, then with 1, 2, 4 and so on samples per
+/// Returns the error of a frame and of its tiles at a point of the curve: with the scene's own samples at point 0, then with 1, 2, 4 and so on samples per
 /// pixel. Returns `None` beyond the maximum, or if cancelled.
 pub(super) fn curve_point(
     engine: &mut Engine,
     time: Time,
     index: usize,
     cancelled: &AtomicBool,
-) -> Result<Option<CurvePoint>, EngineError> {
+) -> Result<Option<MeasuredPoint>, EngineError> {
     let base = RenderSettings { view: engine.settings.view, ..RenderSettings::default() };
     let sampling = engine.effective_settings().sampling;
     let own = (!sampling.is_adaptive()).then_some(sampling.samples);
@@ -55,6 +63,8 @@ pub(super) fn curve_point(
         }
     };
     let estimate = estimate(engine, time, settings, cancelled)?;
-    let point = |Estimate { rms, seconds }| CurvePoint { samples, milliseconds: 1e3 * seconds, error: rms };
-    Ok(estimate.map(point))
+    Ok(estimate.map(|Estimate { rms, tiles, seconds }| MeasuredPoint {
+        point: CurvePoint { samples, milliseconds: 1e3 * seconds, error: rms },
+        tile_errors: tiles.into(),
+    }))
 }

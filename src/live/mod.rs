@@ -25,7 +25,7 @@
 //! | `edits`, `camera_view`, `frame_keys` | values, views and keys that are changed on the page, and written into the files |
 //! | `controls` | values of a program that are changed on the page |
 //! | `export` | rendering of films into files |
-//! | `tile_rays` | numbers of rays in the tiles of pictures |
+//! | `tile_stats` | numbers of rays and errors of the tiles of pictures |
 //! | `warnings` | warnings about the scene and its full pictures |
 //! | `publish`, `state` | pictures, the state and events, readable at any time |
 //! | `server`, `page` | the HTTP server for browsers on the same machine, and its page |
@@ -57,7 +57,7 @@ mod scene_files;
 mod server;
 mod session;
 mod state;
-mod tile_rays;
+mod tile_stats;
 mod warnings;
 mod watcher;
 mod worker;

@@ -15,7 +15,7 @@ use crate::color::Transfer;
 use crate::engine::EngineError;
 use crate::output;
 use crate::scene::LoadError;
-use crate::trace::{Film, RayCounts};
+use crate::trace::{Film, TileStats};
 
 /// Number of latest pictures that are kept. A page requests a picture as soon as it is announced, and several may follow before the
 /// request arrives.
@@ -62,8 +62,10 @@ pub struct Picture {
     pub info: PictureInfo,
     /// The picture encoded as a PNG file.
     pub png: Arc<[u8]>,
-    /// The number of rays in each tile; empty for a coarse picture.
-    pub tile_rays: Arc<[RayCounts]>,
+    /// The statistics of each tile; empty for a coarse picture.
+    pub tile_stats: Arc<[TileStats]>,
+    /// The measured RMS error of each tile of the full picture, in output values.
+    pub measured_errors: Option<Arc<[f32]>>,
 }
 
 /// The state and the latest pictures.
@@ -161,6 +163,15 @@ impl Published {
         pictures.latest.iter().chain(&pictures.before).find(|picture| picture.info.id == id).cloned()
     }
 
+    /// Adds the measured errors of tiles to the displayed picture. The caller updates [`State::curve`].
+    pub(super) fn add_measured_errors(&self, errors: Arc<[f32]>) {
+        let id = self.state.borrow().picture.map(|picture| picture.id);
+        let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(picture) = pictures.latest.iter_mut().rfind(|picture| Some(picture.info.id) == id) {
+            picture.measured_errors = Some(errors);
+        }
+    }
+
     /// Adds a picture. The caller updates [`State::picture`].
     fn add(&self, picture: Picture) {
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
@@ -205,7 +216,7 @@ pub(super) struct RenderedPicture {
     /// Times of the phases, except encoding.
     pub(super) times: Times,
     pub(super) rays: u64,
-    pub(super) tile_rays: Arc<[RayCounts]>,
+    pub(super) tile_stats: Arc<[TileStats]>,
     /// Effects of its frame, if known.
     pub(super) plan: Option<Vec<Planned>>,
     /// Warnings about the scene and a full picture.
@@ -228,7 +239,7 @@ impl RenderedPicture {
             kind,
             times,
             rays: state.rays,
-            tile_rays: Arc::default(),
+            tile_stats: Arc::default(),
             plan: None,
             warnings: PictureWarnings::default(),
         }
@@ -310,7 +321,7 @@ impl Publisher {
             height: picture.film.height(),
             times: picture.times,
             rays: picture.rays,
-            tile_rays: Arc::clone(&picture.tile_rays),
+            tile_stats: Arc::clone(&picture.tile_stats),
             plan: picture.plan.clone().unwrap_or_default(),
             warnings: picture.warnings.clone(),
             used: 0,
@@ -319,11 +330,11 @@ impl Publisher {
 
     /// Publishes a picture of the frame of `state` from the cache.
     pub(super) fn publish_cached(&mut self, state: &State, picture: CachedPicture) {
-        let CachedPicture { png, width, height, times, rays, tile_rays, plan, warnings, .. } = picture;
+        let CachedPicture { png, width, height, times, rays, tile_stats, plan, warnings, .. } = picture;
         let kind = PictureKind::finished(self.published.detail());
         let info = self.info(state, (width, height), kind);
         self.latest = Some((info, None));
-        self.published.add(Picture { info, png, tile_rays });
+        self.published.add(Picture { info, png, tile_stats, measured_errors: None });
         let Times { read, build, .. } = state.times;
         self.published.update(|state| {
             state.show(info, Times { read, build, ..times }, rays, kind, &warnings, Some(plan));
@@ -345,12 +356,12 @@ impl Publisher {
         let png: Arc<[u8]> = png.into();
         self.latest_finished =
             self.finished(&picture, Arc::clone(&png)).map(|finished| (state.frame, finished));
-        let RenderedPicture { film, transfer, kind, mut times, rays, tile_rays, plan, warnings } = picture;
+        let RenderedPicture { film, transfer, kind, mut times, rays, tile_stats, plan, warnings } = picture;
         times.encode = Times::milliseconds(start.elapsed());
         let info = self.info(state, (film.width(), film.height()), kind);
         let film = Arc::new(film);
         self.latest = Some((info, Some(Arc::clone(&film))));
-        self.published.add(Picture { info, png, tile_rays });
+        self.published.add(Picture { info, png, tile_stats, measured_errors: None });
         self.published.update(|state| state.show(info, times, rays, kind, &warnings, plan));
         let tried = self.published.shows_tried_values();
         self.emit(Event::Shown(Shown { info, film, transfer, times, rays, warnings, tried }));
@@ -451,7 +462,7 @@ mod tests {
             kind,
             times: Times::default(),
             rays: 0,
-            tile_rays: Arc::default(),
+            tile_stats: Arc::default(),
             plan: None,
             warnings: PictureWarnings::default(),
         };

@@ -467,10 +467,16 @@ impl Renderer {
     /// Measures the error of the frame with the scene's own samples, and then with increasing numbers of samples.
     fn measure_curve(&mut self, frame: u32, index: usize) -> Result<JobOutcome, EngineError> {
         let time = self.engine.timeline.time_of(frame);
-        let point = measure::curve_point(&mut self.engine, time, index, self.commands.interrupt())?;
+        let measured = measure::curve_point(&mut self.engine, time, index, self.commands.interrupt())?;
+        let (point, tile_errors) = measured.map(|measured| (measured.point, measured.tile_errors)).unzip();
         // The next point renders two pictures with twice as many samples.
         let is_last = point.is_none_or(|point| index > 0 && 4.0 * point.milliseconds > LONGEST_POINT);
-        self.publisher.published().update(|state| {
+        let published = self.publisher.published();
+        // The first point is that of the displayed picture.
+        if let Some(errors) = tile_errors.filter(|_| index == 0) {
+            published.add_measured_errors(errors);
+        }
+        published.update(|state| {
             state.curve.extend(point);
             state.rendering = !is_last;
         });
@@ -542,7 +548,7 @@ impl Renderer {
     ) -> RenderedPicture {
         let (report, transfer) = (self.engine.report(), self.engine.effective_settings().film.transfer);
         let (mut times, rays) = (state.times, report.rays.total());
-        let tile_rays = Arc::clone(&report.tile_rays);
+        let tile_stats = Arc::clone(&report.tile_stats);
         times.set_frame(report, traced);
         let is_full = kind == PictureKind::Full;
         let plan = match kind {
@@ -553,7 +559,7 @@ impl Renderer {
             true => PictureWarnings::of(&self.engine, &self.sources, &self.allowed),
             false => PictureWarnings::default(),
         };
-        RenderedPicture { film, transfer, kind, times, rays, tile_rays, plan, warnings }
+        RenderedPicture { film, transfer, kind, times, rays, tile_stats, plan, warnings }
     }
 
     /// Returns the effects of a frame. `is_last` is true if the frame is the last full picture.

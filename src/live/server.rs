@@ -5,7 +5,7 @@
 //! | `GET /state` | the [`State`](super::State), as JSON |
 //! | `GET /events` | the state after each change, as server-sent events |
 //! | `GET /picture/1795/7` | picture 7 of session 1795, as PNG |
-//! | `GET /tiles/1795/7` | the number of rays in each tile of that picture, a [`TileRayCounts`], as JSON |
+//! | `GET /tiles/1795/7` | the number of rays and the error of each tile of that picture, a [`PictureTiles`], as JSON |
 //! | `GET /frame/1795/2/240` | the finished picture of frame 240 of generation 2 of session 1795, as PNG, if it is kept |
 //! | `POST /view` | changes the view according to a [`ViewChange`], as JSON |
 //! | `POST /edit` | changes values of the scene according to a [`SceneEdit`], as JSON; 409 and the reason if that is not possible |
@@ -60,7 +60,7 @@ use super::export::{ExportEnd, ExportRequest, ExportState};
 use super::outline::OutlineRequest;
 use super::path_info::PathRequest;
 use super::session::Handle;
-use super::tile_rays::TileRayCounts;
+use super::tile_stats::PictureTiles;
 use crate::scene::ScenePart;
 
 /// Path, media type and content of each file of the page.
@@ -295,8 +295,8 @@ async fn picture(State(shared): State<ServerState>, Path((session, id)): Path<(u
 
 async fn tiles(State(shared): State<ServerState>, Path((session, id)): Path<(u64, u64)>) -> Response {
     let picture = shared.session.picture(id).filter(|_| shared.session.state().session == session);
-    match picture.as_ref().and_then(TileRayCounts::of) {
-        Some(rays) => json(&rays),
+    match picture.as_ref().and_then(PictureTiles::of) {
+        Some(tiles) => json(&tiles),
         None => (StatusCode::NOT_FOUND, "this picture is coarse or out of date\n").into_response(),
     }
 }

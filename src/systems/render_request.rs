@@ -110,8 +110,8 @@ pub struct RenderRequest<'a, E: Encoding = Linear> {
     /// True if the image gets the number of samples of each pixel: see
     /// [`RenderedImage::sample_counts`](crate::RenderedImage::sample_counts).
     pub sample_counts: bool,
-    /// True if the report gets the number of rays in each tile: see [`FrameReport::tile_rays`](super::FrameReport::tile_rays).
-    pub tile_rays: bool,
+    /// True if the report gets the statistics of each tile: see [`FrameReport::tile_stats`](super::FrameReport::tile_stats).
+    pub tile_stats: bool,
     /// The settings. `None` uses the engine's.
     pub settings: Option<RenderSettings>,
     /// True if the report gets the image's fingerprint, which takes time if there are many shapes.
@@ -151,7 +151,7 @@ impl<E: Encoding> RenderRequest<'_, E> {
             reference: false,
             passes: false,
             sample_counts: false,
-            tile_rays: false,
+            tile_stats: false,
             settings: None,
             fingerprint: true,
             signals: Signals::none(),
@@ -178,7 +178,7 @@ impl<E: Encoding + fmt::Debug> fmt::Debug for RenderRequest<'_, E> {
             .field("reference", &self.reference)
             .field("passes", &self.passes)
             .field("sample_counts", &self.sample_counts)
-            .field("tile_rays", &self.tile_rays)
+            .field("tile_stats", &self.tile_stats)
             .field("settings", &self.settings)
             .finish_non_exhaustive()
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::Plan;
 use crate::time::Time;
-use crate::trace::{Escalations, EstimatedError, FrameFingerprint, RayCounts, TreeEnds};
+use crate::trace::{Escalations, EstimatedError, FrameFingerprint, RayCounts, TileStats, TreeEnds};
 
 /// The cost of a frame by phase, the statistics of its rays, and its plan.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,9 +28,9 @@ pub struct FrameReport {
     pub fingerprint: Option<FrameFingerprint>,
     /// The number of rays.
     pub rays: RayCounts,
-    /// The number of rays in each tile of 16 by 16 pixels, row by row from the top, if it was requested. Tiles at the right and lower borders
+    /// The statistics of each tile of 16 by 16 pixels, row by row from the top, if they were requested. Tiles at the right and lower borders
     /// may be smaller. Empty for the reference path.
-    pub tile_rays: Arc<[RayCounts]>,
+    pub tile_stats: Arc<[TileStats]>,
     /// The estimated error of the image, if it has an error target: see [`Sampling::max_error`](crate::components::Sampling::max_error).
     pub error: Option<EstimatedError>,
     /// The number of rays that surfaces spawned but that were not traced.

@@ -70,7 +70,7 @@ fn trace<E: Encoding>(
         encoding,
         alpha,
         sample_counts,
-        tile_rays,
+        tile_stats,
         fingerprint,
         signals,
         on_pause,
@@ -148,8 +148,8 @@ fn trace<E: Encoding>(
     report.trace = traced;
     visited?;
     let job = job.take_if(|_| is_complete).ok_or(Interrupted::Cancelled)?;
-    if tile_rays {
-        report.tile_rays = job.tile_rays();
+    if tile_stats {
+        report.tile_stats = job.tile_stats();
     }
     let mut image = finish(job, memory, report, reuse);
     report.fingerprint = hashed.map(|hashed| match policy {

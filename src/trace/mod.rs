@@ -114,7 +114,7 @@ pub use render::passes::{Pass, PassPixel, Passes, UnknownPass};
 pub use render::reuse::ReusablePicture;
 pub(crate) use render::reuse::{InstantInputs, TileReuse};
 pub use render::tile_work::Signals;
-pub use render_stats::{RayCounts, TreeEnds};
+pub use render_stats::{RayCounts, TileStats, TreeEnds};
 pub use scene::{
     Attenuation, BackgroundTerms, GradientTerms, PassageTerms, Precision, PreparedCamera, SkyLight,
 };
@@ -126,6 +126,7 @@ pub use shading::{LightTerms, RefractionTerms, SecondaryTerms, Unlit};
 pub use shapes::{Equation, Interval, RodEnds};
 #[cfg(feature = "live")]
 pub(crate) use stages::TILE;
+pub(crate) use stages::Tile;
 
 // The kernel's arrays, for tests and benchmarks; not part of the library's interface.
 #[doc(hidden)]

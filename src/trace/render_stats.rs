@@ -44,6 +44,15 @@ pub struct RayCounts {
     pub refraction: u64,
 }
 
+/// The statistics of a tile of 16 by 16 pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TileStats {
+    /// The rays traced. Each camera ray is a sample of a pixel.
+    pub rays: RayCounts,
+    /// The estimated RMS error of the tile's pixels, in output values, if the picture has an error target.
+    pub error: Option<f32>,
+}
+
 /// The number of rays that surfaces spawned but that were not traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TreeEnds {

@@ -30,7 +30,7 @@ mod scripts;
 mod spent;
 #[path = "../random/splitmix.rs"]
 mod splitmix;
-mod tile_rays;
+mod tile_stats;
 mod visibility;
 mod warnings;
 

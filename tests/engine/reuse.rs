@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use rayreel::color::Transfer;
 use rayreel::scene::{Override, Reader};
 use rayreel::sequence::{FormerFrame, FrameRequest, render_encoded};
-use rayreel::trace::{RayCounts, RenderJob, ReusablePicture, Signals};
+use rayreel::trace::{RayCounts, RenderJob, ReusablePicture, Signals, TileStats};
 use rayreel::{Engine, EngineError, Film, RenderRequest, RenderSettings, Scene};
 
 use crate::reload::model::Model;
@@ -34,7 +34,7 @@ struct Shot {
 }
 
 /// The pixels of a picture, their alpha, and its rays, all and by tile.
-type Pixels = (Film, Option<Film<f32>>, RayCounts, Arc<[RayCounts]>);
+type Pixels = (Film, Option<Film<f32>>, RayCounts, Arc<[TileStats]>);
 
 fn settings(engine: &Engine, size: (u32, u32)) -> RenderSettings {
     RenderSettings { size: Some(size), ..RenderSettings::default() }.or(engine.settings)
@@ -58,14 +58,14 @@ fn reused(
             resume: Some(&mut job),
             reuse: Some(slot),
             fingerprint: false,
-            tile_rays: true,
+            tile_stats: true,
             alpha,
             ..RenderRequest::at(time)
         };
         match engine.render(request) {
             Err(EngineError::Cancelled) => {}
             other => {
-                let (report, tiles) = (engine.report(), Arc::clone(&engine.report().tile_rays));
+                let (report, tiles) = (engine.report(), Arc::clone(&engine.report().tile_stats));
                 return other.map(|image| ((image.film, image.alpha, report.rays, tiles), report.reused));
             }
         }
@@ -78,11 +78,11 @@ fn fresh(engine: &mut Engine, Shot { frame, size, alpha }: Shot) -> Result<Pixel
     let image = engine.render(RenderRequest {
         settings: Some(settings),
         alpha,
-        tile_rays: true,
+        tile_stats: true,
         ..RenderRequest::at(time)
     })?;
     let report = engine.report();
-    Ok((image.film, image.alpha, report.rays, Arc::clone(&report.tile_rays)))
+    Ok((image.film, image.alpha, report.rays, Arc::clone(&report.tile_stats)))
 }
 
 /// Begins a picture and discards it, so that nothing of it may stay.

@@ -1,4 +1,4 @@
-//! Tests of the heat map of the rays.
+//! Tests of the heat map.
 
 use serde_json::json;
 
@@ -38,7 +38,7 @@ fn heat_map_counts_the_rays_of_the_picture() {
             const [x, y, across, down] = heatTile(counts.indexOf(count));
             return [rounded(count), copy.getImageData(x + across - 1, y + down - 1, 1, 1).data.join()];
         });
-    })(heat.camera.map((_, index) => total(heatOf(index))), element('canvas', undefined, { width: 160, height: 90 }).getContext('2d', { willReadFrequently: true }))";
+    })(heat.camera.map((_, index) => total(raysOf(index))), element('canvas', undefined, { width: 160, height: 90 }).getContext('2d', { willReadFrequently: true }))";
     let ends = browser.evaluate(ends);
     assert_eq!((&ends[0][1], &ends[1][1]), (&json!("68,1,84,255"), &json!("253,231,37,255")));
     let scale = "[...document.querySelectorAll('#heat-scale span')].map(mark => mark.textContent)";
@@ -51,7 +51,7 @@ fn heat_map_counts_the_rays_of_the_picture() {
     until(&browser, "view.spot !== null && view.spot[1] === 45");
     let numbers = |index: &str| {
         format!(
-            "at('heat-count').textContent.startsWith(rounded(total(heatOf({index}))) + ' rays per pixel: 1 camera, ')"
+            "at('heat-count').textContent.startsWith(rounded(total(raysOf({index}))) + ' rays per pixel: 1 camera, ')"
         )
     };
     until(&browser, &numbers("Math.floor(view.spot[1] / 16) * 10 + Math.floor(view.spot[0] / 16)"));
@@ -98,7 +98,7 @@ fn heat_map_counts_the_rays_of_the_picture() {
     browser.press(' ');
     until(
         &browser,
-        "playing !== null && at('heat-map').hidden && at('heat-count').textContent === 'Pause to see the rays.'",
+        "playing !== null && at('heat-map').hidden && at('heat-count').textContent === 'Pause to see the numbers.'",
     );
     browser.press(' ');
     until(&browser, "playing === null && !at('heat-map').hidden");
@@ -107,5 +107,69 @@ fn heat_map_counts_the_rays_of_the_picture() {
         &browser,
         "at('heat-map').hidden && at('heat-legend').hidden && !at('film').classList.contains('heat')",
     );
+    assert_eq!(browser.console(), json!([]));
+}
+
+/// The RMS error of the tiles, which is that of the picture.
+const RMS: &str = "Math.sqrt(heat.error.reduce((sum, error, index) => sum + error * error * pixelsOf(index), 0) / (heat.width * heat.height))";
+
+#[test]
+fn heat_map_shows_samples_and_errors() {
+    let scene = |sampling: &str| SCENE.replace("film: (", &format!("sampling: ({sampling}), film: ("));
+    let preview = Preview::of(&scene("samples: 4"));
+    let Some(browser) = open(&preview) else { return };
+    let choose = |kind: &str| {
+        browser.evaluate(&format!(
+            "(at('heat-kind').value = '{kind}', at('heat-kind').onchange({{ target: at('heat-kind') }}), true)"
+        ));
+    };
+    until(&browser, "shown !== null && shown.full");
+    browser.press('h');
+    until(&browser, "heat !== null");
+    choose("samples");
+    until(&browser, "at('heat-count').textContent === '4 samples per pixel on average'");
+    assert_eq!(browser.evaluate("at('heat-scale').textContent"), json!("444"));
+
+    // Without a target, the error is unknown until it is measured.
+    choose("error");
+    until(&browser, "at('heat-map').hidden && !at('heat-measure').hidden");
+    browser.click("#heat-measure");
+    until(
+        &browser,
+        "state.curve.length > 0 && heat?.is_measured && !at('heat-map').hidden && at('heat-measure').hidden",
+    );
+    let apart = browser.evaluate(&format!("Math.abs({RMS} / state.curve[0].error - 1)"));
+    assert!(apart.as_f64().unwrap() < 1e-5, "{apart}");
+    until(
+        &browser,
+        "/^measured error [0-9.]+ of 255 in the whole picture$/.test(at('heat-count').textContent)",
+    );
+    // The edges of the ball have errors, the background has none.
+    assert_eq!(
+        browser.evaluate("[Math.min(...heat.error) === 0, Math.max(...heat.error) > 0]"),
+        json!([true, true])
+    );
+
+    // With a target, it is estimated; edges take more samples. The choice stays.
+    preview.save(&scene("samples: 256, max_error: 0.5"));
+    until(
+        &browser,
+        "shown.full && shown.reloads === 2 && heat?.error && !heat.is_measured && !at('heat-map').hidden",
+    );
+    let rms = browser.evaluate(RMS).as_f64().unwrap();
+    assert!(rms > 0.0 && rms <= 0.5, "{rms}");
+    browser.evaluate("(hovered = [0, 0], describeHeat(), true)");
+    until(
+        &browser,
+        "at('heat-count').textContent === `estimated error ${rounded(heat.error[0])} of 255 in this tile`",
+    );
+    choose("samples");
+    until(&browser, "/^1 sample per pixel/.test(at('heat-count').textContent)");
+    assert_eq!(
+        browser.evaluate("Math.max(...heat.camera) > 2 * Math.min(...heat.camera.slice(0, 10))"),
+        json!(true)
+    );
+    browser.evaluate("(location.reload(), true)");
+    until(&browser, "typeof view === 'object' && heat !== null && at('heat-kind').value === 'samples'");
     assert_eq!(browser.console(), json!([]));
 }

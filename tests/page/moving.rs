@@ -39,7 +39,7 @@ fn select(browser: &Browser, name: &str) {
 }
 
 /// Waits until the place of the selected entity is that in the file and in the full picture.
-fn rested(browser: &Browser, name: &str) {
+pub(crate) fn rested(browser: &Browser, name: &str) {
     until(
         browser,
         &format!(
@@ -50,7 +50,7 @@ fn rested(browser: &Browser, name: &str) {
 }
 
 /// Returns the pixel of the screen at which a handle is taken.
-fn grip_of(browser: &Browser, handle: &str) -> [i32; 2] {
+pub(crate) fn grip_of(browser: &Browser, handle: &str) -> [i32; 2] {
     let place = format!(
         "((touch, box) => {{ const {{ x, y }} = touch.getPointAtLength(touch.getTotalLength()); return [box.left + x, box.top + y].map(Math.round); }})\
          (document.querySelector('.handle.{handle} .touch'), at('film').getBoundingClientRect())"
@@ -102,7 +102,7 @@ fn position(browser: &Browser) -> [f64; 3] {
 }
 
 /// Returns the number in place of one in a text, of which nothing else may differ.
-fn number_in_place_of(old: &str, number: &str, text: &str) -> f64 {
+pub(crate) fn number_in_place_of(old: &str, number: &str, text: &str) -> f64 {
     let (before, after) = old.split_once(number).unwrap();
     let rest = text.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
     rest.unwrap_or_else(|| panic!("{text}")).parse().unwrap()

@@ -14,6 +14,7 @@ use rayreel::trace::EncodedFilm;
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
+use crate::moving::{grip_of, number_in_place_of, rested};
 use crate::{AT_MOST, Preview, open, until};
 
 const SCENE: &str = include_str!("studio.ron");
@@ -143,23 +144,25 @@ fn film_is_made_on_the_page() {
     let file = || fs::read_to_string(preview.folder.path().join("ball.ron")).unwrap();
     let mut person = Person::new(&browser);
     person.until("shown !== null && shown.full");
-    person.look(2.0);
+    person.look(3.0);
 
     // Play, once all frames are finished.
     person.until("state.cached.ranges.length === 1 && state.cached.ranges[0][1] === state.frames - 1");
     browser.press(' ');
     person.until("playing !== null && playing.local && view.frame > 40");
-    person.look(3.0);
+    person.look(6.0);
     browser.press(' ');
     person.until("playing === null && shown.full");
+    person.look(1.0);
 
     // Turn the camera and keep the view.
     let middle = person.middle("#film");
     person.drag(middle, [-140.0, -30.0]);
     person.until("!at('unsaved').hidden && shown.full && trying === null");
-    person.look(1.0);
+    person.look(2.0);
     browser.click("#keep");
     person.until("at('unsaved').hidden && state.edits.undoable === 1 && shown.full");
+    person.look(2.0);
     let turned = file();
     let position = turned.split("position: (").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
     let placed = SCENE.replace("position: (0, 2.2, -7)", &format!("position: ({position})"));
@@ -174,12 +177,13 @@ fn film_is_made_on_the_page() {
         "[...document.querySelectorAll('#values section > .value span')].map(name => name.innerText)",
     );
     assert_eq!(names, json!(["radius", "k_a", "k_d", "color", "k_s", "shininess"]));
-    person.look(1.0);
-    person.set("shape.radius", &["0.9", "0.8", "0.7", "0.75"]);
-    person.set("color", &["#d03060", "#9040a0", "#3060d0"]);
+    person.look(2.0);
+    person.set("shape.radius", &["0.95", "0.9", "0.85", "0.8", "0.75", "0.7", "0.65", "0.7", "0.75"]);
+    person.look(1.5);
+    person.set("color", &["#d03060", "#b03880", "#9040a0", "#6050b8", "#3060d0"]);
     let painted = placed.replace("radius: 1)", "radius: 0.75)").replace("(230, 90, 40)", "(48, 96, 208)");
     assert_eq!(file(), painted);
-    person.look(1.0);
+    person.look(2.0);
 
     // Drag the last key of the ball to two seconds.
     let keys = browser.evaluate("document.querySelectorAll('.key').length").as_u64().unwrap();
@@ -191,7 +195,45 @@ fn film_is_made_on_the_page() {
     person.until("state.edits.undoable === 4 && trying === null && moving === null");
     let moved = painted.replace("(2.5, (0, 1, 0))", "(2, (0, 1, 0))");
     assert_eq!(file(), moved);
-    person.look(1.0);
+    person.look(2.0);
+
+    // Play it as it is now, and go back to where the ball was.
+    browser.press(' ');
+    person.until("playing !== null");
+    person.look(3.0);
+    browser.press(' ');
+    person.until("playing === null && shown.full");
+    browser.evaluate("(seek(24), true)");
+    person.until("shown.full && shown.frame === 24");
+
+    // Pull the crate by its arrow, look at where the samples and the rays go, and at the way of the camera.
+    browser.evaluate("(select({ entity: 'crate' }), true)");
+    rested(&browser, "crate");
+    person.look(1.5);
+    let arrow = grip_of(&browser, "x").map(f64::from);
+    person.drag(arrow, [70.0, 0.0]);
+    person.until("state.edits.undoable === 5 && state.edits.tried.length === 0");
+    rested(&browser, "crate");
+    let pulled = file();
+    let right = number_in_place_of(&moved, "2.3", &pulled);
+    assert!(right > 2.4, "{pulled}");
+    person.look(2.0);
+    for kind in ["rays", "error"] {
+        browser.evaluate(&format!(
+            "(view.heat || setHeat(), at('heat-kind').value = '{kind}', at('heat-kind').onchange({{ target: at('heat-kind') }}), true)"
+        ));
+        if kind == "error" {
+            browser.click("#heat-measure");
+        }
+        person.until("heat !== null && !at('heat-map').hidden && !state.rendering");
+        person.look(3.0);
+    }
+    browser.press('h');
+    browser.press('c');
+    person.until("!at('path-view').hasAttribute('hidden')");
+    person.look(2.5);
+    browser.press('c');
+    let moved = pulled;
 
     // Render a part of it into a movie.
     browser.evaluate("(setRange('first', 30), setRange('last', 53), true)");
@@ -199,10 +241,10 @@ fn film_is_made_on_the_page() {
     person.until("at('export-dialog').open");
     let movie = preview.folder.path().join("ball.gif");
     browser.evaluate(&format!("(at('export-target').value = {:?}, true)", movie.display().to_string()));
-    person.look(1.5);
+    person.look(2.5);
     browser.click("#export-start");
     person.until("state.export?.end === 'complete'");
-    person.look(2.0);
+    person.look(3.0);
     assert!(movie.is_file() && file() == moved);
     assert_eq!(browser.console(), json!([]));
     person.finish();

@@ -1,7 +1,6 @@
 //! Tests of pictures in a session of which parts are taken from the picture before an edit.
 
 use rayreel::live::Shown;
-use rayreel::trace::RayCounts;
 
 use crate::session::{Stage, scene};
 
@@ -44,7 +43,7 @@ fn edits_trace_what_they_can_reach() {
         let shown = full(&stage, reloads);
         assert!((least..=most).contains(&shown.times.reused), "{reloads}: {}", shown.times.reused);
         let picture = stage.session().handle().picture(shown.info.id).unwrap();
-        let of_tiles: Vec<u64> = picture.tile_rays.iter().map(RayCounts::total).collect();
+        let of_tiles: Vec<u64> = picture.tile_stats.iter().map(|tile| tile.rays.total()).collect();
         assert_eq!((of_tiles.len(), of_tiles.iter().sum()), (20 * 12, shown.rays));
         assert!(shown.rays > 64 * 320 * 180, "the rays of the whole picture: {}", shown.rays);
     }

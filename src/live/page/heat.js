@@ -1,12 +1,34 @@
 "use strict";
-// The heat map: the number of rays per pixel, tile by tile, over the picture.
+// The heat map: rays, samples or the error of the picture, tile by tile, over it.
 
-// Viridis, from few rays to many. It gets lighter all the way, also for colour-blind readers.
+// Viridis, from little to much. It gets lighter all the way, also for colour-blind readers.
 const HEAT = ["440154", "472d7b", "3b528b", "2c728e", "21918c", "28ae80", "5ec962", "addc30", "fde725"].map(color => color.match(/../g).map(byte => parseInt(byte, 16)));
 const RAY_KINDS = ["camera", "shadow", "reflection", "refraction"];
 
+// The quantities: their name, their value in a tile or in the whole picture (null), and its description.
+const HEAT_KINDS = {
+  rays: {
+    name: "Rays per pixel",
+    of: index => total(raysOf(index)),
+    describe: index => {
+      const rays = raysOf(index), parts = rays.map((count, kind) => count > 0 && `${rounded(count)} ${RAY_KINDS[kind]}`).filter(Boolean);
+      return `${counted(total(rays), "ray")} per pixel${average(index)}: ${parts.join(", ")}`;
+    },
+  },
+  samples: {
+    name: "Samples per pixel",
+    of: index => raysOf(index)[0],
+    describe: index => `${counted(raysOf(index)[0], "sample")} per pixel${average(index)}`,
+  },
+  error: {
+    name: "RMS error",
+    of: index => index === null ? rootMeanSquare() : heat.error[index],
+    describe: index => `${heat.is_measured ? "measured" : "estimated"} error ${rounded(HEAT_KINDS.error.of(index))} of 255${index === null ? " in the whole picture" : " in this tile"}`,
+  },
+};
+
 let heated = null;  // the address of the numbers that are shown or being fetched
-let heat = null;    // { tile, columns, camera, shadow, reflection, refraction } and { width, height, film } of the picture; null if there are none
+let heat = null;    // { tile, columns, camera, shadow, reflection, refraction, error, is_measured } and { width, height, film } of the picture; null if there are none
 
 function setHeat() {
   view.heat = !view.heat;
@@ -15,19 +37,21 @@ function setHeat() {
 }
 
 async function showHeat() {
-  // What covers the picture has no rays.
+  // What covers the picture has no numbers.
   const isCovered = reference() !== null && (view.swap || view.gain !== null);
   at("heat-legend").hidden = !view.heat || !shown || isCovered;
+  at("heat-kind").value = view.heatKind;
   describeHeat();
   // After local playback, the session's picture of the frame has the numbers.
   if (view.heat && !playing && shown?.isOther && shown.frame === state.picture?.frame) fetchPicture();
-  const of = view.heat && !playing && shown && !shown.coarse && !shown.isOther ? `tiles/${state.session}/${shown.id}` : null;
+  const isMeasured = state.curve.length > 0 ? "?measured" : "";
+  const of = view.heat && !playing && shown && !shown.coarse && !shown.isOther ? `tiles/${state.session}/${shown.id}${isMeasured}` : null;
   if (of === heated) return;
   heated = of;
   const { width, height, film } = shown ?? {}, answer = of && await fetch(of).catch(() => null);
-  const rays = answer?.ok ? await answer.json() : null;
+  const tiles = answer?.ok ? await answer.json() : null;
   if (of !== heated) return;
-  heat = rays && { ...rays, width, height, film };
+  heat = tiles && { ...tiles, width, height, film };
   drawHeat();
 }
 
@@ -39,14 +63,25 @@ function heatTile(index) {
 
 const total = counts => counts.reduce((sum, count) => sum + count, 0);
 
-// The rays per pixel, by kind, in a tile or in the whole picture.
-function heatOf(index) {
-  if (index === null) return RAY_KINDS.map(kind => total(heat[kind]) / (heat.width * heat.height));
+function pixelsOf(index) {
   const [, , across, down] = heatTile(index);
-  return RAY_KINDS.map(kind => heat[kind][index] / (across * down));
+  return across * down;
 }
 
+// The rays per pixel, by kind, in a tile or in the whole picture.
+function raysOf(index) {
+  if (index === null) return RAY_KINDS.map(kind => total(heat[kind]) / (heat.width * heat.height));
+  return RAY_KINDS.map(kind => heat[kind][index] / pixelsOf(index));
+}
+
+const rootMeanSquare = () => Math.sqrt(total(heat.error.map((error, index) => error * error * pixelsOf(index))) / (heat.width * heat.height));
+
 const rounded = count => String(count < 9.95 ? Number(count.toPrecision(2)) : Math.round(count));
+const counted = (count, name) => `${rounded(count)} ${rounded(count) === "1" ? name : `${name}s`}`;
+const average = index => index === null ? " on average" : "";
+
+// Whether the picture has numbers of the quantity.
+const hasHeat = () => heat !== null && (view.heatKind !== "error" || heat.error !== null);
 
 // Equal steps of colour are equal ratios.
 function heatColor(share) {
@@ -55,34 +90,42 @@ function heatColor(share) {
 }
 
 function drawHeat() {
-  at("film").classList.toggle("heat", heat !== null);
-  at("heat-map").hidden = heat === null;
-  at("heat-scale").hidden = heat === null;
+  const has = hasHeat(), { name, of } = HEAT_KINDS[view.heatKind];
+  at("film").classList.toggle("heat", has);
+  at("heat-map").hidden = !has;
+  at("heat-scale").hidden = !has;
   describeHeat();
-  if (!heat) return;
+  if (!has) return;
   const map = Object.assign(at("heat-map"), { width: heat.width, height: heat.height }), context = map.getContext("2d");
-  const counts = heat.camera.map((_, index) => total(heatOf(index))), low = Math.min(...counts), high = Math.max(...counts);
-  counts.forEach((count, index) => {
-    context.fillStyle = heatColor(high > low ? Math.log(count / low) / Math.log(high / low) : 0);
+  // A flat tile has no error at all: values below a thousandth of the largest share the first colour.
+  const values = heat.camera.map((_, index) => of(index)), high = Math.max(...values), low = Math.max(Math.min(...values), high / 1000);
+  values.forEach((value, index) => {
+    context.fillStyle = heatColor(high > low ? Math.max(0, Math.log(value / low) / Math.log(high / low)) : 0);
     context.fillRect(...heatTile(index));
   });
-  map.setAttribute("aria-label", `Rays per pixel, from ${rounded(low)} to ${rounded(high)}`);
+  map.setAttribute("aria-label", `${name}, from ${rounded(low)} to ${rounded(high)}`);
   at("heat-scale").firstElementChild.style.background = `linear-gradient(to right, ${HEAT.map(color => `rgb(${color})`)})`;
-  [low, Math.sqrt(low * high), high].forEach((count, index) => { at("heat-scale").children[index + 1].textContent = rounded(count); });
+  [low, Math.sqrt(low * high), high].forEach((value, index) => { at("heat-scale").children[index + 1].textContent = rounded(value); });
 }
 
 // Describes the tile under the pointer, that of the marked pixel, or the whole picture.
 function describeHeat() {
   if (!view.heat) return;
   const isRead = shown?.full && state.rays === 0;
-  if (!heat) { write(at("heat-count"), playing ? "Pause to see the rays." : isRead ? "This picture is from a file: R renders it, with its rays." : "The rays come with the finished picture."); return; }
+  at("heat-measure").hidden = heat === null || hasHeat() || !shown?.full;
+  if (!heat) { write(at("heat-count"), playing ? "Pause to see the numbers." : isRead ? "This picture is from a file: R renders it, with its numbers." : "The numbers come with the finished picture."); return; }
+  if (!hasHeat()) { write(at("heat-count"), shown?.full ? "Known with an error target, or measured with other samples:" : "Known for pictures in full quality."); return; }
   const spot = hovered ?? view.spot, pixel = spot?.every((place, axis) => place < heat.film[axis]) ? spot : null;
   const [column, row] = [heat.width, heat.height].map((count, axis) => pixel && Math.floor((pixel[axis] + 0.5) / heat.film[axis] * count / heat.tile));
-  const kinds = heatOf(pixel ? row * heat.columns + column : null);
-  const parts = kinds.map((count, kind) => count > 0 && `${rounded(count)} ${RAY_KINDS[kind]}`).filter(Boolean);
-  const count = rounded(total(kinds));
-  write(at("heat-count"), `${count} ${count === "1" ? "ray" : "rays"} per pixel${pixel ? "" : " on average"}: ${parts.join(", ")}`);
+  write(at("heat-count"), HEAT_KINDS[view.heatKind].describe(pixel ? row * heat.columns + column : null));
 }
 
+at("heat-kind").append(...Object.entries(HEAT_KINDS).map(([value, { name }]) => element("option", name, { value })));
+at("heat-kind").onchange = event => {
+  view.heatKind = event.target.value;
+  keep();
+  drawHeat();
+};
 at("heat").onclick = setHeat;
+at("heat-measure").onclick = () => measure();
 for (const kind of ["pointermove", "pointerleave"]) at("film").addEventListener(kind, describeHeat);

@@ -69,7 +69,11 @@ const keys = {
   w: setWipe, b: setSwap, d: setDifference, p: pin, h: setHeat, c: setPath, z: () => holdLoupe(true), ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("export-open").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
 };
 const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+// The focus that a pointer leaves on a button is not for the space bar, which plays.
+let isTabbed = false;
+addEventListener("pointerdown", () => { isTabbed = false; }, true);
 document.onkeydown = event => {
+  if (event.key === "Tab") isTabbed = true;
   if (!state || document.querySelector("dialog[open]")) return;
   if (event.target.tagName !== "INPUT" && flyKey(event)) { event.preventDefault(); return; }
   const letter = event.ctrlKey || event.metaKey ? event.key.toLowerCase() : null, changes = letter === "z" ? event.shiftKey ? redo : undo : letter === "y" ? redo : null;
@@ -85,7 +89,7 @@ document.onkeydown = event => {
   const digit = /^(Numpad|Digit)([1379])$/.exec(event.code);
   if (digit && (digit[1] === "Digit" ? event.shiftKey && !/\d/.test(key) : key === digit[2])) { lookFrom(sides[digit[2]]); event.preventDefault(); return; }
   // Lists, buttons and text fields handle their own keys.
-  if (tag === "SELECT" || (tag === "INPUT" && event.target.id !== "scrubber") || (key === " " && ["BUTTON", "SUMMARY"].includes(tag)) || (tag === "PRE" && key.length > 1)) return;
+  if (tag === "SELECT" || (tag === "INPUT" && event.target.id !== "scrubber") || (key === " " && isTabbed && ["BUTTON", "SUMMARY"].includes(tag)) || (tag === "PRE" && key.length > 1)) return;
   if (!keys[key]) return;
   keys[key](event);
   event.preventDefault();

@@ -17,7 +17,7 @@ function drawing(name, attributes, text) {
 }
 
 // The view: it survives reloads of the scene, of the page, and of the server.
-const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, selected: null, outline: null, wipe: null, panels: {}, swap: false, gain: null, heat: false, path: false, scene: null };
+const view = { zoom: 0, loop: true, speed: 1, detail: null, frame: null, range: null, lanes: null, spot: null, selected: null, outline: null, wipe: null, panels: {}, swap: false, gain: null, heat: false, heatKind: "rays", path: false, scene: null };
 const storage = "rayreel" + location.host;
 try { Object.assign(view, JSON.parse(sessionStorage.getItem(storage))); } catch { /* keep the defaults */ }
 const keep = () => { try { sessionStorage.setItem(storage, JSON.stringify(view)); } catch { /* not kept */ } };

@@ -142,6 +142,6 @@ function drawPlan() {
   at("omitted").replaceChildren(...others.map(row));
   at("omitted").parentElement.hidden = others.length === 0;
   at("omitted-count").textContent = others.length === 1 ? "1 other is omitted" : `${others.length} others are omitted`;
-  at("measure").disabled = state.rendering || needed.length === 0;
+  at("measure").disabled = state.rendering || state.plan.length === 0;
 }
 

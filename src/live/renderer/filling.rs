@@ -126,9 +126,9 @@ impl Renderer {
         let mut times = state.times;
         times.set_frame(self.engine.report(), Duration::ZERO);
         let warnings = PictureWarnings::of(&self.engine, &self.sources, &self.allowed);
-        let tile_rays = Arc::default();
+        let tile_stats = Arc::default();
         let picture =
-            CachedPicture { png, width, height, times, rays: 0, tile_rays, plan, warnings, used: 0 };
+            CachedPicture { png, width, height, times, rays: 0, tile_stats, plan, warnings, used: 0 };
         self.publisher.published().cache().add(frame, picture.clone(), state.frame);
         Some(picture)
     }

@@ -21,7 +21,7 @@ use crate::trace::render::image::RenderedImage;
 use crate::trace::render::reuse::{ReusablePicture, TileReuse};
 use crate::trace::render::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
 use crate::trace::render::visibility::{self, FeatureScratch};
-use crate::trace::render_stats::{RayCounts, RenderStats};
+use crate::trace::render_stats::{RenderStats, TileStats};
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::shading::RenderContext;
 use crate::trace::stages::{PACKETS, Slots, TILE, Tile, TileLanes};
@@ -398,9 +398,14 @@ impl<E: Encoding> RenderJob<E> {
         f64::from(pixels) / (f64::from(self.width) * f64::from(self.height))
     }
 
-    /// Returns the rays so far of each tile, in the order of [`Tile::all`].
-    pub(crate) fn tile_rays(&self) -> Arc<[RayCounts]> {
-        self.tiles.iter().map(|progress| progress.rays).collect()
+    /// Returns the statistics so far of each tile, in the order of [`Tile::all`].
+    pub(crate) fn tile_stats(&self) -> Arc<[TileStats]> {
+        let error = |index| self.adaptive.as_ref().and_then(|adaptive| adaptive.tile_error(index));
+        let stats = |(index, progress): (usize, &TileProgress)| TileStats {
+            rays: progress.rays,
+            error: error(index),
+        };
+        self.tiles.iter().enumerate().map(stats).collect()
     }
 
     fn copy_reused_tiles(&self, film: &mut Film<E::Pixel>, mut alpha: Option<&mut Film<f32>>) {

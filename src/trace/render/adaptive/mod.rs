@@ -231,6 +231,18 @@ impl Adaptive {
         self.error.map(|error| EstimatedError { hidden: self.hidden_square().sqrt(), ..error })
     }
 
+    /// Returns the estimated RMS error of a tile by its index; `None` before the first estimate.
+    pub(crate) fn tile_error(&self, index: usize) -> Option<f32> {
+        self.error?;
+        let packets = &self.packets[index * PACKETS..][..PACKETS];
+        let (mut squares, mut pixels) = (0.0, 0);
+        for packet in packets {
+            squares += packet.sum_of_squares(packet.inside());
+            pixels += packet.inside().count_ones();
+        }
+        Some(single((squares / f64::from(pixels)).sqrt()))
+    }
+
     /// Returns the minimum gains chosen by the policy, one per round.
     pub(crate) fn rounds(&self) -> &[u32] {
         &self.rounds
