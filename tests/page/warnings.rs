@@ -73,3 +73,24 @@ fn allowed_warnings_are_not_shown() {
     until(&browser, "shown !== null && shown.full");
     assert_eq!(browser.evaluate("at('warnings').hidden && at('warned').hidden"), json!(true));
 }
+
+/// Checks that the picture stays where it is, whatever the header tells, at widths from that of a tablet to that of a desktop.
+#[test]
+fn texts_of_the_header_do_not_move_the_picture() {
+    let preview = Preview::new();
+    let Some(browser) = open(&preview) else { return };
+    until(&browser, "shown !== null && shown.full && at('unsaved').hidden");
+    let tops = "[700, 761, 800, 900, 1000, 1100, 1280].map(width => {
+        document.body.style.width = `${width}px`;
+        const tops = ['', 'm', 'a text of some length', 'a text that is as long as the names of files may be '.repeat(4)].flatMap(text => {
+            for (const id of ['status', 'written']) at(id).textContent = text;
+            at('percent').textContent = text && '99 %';
+            return [true, false].map(isHidden => {
+                at('warned').hidden = isHidden;
+                return at('view').getBoundingClientRect().top;
+            });
+        });
+        return new Set(tops).size;
+    })";
+    assert_eq!(browser.evaluate(tops), json!([1, 1, 1, 1, 1, 1, 1]));
+}

@@ -105,7 +105,9 @@ function drawHeat() {
   });
   map.setAttribute("aria-label", `${name}, from ${rounded(low)} to ${rounded(high)}`);
   at("heat-scale").firstElementChild.style.background = `linear-gradient(to right, ${HEAT.map(color => `rgb(${color})`)})`;
-  [low, Math.sqrt(low * high), high].forEach((value, index) => { at("heat-scale").children[index + 1].textContent = rounded(value); });
+  // Equal values have one mark.
+  const marks = high > low ? [low, Math.sqrt(low * high), high].map(rounded) : ["", rounded(high), ""];
+  marks.forEach((mark, index) => { at("heat-scale").children[index + 1].textContent = mark; });
 }
 
 // Describes the tile under the pointer, that of the marked pixel, or the whole picture.
