@@ -19,6 +19,7 @@ use rayreel::sequence::FrameRequest;
 use rayreel::trace::EstimatedError;
 
 use super::args::RenderArguments;
+use super::compare::number;
 use super::deadline::Paced;
 use super::exit::Failure;
 use super::settings::OutputSettings;
@@ -295,9 +296,9 @@ impl SettingsRecorder {
             Some((moment.clone(), *error, others))
         };
         let limited = worst(&self.worse).map(|(moment, error, others)| {
-            format!(
-                "{moment} is off by about {error:.2} with the largest number of samples per pixel{others}"
-            )
+            // With enough digits to differ from the target.
+            let error = number(error);
+            format!("{moment} is off by about {error} with the largest number of samples per pixel{others}")
         });
         let hidden = worst(&self.hidden).map(|(moment, error, others)| {
             format!(

@@ -170,7 +170,7 @@ impl Comparison {
 }
 
 /// Formats a number with about four significant digits.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     match value {
         0.0 => "0".to_owned(),
         small if small.abs() < 1e-3 => format!("{small:.3e}"),

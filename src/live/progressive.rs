@@ -154,7 +154,7 @@ impl RequestedPicture {
     pub(super) fn rays_so_far(self, job: &RenderJob) -> u64 {
         const TILE: u64 = 256;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-        let rays = (job.share() * self.rays()) as u64;
+        let rays = (job.progress().samples * pixels(self.film, self.divisor) as f64) as u64;
         rays.max(TILE)
     }
 }
@@ -331,10 +331,9 @@ pub(super) fn with_deadline<T>(
     (result, late.into_inner())
 }
 
-/// Returns the finished fraction of an unfinished picture, at most 0.99. With adaptive sampling, the remaining work is unknown until the
-/// picture is finished.
+/// Returns the finished fraction of an unfinished picture, at most 0.99; 0 if it is unknown.
 pub(super) fn share_of_unfinished(job: &RenderJob) -> f64 {
-    job.share().min(0.99)
+    job.progress().share.unwrap_or(0.0).min(0.99)
 }
 
 /// Returns whether the time of a picture predicts that of others, given the fraction of it that is reused. The tiles that an edit reaches

@@ -595,9 +595,7 @@ fn slow_frames_report_their_progress() {
 
     let folder = tempfile::tempdir().unwrap();
     write_film(folder.path(), 1.0, |film| film);
-    for (more, expected) in
-        [(&["--samples=65536"][..], true), (&["--samples=65536", "--set=sampling.max_error=0.001"], false)]
-    {
+    for more in [&["--samples=65536"][..], &["--samples=65536", "--set=sampling.max_error=0.001"]] {
         let mut child = command(RAYREEL, folder.path());
         child.args(["render", "film.ron", "--frames=1", "--size=1280x720", "--progress=json"]).args(more);
         let mut child = child.spawn().unwrap();
@@ -611,11 +609,10 @@ fn slow_frames_report_their_progress() {
         for event in &events {
             assert_eq!((&event["event"], &event["frame"]), (&"rendering".into(), &1.into()), "{event}");
             assert!(event["samples_per_pixel"].as_f64().unwrap() > 0.0, "{event}");
-            assert_eq!(
-                event["share"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0),
-                expected,
-                "{event}"
-            );
+        }
+        // With an error target, the first round may last longer than the first second.
+        for event in &events[more.len() - 1..] {
+            assert!(event["share"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0), "{event}");
         }
         assert!(
             events[0]["samples_per_pixel"].as_f64() <= events[1]["samples_per_pixel"].as_f64(),

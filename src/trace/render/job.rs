@@ -44,6 +44,8 @@ pub struct RenderJob<E: Encoding = Linear> {
     overlay: Option<Arc<FilmOverlay>>,
     pixels: Pixels<E::Pixel>,
     stats: RenderStats,
+    /// With adaptive sampling: the estimated number of all samples, after the first round.
+    expected_samples: Option<f64>,
     /// The reuse of tiles, if this picture is recorded for it.
     reuse: Option<TileReuse<E>>,
 }
@@ -63,7 +65,8 @@ pub(crate) struct FinishedJob<E: Encoding> {
 pub struct RenderProgress {
     /// Mean sample count per pixel so far, without the samples of reused tiles.
     pub samples: f64,
-    /// Fraction of all samples, from 0 to 1; `None` with adaptive sampling, where the total count is unknown.
+    /// Fraction of all samples, from 0 to 1. With adaptive sampling it is an estimate, which may decrease, for the RMS norm after the first
+    /// round; otherwise `None`.
     pub share: Option<f64>,
 }
 
@@ -233,6 +236,7 @@ impl<E: Encoding> RenderJob<E> {
             overlay,
             pixels,
             stats,
+            expected_samples: None,
             reuse: None,
         }
     }
@@ -364,7 +368,10 @@ impl<E: Encoding> RenderJob<E> {
         };
         self.done.clear();
         self.tiles.iter_mut().for_each(|progress| progress.batches = 0);
-        adaptive.judge(sums, policy)
+        let goes_on = adaptive.judge(sums, policy);
+        let so_far = self.stats.rays.camera as f64;
+        self.expected_samples = adaptive.expected_samples().map(|samples| so_far + samples);
+        goes_on
     }
 
     /// Returns the estimate of the picture's error, if there is an error target.
@@ -382,7 +389,9 @@ impl<E: Encoding> RenderJob<E> {
     pub fn progress(&self) -> RenderProgress {
         let pixels = f64::from(self.width) * f64::from(self.height);
         if self.adaptive.is_some() {
-            return RenderProgress { samples: self.stats.rays.camera as f64 / pixels, share: None };
+            let samples = self.stats.rays.camera as f64;
+            let share = self.expected_samples.map(|all| (samples / all).min(1.0));
+            return RenderProgress { samples: samples / pixels, share };
         }
         let area = |tile: Tile| f64::from(tile.width * tile.height);
         let traced = || self.tiles.iter().filter(|progress| !progress.is_reused);
@@ -412,13 +421,6 @@ impl<E: Encoding> RenderJob<E> {
         let Some(reuse) = &self.reuse else { return };
         let reused = self.tiles.iter().filter(|progress| progress.is_reused);
         reused.for_each(|progress| reuse.copy_tile(film, alpha.as_deref_mut(), &progress.tile));
-    }
-
-    /// Returns the fraction of all samples that are added, from 0 to 1; with adaptive sampling, the mean sample count per pixel.
-    #[cfg(feature = "live")]
-    pub(crate) fn share(&self) -> f64 {
-        let RenderProgress { samples, share } = self.progress();
-        share.unwrap_or(samples)
     }
 
     /// Returns the picture and its render statistics.

@@ -173,6 +173,8 @@ pub(crate) struct Adaptive {
     /// Correction of the estimates of each class.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
+    /// Estimated number of samples in this round and later ones, for the RMS norm.
+    expected_samples: Option<f64>,
     /// Sums of squared errors from missed images, in quarter-octave bins of the image area.
     images: Option<BTreeMap<i32, f64>>,
     /// Minimum gains chosen by the policy, one per round.
@@ -216,6 +218,7 @@ impl Adaptive {
             first_samples: order.first_samples(),
             scales: falls.map(Scale::new),
             error: None,
+            expected_samples: None,
             images: None,
             rounds: Vec::new(),
         }
@@ -241,6 +244,11 @@ impl Adaptive {
             pixels += packet.inside().count_ones();
         }
         Some(single((squares / f64::from(pixels)).sqrt()))
+    }
+
+    /// Returns the estimated number of samples in this round and later ones; `None` in the first round, or if it cannot be estimated.
+    pub(crate) fn expected_samples(&self) -> Option<f64> {
+        self.expected_samples
     }
 
     /// Returns the minimum gains chosen by the policy, one per round.
@@ -478,7 +486,11 @@ impl Adaptive {
         let (falls, pixels) = (self.scales[Class::Edge as usize].falls, self.pixels);
         let Some(policy) = policy else {
             return Some(match beyond(self.target.norm) {
-                None => gains.least_for(aim * aim * pixels, falls).0,
+                None => {
+                    let (least, samples) = gains.least_for(aim * aim * pixels, falls);
+                    self.expected_samples = Some(samples);
+                    least
+                }
                 Some(beyond) => gains.least_to_exceed(aim, beyond(pixels)),
             });
         };
