@@ -94,7 +94,7 @@
 //!
 //! - `script`: scripts in scenes. Without it, each script of a scene is an error at its position.
 //! - `image`: GIF and Radiance HDR files, and [`Film::to_image`]. Without it, writing and reading these files is an error.
-//! - `exr`: OpenEXR files. Without it, writing and reading them is an error. Includes `image`.
+//! - `exr`: OpenEXR files. Without it, writing and reading them is an error.
 //! - `trajectories`: compressed data files of particles. Without it, reading these files is an error.
 //! - `live`: the module `live`, the preview with its file watching, server and page.
 //! - `cli`: the command `rayreel`; includes the other features.

@@ -67,7 +67,8 @@ pub(super) fn pair(
     ];
     let transfer = engine.effective_settings().film.transfer;
     let rms = FilmError::between(&one, &other, transfer).rms / SQRT_2;
-    let tiles = tile_squares(&one, &other, transfer).map(|square| root(square / 2.0)).collect();
+    let squares = tile_squares(&one, &other, transfer);
+    let tiles = squares.into_iter().map(|square| root(square / 2.0)).collect();
     let estimate = Estimate { rms, tiles, seconds: f64::midpoint(first, second) };
     Ok(Pair { films: [one, other], estimate })
 }
@@ -87,8 +88,9 @@ fn single(
         cancelled,
     )?;
     let transfer = engine.effective_settings().film.transfer;
-    let squares = tile_squares(&film, &four.films[0], transfer).zip(&four.estimate.tiles);
-    let tiles = squares.map(|(square, error)| root(square - f64::from(error * error))).collect();
+    let squares = tile_squares(&film, &four.films[0], transfer);
+    let tiles = squares.into_iter().zip(&four.estimate.tiles);
+    let tiles = tiles.map(|(square, error)| root(square - f64::from(error * error))).collect();
     Ok(Estimate { rms: four.error_of(&film, engine), tiles, seconds })
 }
 

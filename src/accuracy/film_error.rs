@@ -111,16 +111,18 @@ impl FilmError {
 /// # Panics
 ///
 /// If the films have different sizes.
-pub(super) fn tile_squares(film: &Film, reference: &Film, transfer: Transfer) -> impl Iterator<Item = f64> {
+pub(super) fn tile_squares(film: &Film, reference: &Film, transfer: Transfer) -> Vec<f64> {
     require_same_size(film, reference);
-    let values = move |film: &Film, i, j| transfer.encode_unrounded(film.pixel(i, j));
-    let square = move |i, j| {
+    let values = |film: &Film, i, j| transfer.encode_unrounded(film.pixel(i, j));
+    let square = |i, j| {
         apart(&values(film, i, j), &values(reference, i, j)).iter().map(|apart| apart * apart).sum::<f64>()
     };
-    Tile::all((film.width(), film.height())).map(move |Tile { i, j, width, height }| {
+    let mean = |Tile { i, j, width, height }| {
         let rows = (j..j + height).map(|j| (i..i + width).map(|i| square(i, j)).sum::<f64>());
         rows.sum::<f64>() / (3.0 * f64::from(width * height))
-    })
+    };
+    let tiles: Vec<Tile> = Tile::all((film.width(), film.height())).collect();
+    tiles.into_par_iter().map(mean).collect()
 }
 
 #[cfg(test)]
@@ -166,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn squares_of_tiles_sum_to_those_of_the_picture() {
+    fn squared_errors_of_tiles_add_up_to_that_of_the_picture() {
         // Twelve tiles; those at the right are 12 pixels wide, those at the bottom 9 high.
         let ramp = |step: f32| {
             let light =
@@ -174,7 +176,7 @@ mod tests {
             Film::from_pixels(60, 41, light.map(Rgb::splat))
         };
         let (one, other) = (ramp(0.0), ramp(0.01));
-        let squares: Vec<f64> = tile_squares(&one, &other, Transfer::Srgb).collect();
+        let squares = tile_squares(&one, &other, Transfer::Srgb);
         let pixels = |index: usize| f64::from([16, 16, 16, 12][index % 4] * [16, 16, 9][index / 4]);
         let sum: f64 = squares.iter().enumerate().map(|(index, square)| square * pixels(index)).sum();
         let rms = FilmError::between(&one, &other, Transfer::Srgb).rms;
@@ -183,7 +185,7 @@ mod tests {
         // Only the last tile differs in the last pixel.
         let mut last = one.clone();
         last.store(59, 40, std::iter::once(Rgb::ZERO));
-        let squares: Vec<f64> = tile_squares(&one, &last, Transfer::Srgb).collect();
+        let squares = tile_squares(&one, &last, Transfer::Srgb);
         assert!(squares[..11].iter().all(|square| *square == 0.0) && squares[11] > 0.0, "{squares:?}");
     }
 

@@ -296,14 +296,15 @@ impl SettingsRecorder {
             Some((moment.clone(), *error, others))
         };
         let limited = worst(&self.worse).map(|(moment, error, others)| {
-            // With enough digits to differ from the target.
+            // With more digits than targets usually have.
             let error = number(error);
             format!("{moment} is off by about {error} with the largest number of samples per pixel{others}")
         });
         let hidden = worst(&self.hidden).map(|(moment, error, others)| {
             format!(
-                "{moment} may be off by up to {error:.2} more, by small bright objects in mirrors or glass that no sample hit{others}; \
-                 --min-samples 16 hits those larger than a quarter of a pixel"
+                "{moment} may be off by up to {} more, by small bright objects in mirrors or glass that no sample hit{others}; \
+                 --min-samples 16 hits those larger than a quarter of a pixel",
+                number(error)
             )
         });
         match (limited, hidden) {

@@ -40,8 +40,8 @@ pub(super) fn cost(
     Ok(full.zip(reduced).map(|(full, reduced)| Some((1.0 - reduced.seconds / full.seconds).max(0.0))))
 }
 
-/// Returns the error of a frame and of its tiles at a point of the curve: with the scene's own samples at point 0, then with 1, 2, 4 and so on samples per
-/// pixel. Returns `None` beyond the maximum, or if cancelled.
+/// Returns the error of a frame and of its tiles at a point of the curve: with the scene's own samples at point 0, then with 1, 2, 4 and so on
+/// samples per pixel. Returns `None` beyond the maximum, or if cancelled.
 pub(super) fn curve_point(
     engine: &mut Engine,
     time: Time,

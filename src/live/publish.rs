@@ -163,11 +163,13 @@ impl Published {
         pictures.latest.iter().chain(&pictures.before).find(|picture| picture.info.id == id).cloned()
     }
 
-    /// Adds the measured errors of tiles to the displayed picture. The caller updates [`State::curve`].
-    pub(super) fn add_measured_errors(&self, errors: Arc<[f32]>) {
-        let id = self.state.borrow().picture.map(|picture| picture.id);
+    /// Adds the measured errors of the tiles of a frame to its full picture, if that is displayed. The caller updates [`State::curve`].
+    pub(super) fn add_measured_errors(&self, frame: u32, errors: Arc<[f32]>) {
+        let State { picture, reloads, .. } = self.state();
+        let is_of = |info: &PictureInfo| info.full && info.frame == frame && info.reloads == reloads;
+        let Some(PictureInfo { id, .. }) = picture.filter(is_of) else { return };
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(picture) = pictures.latest.iter_mut().rfind(|picture| Some(picture.info.id) == id) {
+        if let Some(picture) = pictures.latest.iter_mut().rfind(|picture| picture.info.id == id) {
             picture.measured_errors = Some(errors);
         }
     }

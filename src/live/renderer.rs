@@ -472,9 +472,9 @@ impl Renderer {
         // The next point renders two pictures with twice as many samples.
         let is_last = point.is_none_or(|point| index > 0 && 4.0 * point.milliseconds > LONGEST_POINT);
         let published = self.publisher.published();
-        // The first point is that of the displayed picture.
+        // The first point has the scene's own samples.
         if let Some(errors) = tile_errors.filter(|_| index == 0) {
-            published.add_measured_errors(errors);
+            published.add_measured_errors(frame, errors);
         }
         published.update(|state| {
             state.curve.extend(point);

@@ -49,7 +49,7 @@ pub struct State {
     pub export: Option<ExportState>,
     /// True while a better picture is being rendered.
     pub rendering: bool,
-    /// Finished fraction of the better picture, 0 to 1.
+    /// Finished fraction of the better picture, 0 to 1; 0 if it is unknown. With an error target, an estimate that may decrease.
     pub progress: f64,
     /// Mistakes in the current files. The scene is then the last good one.
     pub mistakes: Option<Mistakes>,

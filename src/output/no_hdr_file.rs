@@ -1,7 +1,7 @@
 //! Radiance HDR files in builds without the feature `image`: they are neither written nor read.
 
 use std::error::Error;
-use std::io::{BufRead, Seek};
+use std::io::BufRead;
 
 use super::picture::{FileChannels, StoredPicture};
 use super::provenance::Provenance;
@@ -20,7 +20,7 @@ pub(super) fn comment(_provenance: Option<&Provenance>) -> String {
     String::new()
 }
 
-pub(super) fn size(_file: impl BufRead + Seek) -> Option<(u32, u32)> {
+pub(super) fn size(_file: impl BufRead) -> Option<(u32, u32)> {
     None
 }
 

@@ -1,5 +1,9 @@
 //! Test of sample counts that differ between pixels.
 
+use std::ops::ControlFlow::Continue;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayreel::trace::{RenderJob, Signals};
 use rayreel::{Engine, RenderRequest, RenderSettings, Scene, Time};
 
 const SCENE: &str = r#"Scene(
@@ -32,4 +36,30 @@ fn samples_are_counted_per_pixel() {
     }
     engine.settings = RenderSettings { max_error: Some(0.0), ..RenderSettings::default() };
     assert_eq!(engine.render(counted()).unwrap().sample_counts, None);
+}
+
+/// Checks that the estimated progress of a frame reaches its end, also if the target is out of reach of the largest number of samples.
+#[test]
+fn progress_with_an_error_target_reaches_the_end() {
+    for sampling in
+        ["samples: 256, max_error: 1", "samples: 16, max_error: 0.01", "samples: 64, max_error: 0.3"]
+    {
+        let text = SCENE.replace("samples: 256, max_error: 1", sampling);
+        let mut engine = Engine::from_scene(Scene::from_text("balls.ron", text).unwrap());
+        let (mut shares, polls) = (Vec::new(), AtomicUsize::new(0));
+        let pause = || polls.fetch_add(1, Ordering::Relaxed) % 3 == 2;
+        let request = RenderRequest {
+            signals: Signals { pause: &pause, ..Signals::none() },
+            on_pause: Some(&mut |job: &RenderJob| {
+                shares.extend(job.progress().share);
+                Continue(())
+            }),
+            ..RenderRequest::at(Time::ZERO)
+        };
+        let image = engine.render(request).unwrap();
+        assert_eq!(image, engine.render(RenderRequest::at(Time::ZERO)).unwrap());
+        assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{sampling}: {shares:?}");
+        let last = shares.last().unwrap();
+        assert!(*last > 0.9, "{sampling}: {shares:?}");
+    }
 }

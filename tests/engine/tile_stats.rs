@@ -16,7 +16,7 @@ const SCENE: &str = r#"Scene(
 )"#;
 
 #[test]
-fn rays_and_errors_of_tiles_sum_to_those_of_the_picture() {
+fn rays_and_squared_errors_of_tiles_add_up_to_those_of_the_picture() {
     for sampling in ["", "sampling: (samples: 9),", "sampling: (samples: 64, max_error: 1),"] {
         let text = SCENE.replace("SAMPLING", sampling);
         let mut engine = Engine::from_scene(Scene::from_text("mirror.ron", text).unwrap());

@@ -48,7 +48,10 @@ fn phone_shows_picture_and_values_together_with_large_targets() {
     fits();
     browser.click("#tools");
     until(&browser, "at('fit').offsetHeight > 0 && at('tools').getAttribute('aria-expanded') === 'true'");
+    browser.evaluate("(setHeat(), view.heatKind = 'error', draw(), drawHeat(), true)");
+    until(&browser, "heat !== null && !at('heat-measure').hidden");
     fits();
+    browser.evaluate("(setHeat(), true)");
     browser.click("#tools");
     browser.click("#more");
     until(

@@ -111,8 +111,11 @@ fn loupe_shows_the_pixels_around() {
     let corner = browser.evaluate(corner);
     assert_eq!(corner[0], corner[1]);
     // It follows the pointer, and stays inside the stage.
-    browser
-        .point(&[json!({ "type": "pointerMove", "duration": 20, "origin": "viewport", "x": 600, "y": 280 })]);
+    let [x, y]: [f64; 2] = serde_json::from_value(browser.evaluate(
+        "(({ left, top, width, height }) => [left + 0.8 * width, top + 0.7 * height].map(Math.round))(at('film').getBoundingClientRect())",
+    ))
+    .unwrap();
+    browser.point(&[json!({ "type": "pointerMove", "duration": 20, "origin": "viewport", "x": x, "y": y })]);
     until(&browser, "hovered !== null && at('loupe').innerText.startsWith(hovered.join(', ') + ': ')");
     let inside = "(([own, stage]) => own.right <= stage.right && own.bottom <= stage.bottom && own.left >= stage.left)([at('loupe'), at('stage')].map(part => part.getBoundingClientRect()))";
     assert_eq!(browser.evaluate(inside), json!(true));

@@ -74,9 +74,9 @@ fn allowed_warnings_are_not_shown() {
     assert_eq!(browser.evaluate("at('warnings').hidden && at('warned').hidden"), json!(true));
 }
 
-/// Checks that the picture stays where it is, whatever the header tells, at widths from that of a tablet to that of a desktop.
+/// Checks that texts of any length in the header move neither the picture nor the buttons, at widths from a tablet's to a desktop's.
 #[test]
-fn texts_of_the_header_do_not_move_the_picture() {
+fn texts_of_the_header_do_not_move_the_picture_or_cover_buttons() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full && at('unsaved').hidden");
@@ -86,11 +86,12 @@ fn texts_of_the_header_do_not_move_the_picture() {
             for (const id of ['status', 'written']) at(id).textContent = text;
             at('percent').textContent = text && '99 %';
             return [true, false].map(isHidden => {
-                at('warned').hidden = isHidden;
-                return at('view').getBoundingClientRect().top;
+                Object.assign(at('warned'), { hidden: isHidden, textContent: '12 warnings' });
+                const [news, last, fit] = ['news', isHidden ? 'percent' : 'warned', 'fit'].map(id => at(id).getBoundingClientRect());
+                return [at('view').getBoundingClientRect().top, fit.left, fit.top, last.right <= news.right + 0.5].join();
             });
         });
-        return new Set(tops).size;
+        return [new Set(tops).size, tops.every(places => places.endsWith('true'))].join();
     })";
-    assert_eq!(browser.evaluate(tops), json!([1, 1, 1, 1, 1, 1, 1]));
+    assert_eq!(browser.evaluate(tops), json!(["1,true"; 7]));
 }

@@ -22,7 +22,7 @@ const HEAT_KINDS = {
   },
   error: {
     name: "RMS error",
-    of: index => index === null ? rootMeanSquare() : heat.error[index],
+    of: index => index !== null ? heat.error[index] : (heat.is_measured && state.curve[0]?.error) || rootMeanSquare(),
     describe: index => `${heat.is_measured ? "measured" : "estimated"} error ${rounded(HEAT_KINDS.error.of(index))} of 255${index === null ? " in the whole picture" : " in this tile"}`,
   },
 };
@@ -44,8 +44,8 @@ async function showHeat() {
   describeHeat();
   // After local playback, the session's picture of the frame has the numbers.
   if (view.heat && !playing && shown?.isOther && shown.frame === state.picture?.frame) fetchPicture();
-  const isMeasured = state.curve.length > 0 ? "?measured" : "";
-  const of = view.heat && !playing && shown && !shown.coarse && !shown.isOther ? `tiles/${state.session}/${shown.id}${isMeasured}` : null;
+  const query = state.curve.length > 0 ? "?measured" : "";
+  const of = view.heat && !playing && shown && !shown.coarse && !shown.isOther ? `tiles/${state.session}/${shown.id}${query}` : null;
   if (of === heated) return;
   heated = of;
   const { width, height, film } = shown ?? {}, answer = of && await fetch(of).catch(() => null);
@@ -98,15 +98,16 @@ function drawHeat() {
   if (!has) return;
   const map = Object.assign(at("heat-map"), { width: heat.width, height: heat.height }), context = map.getContext("2d");
   // A flat tile has no error at all: values below a thousandth of the largest share the first colour.
-  const values = heat.camera.map((_, index) => of(index)), high = Math.max(...values), low = Math.max(Math.min(...values), high / 1000);
+  const values = heat.camera.map((_, index) => of(index)), high = Math.max(...values), least = Math.min(...values), low = Math.max(least, high / 1000);
   values.forEach((value, index) => {
     context.fillStyle = heatColor(high > low ? Math.max(0, Math.log(value / low) / Math.log(high / low)) : 0);
     context.fillRect(...heatTile(index));
   });
-  map.setAttribute("aria-label", `${name}, from ${rounded(low)} to ${rounded(high)}`);
+  map.setAttribute("aria-label", `${name}, from ${rounded(least)} to ${rounded(high)}`);
   at("heat-scale").firstElementChild.style.background = `linear-gradient(to right, ${HEAT.map(color => `rgb(${color})`)})`;
   // Equal values have one mark.
   const marks = high > low ? [low, Math.sqrt(low * high), high].map(rounded) : ["", rounded(high), ""];
+  if (least < low) marks[0] = `≤ ${marks[0]}`;
   marks.forEach((mark, index) => { at("heat-scale").children[index + 1].textContent = mark; });
 }
 
@@ -114,7 +115,7 @@ function drawHeat() {
 function describeHeat() {
   if (!view.heat) return;
   const isRead = shown?.full && state.rays === 0;
-  at("heat-measure").hidden = heat === null || hasHeat() || !shown?.full;
+  Object.assign(at("heat-measure"), { hidden: heat === null || hasHeat() || !shown?.full, disabled: at("measure").disabled });
   if (!heat) { write(at("heat-count"), playing ? "Pause to see the numbers." : isRead ? "This picture is from a file: R renders it, with its numbers." : "The numbers come with the finished picture."); return; }
   if (!hasHeat()) { write(at("heat-count"), shown?.full ? "Known with an error target, or measured with other samples:" : "Known for pictures in full quality."); return; }
   const spot = hovered ?? view.spot, pixel = spot?.every((place, axis) => place < heat.film[axis]) ? spot : null;
@@ -125,6 +126,7 @@ function describeHeat() {
 at("heat-kind").append(...Object.entries(HEAT_KINDS).map(([value, { name }]) => element("option", name, { value })));
 at("heat-kind").onchange = event => {
   view.heatKind = event.target.value;
+  if (!isTabbed) event.target.blur();
   keep();
   drawHeat();
 };

@@ -69,8 +69,9 @@ const keys = {
   w: setWipe, b: setSwap, d: setDifference, p: pin, h: setHeat, c: setPath, z: () => holdLoupe(true), ",": () => moveEdge(-0.02), ".": () => moveEdge(0.02), r: event => event.shiftKey ? at("export-open").click() : finish(), m: measure, k: keepEdits, Escape: dropEdits, "?": () => at("keys").showModal(),
 };
 const marks = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-// The focus that a pointer leaves on a button is not for the space bar, which plays.
+// The space bar presses a button that was reached by keys. On one that was clicked, it plays.
 let isTabbed = false;
+const presses = event => event.key === " " && ["BUTTON", "SUMMARY"].includes(event.target.tagName);
 addEventListener("pointerdown", () => { isTabbed = false; }, true);
 document.onkeydown = event => {
   if (event.key === "Tab") isTabbed = true;
@@ -89,10 +90,14 @@ document.onkeydown = event => {
   const digit = /^(Numpad|Digit)([1379])$/.exec(event.code);
   if (digit && (digit[1] === "Digit" ? event.shiftKey && !/\d/.test(key) : key === digit[2])) { lookFrom(sides[digit[2]]); event.preventDefault(); return; }
   // Lists, buttons and text fields handle their own keys.
-  if (tag === "SELECT" || (tag === "INPUT" && event.target.id !== "scrubber") || (key === " " && isTabbed && ["BUTTON", "SUMMARY"].includes(tag)) || (tag === "PRE" && key.length > 1)) return;
+  if (tag === "SELECT" || (tag === "INPUT" && event.target.id !== "scrubber") || (isTabbed && presses(event)) || (tag === "PRE" && key.length > 1)) return;
   if (!keys[key]) return;
   keys[key](event);
   event.preventDefault();
+};
+// Firefox presses a button when the space bar is released.
+document.onkeyup = event => {
+  if (!isTabbed && presses(event) && !document.querySelector("dialog[open]")) event.preventDefault();
 };
 new ResizeObserver(layout).observe(at("view"));
 connect();

@@ -65,8 +65,8 @@ pub(crate) struct FinishedJob<E: Encoding> {
 pub struct RenderProgress {
     /// Mean sample count per pixel so far, without the samples of reused tiles.
     pub samples: f64,
-    /// Fraction of all samples, from 0 to 1. With adaptive sampling it is an estimate, which may decrease, for the RMS norm after the first
-    /// round; otherwise `None`.
+    /// Fraction of all samples, from 0 to 1. With adaptive sampling, an estimate that may decrease, or `None`: in the first round, for other
+    /// norms than RMS, and where a policy chooses the samples.
     pub share: Option<f64>,
 }
 
@@ -369,8 +369,10 @@ impl<E: Encoding> RenderJob<E> {
         self.done.clear();
         self.tiles.iter_mut().for_each(|progress| progress.batches = 0);
         let goes_on = adaptive.judge(sums, policy);
+        // The estimate does not consider that pixels stop at their maximum.
+        let most = f64::from(self.width) * f64::from(self.height) * f64::from(self.plan.samples);
         let so_far = self.stats.rays.camera as f64;
-        self.expected_samples = adaptive.expected_samples().map(|samples| so_far + samples);
+        self.expected_samples = adaptive.expected_samples().map(|samples| (so_far + samples).min(most));
         goes_on
     }
 

@@ -173,7 +173,7 @@ pub(crate) struct Adaptive {
     /// Correction of the estimates of each class.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
-    /// Estimated number of samples in this round and later ones, for the RMS norm.
+    /// Estimated number of samples in this round and later ones, without limits on those of a pixel; for the RMS norm.
     expected_samples: Option<f64>,
     /// Sums of squared errors from missed images, in quarter-octave bins of the image area.
     images: Option<BTreeMap<i32, f64>>,
@@ -246,7 +246,8 @@ impl Adaptive {
         Some(single((squares / f64::from(pixels)).sqrt()))
     }
 
-    /// Returns the estimated number of samples in this round and later ones; `None` in the first round, or if it cannot be estimated.
+    /// Returns the estimated number of samples in this round and later ones, without limits on those of a pixel. `None` in the first round, for
+    /// other norms than RMS, and where a policy chooses the samples.
     pub(crate) fn expected_samples(&self) -> Option<f64> {
         self.expected_samples
     }
