@@ -28,13 +28,13 @@
 //! loops, with identical results at every SIMD level.
 
 mod evidence;
+mod hidden_images;
 mod instants;
 mod needs;
 mod output_curve;
 pub(crate) mod round_policy;
 mod scale;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -50,6 +50,7 @@ use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
 pub(crate) use evidence::PacketSums;
 use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, Surroundings, next_goal, single};
+use hidden_images::HiddenImages;
 pub(crate) use instants::{InstantOrder, block};
 use needs::{Gain, SquaresByGain};
 use output_curve::OutputCurve;
@@ -175,8 +176,8 @@ pub(crate) struct Adaptive {
     error: Option<EstimatedError>,
     /// Estimated number of samples in this round and later ones, without limits on those of a pixel; for the RMS norm.
     expected_samples: Option<f64>,
-    /// Sums of squared errors from missed images, in quarter-octave bins of the image area.
-    images: Option<BTreeMap<i32, f64>>,
+    /// The images in mirrors and glass, once they were searched.
+    images: Option<HiddenImages>,
     /// Minimum gains chosen by the policy, one per round.
     rounds: Vec<u32>,
 }
@@ -231,7 +232,9 @@ impl Adaptive {
 
     /// Returns the estimate of the picture's error; `None` before the first estimate.
     pub(crate) fn error(&self) -> Option<EstimatedError> {
-        self.error.map(|error| EstimatedError { hidden: self.hidden_square().sqrt(), ..error })
+        let hidden =
+            self.images.as_ref().map_or(0.0, |images| images.square(&self.packets) / self.pixels).sqrt();
+        self.error.map(|error| EstimatedError { hidden, ..error })
     }
 
     /// Returns the estimated RMS error of a tile by its index; `None` before the first estimate.
@@ -269,34 +272,7 @@ impl Adaptive {
 
     /// Stores the images in mirrors and glass that the picture may show.
     pub(crate) fn record_images(&mut self, found: &[Image]) {
-        let mut images = BTreeMap::new();
-        for Image { area, radiance, count } in found {
-            #[expect(clippy::cast_possible_truncation, reason = "of a few pixels")]
-            let size = libm::floor(4.0 * libm::log2(*area)) as i32;
-            let change = f64::from(self.curve.value(radiance * single(area.min(1.0))));
-            *images.entry(size).or_insert(0.0) += count * change * change * area.max(1.0);
-        }
-        self.images = Some(images);
-    }
-
-    /// Returns the mean squared error from images that no sample may have hit.
-    fn hidden_square(&self) -> f64 {
-        let Some(images) = self.images.as_ref().filter(|images| !images.is_empty()) else { return 0.0 };
-        let (mut pixels, mut samples) = (0.0, 0.0);
-        for packet in &self.packets {
-            for lane in lanes(packet.classes[Class::Plain as usize]) {
-                (pixels, samples) = (pixels + 1.0, samples + f64::from(packet.taken[lane]));
-            }
-        }
-        if pixels == 0.0 {
-            return 0.0;
-        }
-        // An image is missed with probability exp(-n), for n samples in its area on average.
-        let missed = |(size, square): (&i32, &f64)| {
-            let area = libm::exp2((f64::from(*size) + 0.5) / 4.0);
-            square * libm::exp(-area * samples / pixels)
-        };
-        images.iter().map(missed).sum::<f64>() / self.pixels
+        self.images = Some(HiddenImages::new(found, self.curve));
     }
 
     /// Returns whether the shutter is open, so that shapes may move through pixels.
