@@ -93,5 +93,5 @@ fn texts_of_the_header_do_not_move_the_picture_or_cover_buttons() {
         });
         return [new Set(tops).size, tops.every(places => places.endsWith('true'))].join();
     })";
-    assert_eq!(browser.evaluate(tops), json!(["1,true"; 7]));
+    assert_eq!(browser.evaluate(tops), json!(vec!["1,true"; 7]));
 }
