@@ -369,10 +369,8 @@ impl<E: Encoding> RenderJob<E> {
         self.done.clear();
         self.tiles.iter_mut().for_each(|progress| progress.batches = 0);
         let goes_on = adaptive.judge(sums, policy);
-        // The estimate does not consider that pixels stop at their maximum.
-        let most = f64::from(self.width) * f64::from(self.height) * f64::from(self.plan.samples);
         let so_far = self.stats.rays.camera as f64;
-        self.expected_samples = adaptive.expected_samples().map(|samples| (so_far + samples).min(most));
+        self.expected_samples = adaptive.expected_samples().map(|samples| so_far + samples);
         goes_on
     }
 

@@ -174,7 +174,7 @@ pub(crate) struct Adaptive {
     /// Correction of the estimates of each class.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
-    /// Estimated number of samples in this round and later ones, without limits on those of a pixel; for the RMS norm.
+    /// Estimated number of samples in this round and later ones, for the RMS norm.
     expected_samples: Option<f64>,
     /// The images in mirrors and glass, once they were searched.
     images: Option<HiddenImages>,
@@ -249,8 +249,8 @@ impl Adaptive {
         Some(single((squares / f64::from(pixels)).sqrt()))
     }
 
-    /// Returns the estimated number of samples in this round and later ones, without limits on those of a pixel. `None` in the first round, for
-    /// other norms than RMS, and where a policy chooses the samples.
+    /// Returns the estimated number of samples in this round and later ones. `None` in the first round, for other norms than RMS, and
+    /// where a policy chooses the samples.
     pub(crate) fn expected_samples(&self) -> Option<f64> {
         self.expected_samples
     }
@@ -409,8 +409,9 @@ impl Adaptive {
                             *sum += pixels.sum_of_squares(class);
                         }
                         let mut add = |lane: usize, count| {
-                            let more = next_goal(pixels.taken[lane], most) - pixels.taken[lane];
-                            gains.add(pixels.gain(lane, norm, 0), count, pixels.square[lane], more);
+                            let taken = pixels.taken[lane];
+                            let more = next_goal(taken, most) - taken;
+                            gains.add(pixels.gain(lane, norm, 0), count, pixels.square[lane], more, most - taken);
                         };
                         let alike = pixels.alike();
                         lanes(alike).take(1).for_each(|lane| add(lane, alike.count_ones()));

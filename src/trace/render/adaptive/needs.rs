@@ -55,6 +55,8 @@ struct Bin {
     /// Sum of the squared errors of the other pixels, and the number of samples they would take in the next round.
     squares: f64,
     more: f64,
+    /// Number of samples that they can take in all rounds.
+    room: f64,
 }
 
 impl Default for SquaresByGain {
@@ -64,14 +66,15 @@ impl Default for SquaresByGain {
 }
 
 impl SquaresByGain {
-    /// Adds `count` pixels with equal gain and squared error. Each takes `more` samples in its next round.
+    /// Adds `count` pixels with equal gain and squared error. Each takes `more` samples in its next round, and at most `room` in all rounds.
     #[inline(always)]
-    pub(super) fn add(&mut self, gain: Gain, count: u32, square: f32, more: u32) {
+    pub(super) fn add(&mut self, gain: Gain, count: u32, square: f32, more: u32, room: u32) {
         let bin = &mut self.0[((gain.0 / PARTS) as usize).min(BINS - 1)];
         let squares = f64::from(count) * f64::from(square);
         if more > 0 {
             bin.squares += squares;
             bin.more += f64::from(count) * f64::from(more);
+            bin.room += f64::from(count) * f64::from(room);
         } else {
             bin.left += squares;
         }
@@ -112,11 +115,11 @@ impl SquaresByGain {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 24")]
         let bins = libm::round(f64::from(OCTAVE) * libm::log2(2.0 / falls)) as usize;
         let mut sums = (0.0, 0.0);
-        for (bin, Bin { left, squares, more: samples }) in self.filled() {
+        for (bin, Bin { left, squares, more: samples, room }) in self.filled() {
             let doublings = (bin + bins).saturating_sub(least) / bins;
             let (factor, more) =
                 (0..doublings).fold((1.0, 1.0), |(factor, more), _| (factor * falls, 2.0 * more));
-            sums = (sums.0 + left + squares * factor, sums.1 + samples * (more - 1.0));
+            sums = (sums.0 + left + squares * factor, sums.1 + (samples * (more - 1.0)).min(*room));
         }
         sums
     }
@@ -173,6 +176,7 @@ impl AddAssign<&Self> for SquaresByGain {
             sum.left += other.left;
             sum.squares += other.squares;
             sum.more += other.more;
+            sum.room += other.room;
         }
     }
 }
