@@ -7,7 +7,7 @@ use std::time::Instant;
 use rayreel::Engine;
 use rayreel::live::{Detail, Event, Handle, Reply, SessionCommand, State, ViewChange};
 use rayreel::output::encode_quickly;
-use rayreel::trace::RayCounts;
+use rayreel::trace::TileStats;
 
 use crate::AT_MOST;
 use crate::session::{Stage, scene};
@@ -143,8 +143,8 @@ fn size_is_bounded_and_frames_ahead_are_kept() {
     let whole = Stage::caching(Some(&scene(1.0, "")), false, ROOM);
     let all = until_all_are_kept(&whole, 1);
     let most = all.iter().map(|png| png.len()).max().unwrap();
-    // The numbers of rays of the 4 by 3 tiles are kept, too.
-    let size = most + 4 * 3 * size_of::<RayCounts>();
+    // The statistics of the 4 by 3 tiles are kept, too.
+    let size = most + 4 * 3 * size_of::<TileStats>();
     let stage = Stage::caching(Some(&scene(1.0, "")), false, 6 * size);
     let is_filled =
         |state: &State| state.cached.ranges.first().is_some_and(|(first, last)| last - first >= 5);
