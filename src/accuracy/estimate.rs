@@ -4,11 +4,10 @@ use std::f64::consts::SQRT_2;
 use std::sync::atomic::AtomicBool;
 
 use super::film_error::tile_squares;
-use super::{FilmError, MeasuredFrame};
+use super::{FilmError, MeasuredFrame, OutputValues};
 use crate::engine::{Engine, EngineError, unless_cancelled};
 use crate::systems::RenderSettings;
 use crate::time::Time;
-use crate::trace::Film;
 
 /// The estimated error of a picture, and its cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +38,7 @@ pub fn estimate(
 ) -> Result<Option<Estimate>, EngineError> {
     let sampling = settings.or(engine.settings).effective(engine.world()).sampling;
     unless_cancelled(if sampling.samples > 1 {
-        pair(engine, moment, settings, cancelled).map(|pair| pair.estimate)
+        pair(engine, moment, settings, cancelled).map(|measured| measured.estimate)
     } else {
         single(engine, moment, settings, cancelled)
     })
@@ -48,29 +47,25 @@ pub fn estimate(
 /// Seeds of the independent pictures: digits of pi and of e, which scenes do not use.
 const SEEDS: [u64; 2] = [0x243f_6a88_85a3_08d3, 0xb7e1_5162_8aed_2a6a];
 
-/// Two pictures with independent samples.
-pub(super) struct Pair {
-    pub(super) films: [Film; 2],
-    pub(super) estimate: Estimate,
+/// A picture, and the estimated error of it and of another one with independent samples.
+struct Measured {
+    picture: OutputValues,
+    estimate: Estimate,
 }
 
 /// Renders two pictures with independent samples.
-pub(super) fn pair(
+fn pair(
     engine: &mut Engine,
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<Pair, EngineError> {
-    let [(one, first), (other, second)] = [
-        timed(engine, moment, RenderSettings { seed: Some(SEEDS[0]), ..settings }, cancelled)?,
-        timed(engine, moment, RenderSettings { seed: Some(SEEDS[1]), ..settings }, cancelled)?,
-    ];
-    let transfer = engine.effective_settings().film.transfer;
-    let rms = FilmError::between(&one, &other, transfer).rms / SQRT_2;
-    let squares = tile_squares(&one, &other, transfer);
-    let tiles = squares.into_iter().map(|square| root(square / 2.0)).collect();
-    let estimate = Estimate { rms, tiles, seconds: f64::midpoint(first, second) };
-    Ok(Pair { films: [one, other], estimate })
+) -> Result<Measured, EngineError> {
+    let mut seeded =
+        |seed| values(engine, moment, RenderSettings { seed: Some(seed), ..settings }, cancelled);
+    let [(picture, first), (other, second)] = [seeded(SEEDS[0])?, seeded(SEEDS[1])?];
+    let rms = FilmError::of_values(&picture, &other).rms / SQRT_2;
+    let tiles = tile_squares(&picture, &other).into_iter().map(|square| root(square / 2.0)).collect();
+    Ok(Measured { picture, estimate: Estimate { rms, tiles, seconds: f64::midpoint(first, second) } })
 }
 
 /// Estimates the error of a picture with a single sample per pixel, from two pictures with four.
@@ -80,18 +75,14 @@ fn single(
     settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<Estimate, EngineError> {
-    let (film, seconds) = timed(engine, moment, settings, cancelled)?;
-    let four = pair(
-        engine,
-        moment,
-        RenderSettings { samples: Some(4), max_error: Some(0.0), ..settings },
-        cancelled,
-    )?;
-    let transfer = engine.effective_settings().film.transfer;
-    let squares = tile_squares(&film, &four.films[0], transfer);
-    let tiles = squares.into_iter().zip(&four.estimate.tiles);
+    let (picture, seconds) = values(engine, moment, settings, cancelled)?;
+    let four = RenderSettings { samples: Some(4), max_error: Some(0.0), ..settings };
+    let four = pair(engine, moment, four, cancelled)?;
+    let apart = FilmError::of_values(&picture, &four.picture).rms;
+    let rms = (apart * apart - four.estimate.rms * four.estimate.rms).max(0.0).sqrt();
+    let tiles = tile_squares(&picture, &four.picture).into_iter().zip(&four.estimate.tiles);
     let tiles = tiles.map(|(square, error)| root(square - f64::from(error * error))).collect();
-    Ok(Estimate { rms: four.error_of(&film, engine), tiles, seconds })
+    Ok(Estimate { rms, tiles, seconds })
 }
 
 /// Returns the square root of a squared error, which may be negative as the difference of two estimates.
@@ -100,21 +91,14 @@ fn root(square: f64) -> f32 {
     square.max(0.0).sqrt() as f32
 }
 
-impl Pair {
-    /// Estimates the RMS error of another, worse picture.
-    pub(super) fn error_of(&self, film: &Film, engine: &Engine) -> f64 {
-        let apart = FilmError::between(film, &self.films[0], engine.effective_settings().film.transfer).rms;
-        (apart * apart - self.estimate.rms * self.estimate.rms).max(0.0).sqrt()
-    }
-}
-
-fn timed(
+/// Renders a picture. Returns its output values and its time in seconds.
+fn values(
     engine: &mut Engine,
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<(Film, f64), EngineError> {
+) -> Result<(OutputValues, f64), EngineError> {
     let MeasuredFrame { film, seconds, .. } =
         MeasuredFrame::render(engine, moment, settings, cancelled, &mut || None)?;
-    Ok((film, seconds))
+    Ok((OutputValues::of_film(&film, engine.effective_settings().film.transfer), seconds))
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::output_values::{OutputValues, apart, largest, require_same_size};
+use super::output_values::{OutputValues, apart, largest};
 use crate::color::Transfer;
 use crate::trace::{Film, Tile};
 
@@ -106,22 +106,23 @@ impl FilmError {
     }
 }
 
-/// Returns the mean squared differences of all channels in output values, tile by tile.
+/// Returns the mean squared differences of all channels, tile by tile.
 ///
 /// # Panics
 ///
-/// If the films have different sizes.
-pub(super) fn tile_squares(film: &Film, reference: &Film, transfer: Transfer) -> Vec<f64> {
-    require_same_size(film, reference);
-    let values = |film: &Film, i, j| transfer.encode_unrounded(film.pixel(i, j));
-    let square = |i, j| {
-        apart(&values(film, i, j), &values(reference, i, j)).iter().map(|apart| apart * apart).sum::<f64>()
+/// If the pictures have different sizes.
+pub(super) fn tile_squares(picture: &OutputValues, reference: &OutputValues) -> Vec<f64> {
+    let pairs: Vec<_> = picture.rows_with(reference).collect();
+    let mean = |Tile { i, j, width, height }: Tile| {
+        let columns = i as usize..(i + width) as usize;
+        let rows = &pairs[j as usize..(j + height) as usize];
+        let pixels =
+            rows.iter().flat_map(|(row, other)| row[columns.clone()].iter().zip(&other[columns.clone()]));
+        let squares =
+            pixels.map(|(pixel, other)| apart(pixel, other).map(|apart| apart * apart).iter().sum::<f64>());
+        squares.sum::<f64>() / (3.0 * f64::from(width * height))
     };
-    let mean = |Tile { i, j, width, height }| {
-        let rows = (j..j + height).map(|j| (i..i + width).map(|i| square(i, j)).sum::<f64>());
-        rows.sum::<f64>() / (3.0 * f64::from(width * height))
-    };
-    let tiles: Vec<Tile> = Tile::all((film.width(), film.height())).collect();
+    let tiles: Vec<Tile> = Tile::all(picture.size()).collect();
     tiles.into_par_iter().map(mean).collect()
 }
 
@@ -176,7 +177,8 @@ mod tests {
             Film::from_pixels(60, 41, light.map(Rgb::splat))
         };
         let (one, other) = (ramp(0.0), ramp(0.01));
-        let squares = tile_squares(&one, &other, Transfer::Srgb);
+        let values = |film| OutputValues::of_film(film, Transfer::Srgb);
+        let squares = tile_squares(&values(&one), &values(&other));
         let pixels = |index: usize| f64::from([16, 16, 16, 12][index % 4] * [16, 16, 9][index / 4]);
         let sum: f64 = squares.iter().enumerate().map(|(index, square)| square * pixels(index)).sum();
         let rms = FilmError::between(&one, &other, Transfer::Srgb).rms;
@@ -185,7 +187,7 @@ mod tests {
         // Only the last tile differs in the last pixel.
         let mut last = one.clone();
         last.store(59, 40, std::iter::once(Rgb::ZERO));
-        let squares = tile_squares(&one, &last, Transfer::Srgb);
+        let squares = tile_squares(&values(&one), &values(&last));
         assert!(squares[..11].iter().all(|square| *square == 0.0) && squares[11] > 0.0, "{squares:?}");
     }
 

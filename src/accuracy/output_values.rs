@@ -95,9 +95,3 @@ pub(super) fn apart(one: &[f64; 3], other: &[f64; 3]) -> [f64; 3] {
 pub(super) fn largest([red, green, blue]: [f64; 3]) -> f64 {
     red.max(green).max(blue)
 }
-
-/// Panics unless two films have the same size.
-pub(super) fn require_same_size(film: &Film, other: &Film) {
-    let size = |film: &Film| (film.width(), film.height());
-    assert_eq!(size(film), size(other), "films of different sizes cannot be compared");
-}

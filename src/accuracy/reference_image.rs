@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::output_values::require_same_size;
 use crate::color::{Rgb, Transfer};
 use crate::trace::Film;
 
@@ -29,7 +28,9 @@ impl ReferenceImage {
     #[must_use]
     pub fn mean(films: &[Film], transfer: Transfer) -> Self {
         assert!(films.len() > 1, "a single film has no error estimate");
-        films.iter().for_each(|film| require_same_size(film, &films[0]));
+        let size = |film: &Film| (film.width(), film.height());
+        let are_alike = films.iter().all(|film| size(film) == size(&films[0]));
+        assert!(are_alike, "films of different sizes have no mean");
         let count = films.len() as f64;
         let pixels = films[0].pixels().len();
         let means: Vec<(Rgb, [f64; 3])> = (0..pixels)
