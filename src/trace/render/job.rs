@@ -44,8 +44,6 @@ pub struct RenderJob<E: Encoding = Linear> {
     overlay: Option<Arc<FilmOverlay>>,
     pixels: Pixels<E::Pixel>,
     stats: RenderStats,
-    /// With adaptive sampling: the estimated number of all samples, after the first round.
-    expected_samples: Option<f64>,
     /// The reuse of tiles, if this picture is recorded for it.
     reuse: Option<TileReuse<E>>,
 }
@@ -236,7 +234,6 @@ impl<E: Encoding> RenderJob<E> {
             overlay,
             pixels,
             stats,
-            expected_samples: None,
             reuse: None,
         }
     }
@@ -368,10 +365,7 @@ impl<E: Encoding> RenderJob<E> {
         };
         self.done.clear();
         self.tiles.iter_mut().for_each(|progress| progress.batches = 0);
-        let goes_on = adaptive.judge(sums, policy);
-        let so_far = self.stats.rays.camera as f64;
-        self.expected_samples = adaptive.expected_samples().map(|samples| so_far + samples);
-        goes_on
+        adaptive.judge(sums, policy)
     }
 
     /// Returns the estimate of the picture's error, if there is an error target.
@@ -388,9 +382,9 @@ impl<E: Encoding> RenderJob<E> {
     #[must_use]
     pub fn progress(&self) -> RenderProgress {
         let pixels = f64::from(self.width) * f64::from(self.height);
-        if self.adaptive.is_some() {
+        if let Some(adaptive) = &self.adaptive {
             let samples = self.stats.rays.camera as f64;
-            let share = self.expected_samples.map(|all| (samples / all).min(1.0));
+            let share = adaptive.expected_samples().map(|all| (samples / all).min(1.0));
             return RenderProgress { samples: samples / pixels, share };
         }
         let area = |tile: Tile| f64::from(tile.width * tile.height);

@@ -174,7 +174,7 @@ pub(crate) struct Adaptive {
     /// Correction of the estimates of each class.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
-    /// Estimated number of samples in this round and later ones, for the RMS norm.
+    /// Estimated number of all samples of the picture, for the RMS norm.
     expected_samples: Option<f64>,
     /// The images in mirrors and glass, once they were searched.
     images: Option<HiddenImages>,
@@ -249,8 +249,8 @@ impl Adaptive {
         Some(single((squares / f64::from(pixels)).sqrt()))
     }
 
-    /// Returns the estimated number of samples in this round and later ones. `None` in the first round, for other norms than RMS, and
-    /// where a policy chooses the samples.
+    /// Returns the estimated number of all samples of the picture. `None` in the first round, for other norms than RMS, and where a policy
+    /// chooses the samples.
     pub(crate) fn expected_samples(&self) -> Option<f64> {
         self.expected_samples
     }
@@ -462,20 +462,20 @@ impl Adaptive {
             return None;
         }
         let (falls, pixels) = (self.scales[Class::Edge as usize].falls, self.pixels);
+        let taken = |pixels: &PixelPacket| {
+            lanes(pixels.inside()).map(|lane| u64::from(pixels.taken[lane])).sum::<u64>()
+        };
+        let samples = self.packets.iter().map(taken).sum::<u64>() as f64;
         let Some(policy) = policy else {
             return Some(match beyond(self.target.norm) {
                 None => {
-                    let (least, samples) = gains.least_for(aim * aim * pixels, falls);
-                    self.expected_samples = Some(samples);
+                    let (least, more) = gains.least_for(aim * aim * pixels, falls);
+                    self.expected_samples = Some(samples + more);
                     least
                 }
                 Some(beyond) => gains.least_to_exceed(aim, beyond(pixels)),
             });
         };
-        let samples = |pixels: &PixelPacket| {
-            lanes(pixels.inside()).map(|lane| f64::from(pixels.taken[lane])).sum::<f64>()
-        };
-        let samples = self.packets.iter().map(samples).sum();
         let least =
             round_policy::locked(policy).least_gain(&Outlook { gains, pixels, falls, error, samples })?;
         // Lower the threshold so that at least one pixel is sampled: with few pixels left, the random parts of all gains may lie below it.
