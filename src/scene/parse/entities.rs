@@ -9,7 +9,7 @@
 //! ```
 //!
 //! [`ParsedEntities`] keeps a text with its entities. Entities that lie entirely in the common prefix or the common suffix of this text and
-//! the next one are reused. The other entities and the rest of the next text are parsed.
+//! the next one are reused, and so is the scene without entities if the rest of the text is the same. All else is parsed.
 //!
 //! # Correctness
 //!
@@ -24,7 +24,7 @@
 //!    common suffix are reused if the entities before them end exactly where these begin.
 //! 5. Entity documents are shared and never changed. Scripts add spawned entities to the document, not to the entities that are kept here.
 //!
-//! If anything else is found, the whole text is parsed, so that error messages always come from a parse of the whole text.
+//! If anything else is found, the whole text is parsed, so that error messages always come from a parse of the whole text. It is kept, too.
 
 #[cfg(test)]
 mod tests;
@@ -50,6 +50,14 @@ pub(in crate::scene) struct ParsedEntities {
     /// The byte offset of the list's content.
     start: usize,
     list: EntityList,
+    rest: Option<Arc<Rest>>,
+}
+
+/// A scene without entities, or one parsed as a whole, and its text.
+#[derive(Debug)]
+struct Rest {
+    text: String,
+    document: SceneDocument,
 }
 
 /// Successive entities with their spans.
@@ -80,7 +88,7 @@ impl ParsedEntities {
             None => (text.len(), from + text[from..].find(']')?),
         };
         let starts = starts_of_parts(text, from..guessed_end.min(until), part);
-        let rest = |end: usize| read_general(&format!("{}{}", &text[..start], &text[end..])).ok();
+        let rest = |end: usize| self.read_rest(format!("{}{}", &text[..start], &text[end..])).ok();
         let read = || EntityList::read_parts(text, &starts, until);
         let (read, guessed_rest) = match starts.len() {
             1 => (read(), rest(guessed_end)),
@@ -98,7 +106,7 @@ impl ParsedEntities {
         if text.as_bytes().get(end) != Some(&b']') {
             return None;
         }
-        let mut document = if end == guessed_end { guessed_rest? } else { rest(end)? };
+        let rest = if end == guessed_end { guessed_rest? } else { rest(end)? };
 
         let unmoved = first + read.spans.len();
         self.list.documents.splice(first..next, read.documents);
@@ -108,8 +116,23 @@ impl ParsedEntities {
         }
         self.list.end = end;
         (self.start, self.text) = (start, Arc::clone(text));
-        document.entities.clone_from(&self.list.documents);
-        Some(document)
+        let rest = self.rest.insert(rest);
+        Some(SceneDocument { entities: self.list.documents.clone(), ..rest.document.clone() })
+    }
+
+    /// Parses a text as a whole, unless it is the same as the last one that was.
+    pub(super) fn parse_whole(&mut self, text: &str) -> ron::error::SpannedResult<SceneDocument> {
+        let whole = self.read_rest(text.to_owned())?;
+        Ok(self.rest.insert(whole).document.clone())
+    }
+
+    /// Parses the text of a scene without entities, unless it is the same as the last one.
+    fn read_rest(&self, text: String) -> ron::error::SpannedResult<Arc<Rest>> {
+        if let Some(rest) = self.rest.as_ref().filter(|rest| rest.text == text) {
+            return Ok(Arc::clone(rest));
+        }
+        let document = read_general(&text)?;
+        Ok(Arc::new(Rest { text, document }))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use ron::error::SpannedError;
 use serde::de::IgnoredAny;
 
 use super::entities::{PART, ParsedEntities};
@@ -20,14 +21,20 @@ pub(in crate::scene) fn parse(
     text: &Arc<String>,
     entities: &mut ParsedEntities,
 ) -> Result<SceneDocument, Vec<Diagnostic>> {
-    entities.parse_next(text, PART).map_or_else(|| parse_general(text), Ok)
+    match entities.parse_next(text, PART) {
+        Some(document) => Ok(document),
+        None => entities.parse_whole(text).map_err(|error| mistakes(text, error)),
+    }
 }
 
 pub(super) fn parse_general(text: &str) -> Result<SceneDocument, Vec<Diagnostic>> {
-    read_general(text).map_err(|error| {
-        let holds_nothing = tokens(text).next().is_none() && error.code != ron::Error::UnclosedBlockComment;
-        if holds_nothing { vec![nothing(text)] } else { find_mistakes(text, error) }
-    })
+    read_general(text).map_err(|error| mistakes(text, error))
+}
+
+/// Returns the mistakes of a text, given the first one.
+fn mistakes(text: &str, error: SpannedError) -> Vec<Diagnostic> {
+    let holds_nothing = tokens(text).next().is_none() && error.code != ron::Error::UnclosedBlockComment;
+    if holds_nothing { vec![nothing(text)] } else { find_mistakes(text, error) }
 }
 
 /// Checks the notation of a text that may lack what a scene requires, because another scene has it. Otherwise returns its mistakes.

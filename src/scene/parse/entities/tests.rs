@@ -193,6 +193,23 @@ fn only_edited_entities_are_parsed_again() {
     assert_eq!(kept("entities: [", "entities: [(name: \"new\"),"), (7, 8));
 }
 
+#[test]
+fn the_same_rest_is_not_parsed_again() {
+    let is_kept = |before: &str, from: &str, to: &str| {
+        let mut entities = ParsedEntities::default();
+        parse(&Arc::new(before.to_owned()), &mut entities).unwrap();
+        let rest = entities.rest.clone().unwrap();
+        let edited = Arc::new(before.replacen(from, to, 1));
+        assert_eq!(parse(&edited, &mut entities), parse_general(&edited));
+        Arc::ptr_eq(&rest, &entities.rest.unwrap())
+    };
+    assert!(is_kept(SCENE, "", "") && is_kept(SCENE, "radius: 1", "radius: 2"));
+    assert!(is_kept(SCENE, "entities: [", "entities: [(name: \"new\"),"));
+    assert!(!is_kept(SCENE, "255", "25") && !is_kept(SCENE, "(1, (1, 0, 0))", "(1, (2, 0, 0))"));
+    let without_list = "(ambient: (1, 1, 1))";
+    assert!(is_kept(without_list, "", "") && !is_kept(without_list, "(1, 1", "(1, 2"));
+}
+
 /// Pairs of successive texts.
 const DECEPTIONS: &[(&str, &str)] = &[
     // A list that seems to start within an unchanged entity.
