@@ -35,22 +35,27 @@ pub(crate) struct TileDependencies {
 #[derive(Debug, Default)]
 pub(super) struct DependencyRecorder {
     dependencies: TileDependencies,
+    /// The hulls of the dependencies, in each lane.
+    lanes: Box<[[HullLanes; 2]; BOUNCES]>,
     /// The lights to which shadow rays are traced from the wavefront's hits.
     lights: u32,
     bounce: usize,
 }
 
-/// The hull of the rays in each lane. The smallest and the largest lane are found once for all packets of a wavefront.
-struct HullLanes<S: Simd> {
-    from: BoxLanes<S>,
-    to: BoxLanes<S>,
+/// The hull of the rays in each lane. The smallest and the largest lane are found once for all samples of a tile.
+#[derive(Clone, Copy, Debug)]
+struct HullLanes {
+    from: BoxLanes,
+    to: BoxLanes,
     is_empty: bool,
 }
 
 /// A box in each lane.
-struct BoxLanes<S: Simd> {
-    min: [f32x16<S>; 3],
-    max: [f32x16<S>; 3],
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct BoxLanes {
+    min: [[f32; LANES]; 3],
+    max: [[f32; LANES]; 3],
 }
 
 impl Default for TileDependencies {
@@ -113,7 +118,7 @@ impl DependencyRecorder {
         wavefront: &Wavefront,
         (hits, surfaces): (&[HitPacket; PACKETS], &[SurfacePacket; PACKETS]),
     ) {
-        let (mut ended, mut endless) = (HullLanes::empty(simd), HullLanes::empty(simd));
+        let [ended, endless] = &mut self.lanes[self.bounce];
         for packet in 0..wavefront.count {
             let (rays, hits) = (&wavefront.rays[packet], &hits[packet]);
             let hit = hits.ids.lanes(simd) & rays.lanes;
@@ -131,91 +136,76 @@ impl DependencyRecorder {
                 endless.add(simd, (wavefront, rays), directions(simd, rays), missed);
             }
         }
-        let lights = std::mem::take(&mut self.lights);
-        let hulls = &mut self.dependencies.hulls[self.bounce];
-        hulls[0].join(&ended.joined(wavefront, lights));
-        hulls[1].join(&endless.joined(wavefront, 0));
+        if let RayOrigin::Eye(eye) = wavefront.start {
+            let eye = eye.as_vec3().to_array().map(|number| f32x16::splat(simd, number));
+            for hull in [ended, endless].into_iter().filter(|hull| !hull.is_empty) {
+                hull.from.extend(simd, eye, ALL);
+            }
+        }
+        self.dependencies.hulls[self.bounce][0].lights |= std::mem::take(&mut self.lights);
     }
 
     /// Moves what is recorded to the dependencies of a tile.
     pub(super) fn move_to(&mut self, tile: &mut TileDependencies) {
         tile.join(&std::mem::take(&mut self.dependencies));
+        for (hull, lanes) in tile.hulls.as_flattened_mut().iter_mut().zip(self.lanes.as_flattened_mut()) {
+            if !lanes.is_empty {
+                hull.from.join(&lanes.from.bounds());
+                hull.to.join(&lanes.to.bounds());
+                *lanes = HullLanes::default();
+            }
+        }
     }
 }
 
-impl<S: Simd> HullLanes<S> {
-    #[inline(always)]
-    fn empty(simd: S) -> Self {
-        Self { from: BoxLanes::empty(simd), to: BoxLanes::empty(simd), is_empty: true }
+impl Default for HullLanes {
+    fn default() -> Self {
+        let none = BoxLanes { min: [[f32::INFINITY; LANES]; 3], max: [[f32::NEG_INFINITY; LANES]; 3] };
+        Self { from: none, to: none, is_empty: true }
     }
+}
 
-    /// Extends the hull to contain active rays to their ends, or in their directions.
+impl HullLanes {
+    /// Extends the hull to contain active rays to their ends, or in their directions. A common origin is up to the caller.
     #[inline(always)]
-    fn add(&mut self, simd: S, (wavefront, rays): (&Wavefront, &RayPacket), to: [f32x16<S>; 3], active: u32) {
+    fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        (wavefront, rays): (&Wavefront, &RayPacket),
+        to: [f32x16<S>; 3],
+        active: u32,
+    ) {
         if !matches!(wavefront.start, RayOrigin::Eye(_)) {
             self.from.extend(simd, rounded(simd, &rays.origins), active);
         }
         self.to.extend(simd, to, active);
         self.is_empty = false;
     }
-
-    /// Returns the hull of the rays in all lanes. Whether it is endless is up to the hull that it joins.
-    #[inline(always)]
-    fn joined(&self, wavefront: &Wavefront, lights: u32) -> RayHull {
-        if self.is_empty {
-            return RayHull::EMPTY;
-        }
-        let from = match wavefront.start {
-            RayOrigin::Eye(eye) => CompactBounds::around(Bounds { min: eye, max: eye }),
-            RayOrigin::Lens | RayOrigin::Anywhere => self.from.bounds(),
-        };
-        RayHull { from, to: self.to.bounds(), lights, is_endless: false }
-    }
 }
 
-impl<S: Simd> BoxLanes<S> {
+impl BoxLanes {
+    /// Extends the boxes to contain the points in the active lanes.
     #[inline(always)]
-    fn empty(simd: S) -> Self {
-        let (most, least) = (f32x16::splat(simd, f32::INFINITY), f32x16::splat(simd, f32::NEG_INFINITY));
-        Self { min: [most; 3], max: [least; 3] }
-    }
-
-    /// Extends the boxes to contain the points in the active lanes, of which there is at least one.
-    #[inline(always)]
-    fn extend(&mut self, simd: S, points: [f32x16<S>; 3], active: u32) {
-        let (inside, first) = (mask16(simd, active), active.trailing_zeros() as usize % LANES);
-        for (axis, mut points) in points.into_iter().enumerate() {
+    fn extend<S: Simd>(&mut self, simd: S, points: [f32x16<S>; 3], active: u32) {
+        let inside = mask16(simd, active);
+        for (axis, points) in points.into_iter().enumerate() {
+            let (min, max) = (&mut self.min[axis], &mut self.max[axis]);
+            let [least, most] = [&*min, &*max].map(|side| f32x16::load_array_ref(simd, side));
+            let (mut lower, mut higher) = (least.min(points), most.max(points));
             if active != ALL {
-                points = inside.select(points, f32x16::splat(simd, points.to_array()[first]));
+                (lower, higher) = (inside.select(lower, least), inside.select(higher, most));
             }
-            self.min[axis] = self.min[axis].min(points);
-            self.max[axis] = self.max[axis].max(points);
+            lower.store_array(min);
+            higher.store_array(max);
         }
     }
 
     /// Returns the box around those of all lanes.
-    #[inline(always)]
     fn bounds(&self) -> CompactBounds {
-        let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
-        for axis in 0..3 {
-            min[axis] = reduced(self.min[axis].to_array(), f32::min);
-            max[axis] = reduced(self.max[axis].to_array(), f32::max);
-        }
+        let min = self.min.map(|lanes| lanes.into_iter().fold(f32::INFINITY, f32::min));
+        let max = self.max.map(|lanes| lanes.into_iter().fold(f32::NEG_INFINITY, f32::max));
         CompactBounds::between(min, max)
     }
-}
-
-/// Combines all lanes. Halves are combined at a time, which takes vector instructions.
-#[inline(always)]
-fn reduced(mut lanes: [f32; LANES], combine: impl Fn(f32, f32) -> f32) -> f32 {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for lane in 0..half {
-            lanes[lane] = combine(lanes[lane], lanes[lane + half]);
-        }
-        half /= 2;
-    }
-    lanes[0]
 }
 
 #[inline(always)]
