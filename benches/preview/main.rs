@@ -46,6 +46,7 @@ fn main() {
 
 /// Shows a scene on a page.
 fn show(scene: &Path, cache: usize) -> (Session, Server, Browser) {
+    assert!(scene.is_file(), "there is no file {}", scene.display());
     let settings = SessionSettings {
         scene: scene.to_owned(),
         overrides: Vec::new(),
