@@ -21,6 +21,10 @@ pub struct OverlayItem {
     pub size: f64,
     /// The colour of letters and bars.
     pub color: Rgb,
+    /// The times in seconds between which the item is shown, the first one included; `None` for all.
+    pub times: Option<[f64; 2]>,
+    /// The seconds within `times` in which the item appears, and those in which it disappears, 0 or more.
+    pub fade: f64,
 }
 
 /// The content of an [`OverlayItem`].
@@ -73,12 +77,41 @@ pub enum Anchor {
     Top,
     /// Top right.
     TopRight,
+    /// Left, half-way down.
+    Left,
+    /// The centre.
+    Center,
+    /// Right, half-way down.
+    Right,
     /// Bottom left.
     BottomLeft,
     /// Bottom centre.
     Bottom,
     /// Bottom right.
     BottomRight,
+}
+
+impl OverlayItem {
+    /// Returns the opacity at a time in seconds, from 0 to 1.
+    ///
+    /// ```
+    /// use rayreel::color::Rgb;
+    /// use rayreel::components::{Anchor, OverlayContent, OverlayItem, TextPart};
+    ///
+    /// let content = OverlayContent::Text { parts: TextPart::parse("The end").unwrap(), cloud: None };
+    /// let times = Some([2.0, 5.0]);
+    /// let title = OverlayItem { content, anchor: Anchor::Center, size: 0.1, color: Rgb::ONE, times, fade: 1.0 };
+    /// let opacities = [1.9, 2.0, 2.5, 3.0, 4.0, 4.75, 5.0].map(|time| title.opacity_at(time));
+    /// assert_eq!(opacities, [0.0, 0.0, 0.5, 1.0, 1.0, 0.25, 0.0]);
+    /// ```
+    #[must_use]
+    pub fn opacity_at(&self, seconds: f64) -> f64 {
+        let Some([first, end]) = self.times else { return 1.0 };
+        if !(first..end).contains(&seconds) {
+            return 0.0;
+        }
+        if self.fade > 0.0 { ((seconds - first).min(end - seconds) / self.fade).min(1.0) } else { 1.0 }
+    }
 }
 
 impl OverlayContent {
@@ -96,8 +129,8 @@ impl TextPart {
     /// Maximum number of decimals.
     pub const MOST_DECIMALS: u8 = 9;
 
-    /// Returns the parts of a text in which `{time}`, `{time:3}` (with three decimals) and `{frame}` stand for numbers. The error is the
-    /// text between braces that stands for nothing.
+    /// Returns the parts of a text in which `{time}`, `{time:3}` (with three decimals) and `{frame}` stand for numbers, and `{{` for an
+    /// opening brace. The error is the text between braces that stands for nothing.
     ///
     /// ```
     /// use rayreel::components::TextPart;
@@ -111,20 +144,24 @@ impl TextPart {
     ///
     /// If braces hold anything else, or are not closed.
     pub fn parse(text: &str) -> Result<Vec<Self>, String> {
-        let mut parts = Vec::new();
-        let mut rest = text;
-        while let Some((words, after)) = rest.split_once('{') {
-            let Some((inside, after)) = after.split_once('}') else {
-                return Err(rest[words.len()..].to_owned());
-            };
+        let (mut parts, mut words, mut rest) = (Vec::new(), String::new(), text);
+        while let Some((before, after)) = rest.split_once('{') {
+            words.push_str(before);
+            if let Some(after) = after.strip_prefix('{') {
+                words.push('{');
+                rest = after;
+                continue;
+            }
+            let (inside, after) = after.split_once('}').ok_or_else(|| rest[before.len()..].to_owned())?;
             if !words.is_empty() {
-                parts.push(Self::Words(words.to_owned()));
+                parts.push(Self::Words(std::mem::take(&mut words)));
             }
             parts.push(Self::of_field(inside).ok_or_else(|| format!("{{{inside}}}"))?);
             rest = after;
         }
-        if !rest.is_empty() {
-            parts.push(Self::Words(rest.to_owned()));
+        words.push_str(rest);
+        if !words.is_empty() {
+            parts.push(Self::Words(words));
         }
         Ok(parts)
     }
@@ -150,6 +187,10 @@ mod tests {
         let words = |text: &str| TextPart::Words(text.to_owned());
         assert_eq!(TextPart::parse(""), Ok(vec![]));
         assert_eq!(TextPart::parse("a } b"), Ok(vec![words("a } b")]));
+        assert_eq!(
+            TextPart::parse("{{a}, {{{frame}{{"),
+            Ok(vec![words("{a}, {"), TextPart::Frame, words("{")])
+        );
         let all = [TextPart::Time(2), words(" s, "), TextPart::Frame, TextPart::Time(0)];
         assert_eq!(TextPart::parse("{time} s, {frame}{time:0}"), Ok(all.to_vec()));
         for (text, wrong) in

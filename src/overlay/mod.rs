@@ -32,6 +32,8 @@ pub(crate) struct PreparedItem {
     pub(crate) size: f64,
     /// The colour of letters and bars.
     pub(crate) color: Rgb,
+    /// The opacity, greater than 0 and at most 1.
+    pub(crate) opacity: f64,
 }
 
 /// The content of a [`PreparedItem`].
@@ -81,12 +83,20 @@ impl PreparedOverlay {
         while let Some(PreparedItem { anchor, .. }) = rest.first().copied() {
             let (there, others) = rest.into_iter().partition::<Vec<_>, _>(|item| item.anchor == *anchor);
             rest = others;
-            let blocks: Vec<_> = there.into_iter().map(|item| layout::block(item, height)).collect();
-            let stack: f64 = blocks.iter().map(|block| block.size[1] + margin).sum::<f64>() - margin;
+            let blocks = there.into_iter().map(|item| (layout::block(item, height), item.opacity));
+            let blocks: Vec<_> = blocks.collect();
+            let stack: f64 = blocks.iter().map(|(block, _)| block.size[1] + margin).sum::<f64>() - margin;
             let mut top = margin + anchor[1] * (height - 2.0 * margin - stack);
-            for block in blocks {
+            for (block, opacity) in blocks {
                 let left = margin + anchor[0] * (width - 2.0 * margin - block.size[0]);
-                block.draw(&mut film, [left.round(), top.round()]);
+                let place = [left.round(), top.round()];
+                if opacity < 1.0 {
+                    let mut drawn = FilmOverlay::new(size);
+                    block.draw(&mut drawn, place);
+                    film.cover_with(&drawn, opacity);
+                } else {
+                    block.draw(&mut film, place);
+                }
                 top += block.size[1] + margin;
             }
         }

@@ -69,7 +69,10 @@ const ALL: &str = "Text(text: \"t = {time:1} ps,\\nframe {frame}\", cloud: \"gas
 
 #[test]
 fn all_paths_give_the_same_bits() {
-    let folder = folder(ALL);
+    // One of them is half transparent at the moment.
+    let folder = self::folder(&format!(
+        "{ALL}, Text(text: \"late\", anchor: Center, size: 0.9, times: (-1, 1), fade: 2)"
+    ));
     for (samples, max_error, alpha) in [(1, 0.0, false), (1, 0.0, true), (3, 0.0, true), (16, 1.0, false)] {
         let mut engine = load(folder.path());
         for sampling in engine.world_mut().query_mut::<&mut Sampling>() {
@@ -140,6 +143,31 @@ fn texts_follow_the_film_and_the_data() {
 }
 
 #[test]
+fn titles_are_shown_between_their_times() {
+    let title = |times: &str| {
+        let folder = folder(&format!("Text(text: \"{{{{title}}\", anchor: Center, size: 0.5{times})"));
+        move |time: &str| load(folder.path()).render(time.parse::<Time>().unwrap()).unwrap().film
+    };
+    let always = title("")("0");
+    let [left, right, top, bottom] = bounds(&always).unwrap();
+    assert!(
+        left.abs_diff(199 - right) < 8 && (top + bottom).abs_diff(99) < 16,
+        "{left} {right} {top} {bottom}"
+    );
+    let cut = title(", times: (0.5, 1.5)");
+    for (time, is_shown) in [("0.4", false), ("0.5", true), ("1.4", true), ("1.5", false)] {
+        assert!(cut(time) == if is_shown { always.clone() } else { film("", "0") }, "{time}");
+    }
+    let faded = title(", times: (0.5, 1.5), fade: 0.4");
+    assert!(bounds(&faded("0.5")).is_none() && faded("1") == always);
+    for (time, opacity) in [("0.6", 0.25), ("0.7", 0.5), ("1.4", 0.25)] {
+        for (found, full) in faded(time).pixels().iter().zip(always.pixels()) {
+            assert!((*found - *full * opacity).abs().max_element() < 1e-6, "{time}: {found} of {full}");
+        }
+    }
+}
+
+#[test]
 fn legends_show_the_colours_that_they_explain() {
     let overlay = "Legend(cloud: \"gas\", size: 0.1)";
     let film = film(overlay, "0");
@@ -194,6 +222,9 @@ fn mistakes_are_reported() {
         ("Legend(cloud: \"nobody\")", "there is no entity \"nobody\""),
         ("Legend(cloud: \"gas/1\")", "\"gas/1\" is no cloud"),
         ("ScaleBar(length: 0, label: \"\")", "length"),
+        ("Text(text: \"\", times: (2, 2))", "the first time lies before the second"),
+        ("Text(text: \"\", times: (0, 2), fade: -1)", "`fade` is the seconds"),
+        ("Text(text: \"\", fade: 1)", "an item that is always shown does not fade"),
     ] {
         let found = message(overlay);
         assert!(found.contains(expected), "{overlay}: {found}");

@@ -18,6 +18,10 @@ pub(crate) enum OverlayDocument {
         size: f64,
         #[serde(default = "white")]
         color: ColorDocument,
+        #[serde(default)]
+        times: Option<(f64, f64)>,
+        #[serde(default)]
+        fade: f64,
     },
     ScaleBar {
         length: f64,
@@ -30,6 +34,10 @@ pub(crate) enum OverlayDocument {
         size: f64,
         #[serde(default = "white")]
         color: ColorDocument,
+        #[serde(default)]
+        times: Option<(f64, f64)>,
+        #[serde(default)]
+        fade: f64,
     },
     Legend {
         cloud: String,
@@ -41,6 +49,10 @@ pub(crate) enum OverlayDocument {
         size: f64,
         #[serde(default = "white")]
         color: ColorDocument,
+        #[serde(default)]
+        times: Option<(f64, f64)>,
+        #[serde(default)]
+        fade: f64,
     },
 }
 
@@ -52,6 +64,9 @@ pub(crate) enum AnchorDocument {
     TopLeft,
     Top,
     TopRight,
+    Left,
+    Center,
+    Right,
     BottomLeft,
     Bottom,
     BottomRight,
@@ -82,6 +97,15 @@ impl OverlayDocument {
             Self::Text { anchor, size, color, .. }
             | Self::ScaleBar { anchor, size, color, .. }
             | Self::Legend { anchor, size, color, .. } => (*anchor, *size, *color),
+        }
+    }
+
+    /// Returns the times between which the item is shown, and the seconds in which it appears and disappears.
+    pub(crate) fn times(&self) -> (Option<(f64, f64)>, f64) {
+        match self {
+            Self::Text { times, fade, .. }
+            | Self::ScaleBar { times, fade, .. }
+            | Self::Legend { times, fade, .. } => (*times, *fade),
         }
     }
 }

@@ -221,11 +221,16 @@ fn overlay_item(
         AnchorDocument::TopLeft => Anchor::TopLeft,
         AnchorDocument::Top => Anchor::Top,
         AnchorDocument::TopRight => Anchor::TopRight,
+        AnchorDocument::Left => Anchor::Left,
+        AnchorDocument::Center => Anchor::Center,
+        AnchorDocument::Right => Anchor::Right,
         AnchorDocument::BottomLeft => Anchor::BottomLeft,
         AnchorDocument::Bottom => Anchor::Bottom,
         AnchorDocument::BottomRight => Anchor::BottomRight,
     };
-    Some(OverlayItem { content, anchor, size, color: transfer.decode(color.0) })
+    let (times, fade) = document.times();
+    let times = times.map(<[f64; 2]>::from);
+    Some(OverlayItem { content, anchor, size, color: transfer.decode(color.0), times, fade })
 }
 
 fn background(document: &BackgroundDocument, transfer: Transfer) -> Background {

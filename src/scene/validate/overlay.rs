@@ -17,6 +17,7 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
             problems.add(&size_at, message, "out of range", "write 0.04 for 25 lines in the picture");
         }
         check::color(color.0, &at.field("color"), problems);
+        times(item, &at, problems);
         cloud(item, scope, &at, problems);
         match item {
             OverlayDocument::Text { text, cloud, .. } => self::text(text, cloud.is_some(), &at, problems),
@@ -28,6 +29,29 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
             }
             OverlayDocument::Legend { .. } => {}
         }
+    }
+}
+
+fn times(item: &OverlayDocument, at: &At<'_>, problems: &mut Problems) {
+    let (times, fade) = item.times();
+    let (times_at, fade_at) = (at.field("times"), at.field("fade"));
+    if let Some((first, end)) = times
+        && !(first.is_finite() && end.is_finite() && first < end)
+    {
+        let help = "write `(2, 5)` for 2 to 5 seconds";
+        problems.add(&times_at, "the first time lies before the second", "empty", help);
+    }
+    if check::number(fade, &fade_at, problems) && fade < 0.0 {
+        problems.add(
+            &fade_at,
+            "`fade` is the seconds in which an item appears",
+            "negative",
+            "write 0 or more",
+        );
+    }
+    if fade > 0.0 && times.is_none() {
+        let help = "add the times between which the item is shown, as `times: (2, 5)`";
+        problems.add(&fade_at, "an item that is always shown does not fade", "without `times`", help);
     }
 }
 
@@ -58,7 +82,7 @@ fn text(text: &str, has_cloud: bool, at: &At<'_>, problems: &mut Problems) {
             &text_at,
             format!("`{wrong}` stands for nothing"),
             "in braces",
-            "write `{time}`, `{time:3}` for three decimals, or `{frame}`",
+            "write `{time}`, `{time:3}` for three decimals, or `{frame}`; an opening brace is `{{`",
         ),
         Ok(parts) if !has_cloud && parts.contains(&TextPart::Frame) => problems.add(
             &text_at,

@@ -21,8 +21,11 @@ pub(super) fn prepared_overlay(
     viewpoint: Option<Viewpoint>,
 ) -> PreparedOverlay {
     let Some(Overlay(items)) = first_of(world) else { return PreparedOverlay::default() };
-    let item = |OverlayItem { content, anchor, size, color }: &OverlayItem| {
+    let item = |item: &OverlayItem| {
+        let OverlayItem { content, anchor, size, color, .. } = item;
         let size = (*size > 0.0 && *size <= 1.0).then_some(*size)?;
+        let opacity = item.opacity_at(moment.seconds());
+        let opacity = (opacity > 0.0).then_some(opacity)?;
         let content = match content {
             OverlayContent::Text { parts, cloud } => {
                 PreparedContent::Text(text(world, parts, *cloud, moment)?)
@@ -35,7 +38,7 @@ pub(super) fn prepared_overlay(
             }
             OverlayContent::Legend { cloud, title } => legend(world, *cloud, title)?,
         };
-        Some(PreparedItem { content, anchor: shares(*anchor), size, color: sane(*color) })
+        Some(PreparedItem { content, anchor: shares(*anchor), size, color: sane(*color), opacity })
     };
     PreparedOverlay::new(items.iter().filter_map(item).collect())
 }
@@ -46,6 +49,9 @@ fn shares(anchor: Anchor) -> [f64; 2] {
         Anchor::TopLeft => [0.0, 0.0],
         Anchor::Top => [0.5, 0.0],
         Anchor::TopRight => [1.0, 0.0],
+        Anchor::Left => [0.0, 0.5],
+        Anchor::Center => [0.5, 0.5],
+        Anchor::Right => [1.0, 0.5],
         Anchor::BottomLeft => [0.0, 1.0],
         Anchor::Bottom => [0.5, 1.0],
         Anchor::BottomRight => [1.0, 1.0],

@@ -37,12 +37,19 @@ impl FilmOverlay {
         let place = u32::try_from(column).ok().filter(|column| *column < self.columns && share > 0.0);
         let pixels = usize::try_from(row).ok().and_then(|row| self.rows.get_mut(row));
         let (Some(column), Some(pixels)) = (place, pixels) else { return };
-        let under = pixels.entry(column).or_insert(OverPixel { light: Rgb::ZERO, remaining: 1.0 });
-        let remaining = 1.0 - share;
-        *under = OverPixel {
-            light: under.light * remaining + color * share,
-            remaining: under.remaining * remaining,
-        };
+        put_over(pixels, column, OverPixel { light: color * share, remaining: 1.0 - share });
+    }
+
+    /// Covers the pixels with another overlay of the same size and this opacity, from 0 to 1.
+    pub(crate) fn cover_with(&mut self, other: &Self, opacity: f64) {
+        #[expect(clippy::cast_possible_truncation, reason = "coverage is rounded")]
+        let opacity = opacity as f32;
+        for (pixels, others) in self.rows.iter_mut().zip(&other.rows) {
+            for (column, OverPixel { light, remaining }) in others {
+                let remaining = 1.0 - opacity * (1.0 - remaining);
+                put_over(pixels, *column, OverPixel { light: *light * opacity, remaining });
+            }
+        }
     }
 
     /// Returns the touched pixels, row by row: column, row, light and remaining share.
@@ -93,6 +100,12 @@ impl FilmOverlay {
         }
         is_touched
     }
+}
+
+/// Puts a pixel over what is in its row already.
+fn put_over(row: &mut BTreeMap<u32, OverPixel>, column: u32, over: OverPixel) {
+    let under = row.entry(column).or_insert(OverPixel { light: Rgb::ZERO, remaining: 1.0 });
+    *under = OverPixel { light: over.on(under.light), remaining: under.remaining * over.remaining };
 }
 
 impl OverPixel {
