@@ -137,9 +137,12 @@ impl DependencyRecorder {
             }
         }
         if let RayOrigin::Eye(eye) = wavefront.start {
-            let eye = eye.as_vec3().to_array().map(|number| f32x16::splat(simd, number));
-            for hull in [ended, endless].into_iter().filter(|hull| !hull.is_empty) {
-                hull.from.extend(simd, eye, ALL);
+            let [x, y, z] = eye.as_vec3().to_array();
+            let eye = [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)];
+            for hull in [ended, endless] {
+                if !hull.is_empty {
+                    hull.from.extend(simd, eye, ALL);
+                }
             }
         }
         self.dependencies.hulls[self.bounce][0].lights |= std::mem::take(&mut self.lights);
@@ -190,7 +193,7 @@ impl BoxLanes {
         let inside = mask16(simd, active);
         for (axis, points) in points.into_iter().enumerate() {
             let (min, max) = (&mut self.min[axis], &mut self.max[axis]);
-            let [least, most] = [&*min, &*max].map(|side| f32x16::load_array_ref(simd, side));
+            let (least, most) = (f32x16::load_array_ref(simd, min), f32x16::load_array_ref(simd, max));
             let (mut lower, mut higher) = (least.min(points), most.max(points));
             if active != ALL {
                 (lower, higher) = (inside.select(lower, least), inside.select(higher, most));
@@ -202,8 +205,11 @@ impl BoxLanes {
 
     /// Returns the box around those of all lanes.
     fn bounds(&self) -> CompactBounds {
-        let min = self.min.map(|lanes| lanes.into_iter().fold(f32::INFINITY, f32::min));
-        let max = self.max.map(|lanes| lanes.into_iter().fold(f32::NEG_INFINITY, f32::max));
+        // A comparison is one instruction; `f32::min`, which also ignores NaN on its left, takes several.
+        let lower = |least, lane| if lane < least { lane } else { least };
+        let higher = |most, lane| if lane > most { lane } else { most };
+        let min = self.min.map(|lanes| lanes.into_iter().fold(f32::INFINITY, lower));
+        let max = self.max.map(|lanes| lanes.into_iter().fold(f32::NEG_INFINITY, higher));
         CompactBounds::between(min, max)
     }
 }
