@@ -73,6 +73,11 @@ pub struct Follow(pub Entity);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LookAt(pub Entity);
 
+/// The entity on which a camera's lens focuses: the plane in focus lies at the depth of the entity's world position, in place of
+/// [`Lens::focus`], while it is in front of the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FocusOn(pub Entity);
+
 /// The point to which the +z axis of an entity without a camera points, in the space of its parent. Overrides the rotation of its
 /// [`Transform`](super::Transform).
 ///

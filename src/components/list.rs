@@ -32,6 +32,7 @@ macro_rules! with_components {
             Camera: rewritten,
             Follow: rewritten,
             LookAt: transform,
+            FocusOn: rewritten,
             Target: transform,
             Shots: rewritten,
             FilmSettings: rewritten,

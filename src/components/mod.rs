@@ -15,7 +15,8 @@
 //! | [`Light`] | a light source |
 //! | [`Camera`], [`FilmSettings`] | the view, and the size and encoding of the image |
 //! | [`LookAt`], [`Target`] | the entity that a camera looks at, or the entity or point that another entity points to |
-//! | [`Follow`], [`Shots`] | the entity that a camera follows, and the active camera over time |
+//! | [`Follow`], [`FocusOn`] | the entity that a camera follows, and the one on which its lens focuses |
+//! | [`Shots`] | the active camera over time |
 //! | [`Ambient`], [`AmbientOcclusion`], [`Background`], [`Sun`], [`Stars`], [`Fog`], [`Quality`], [`Sampling`], [`Space`] | settings of the whole scene; at most one of each in a world |
 //! | [`Overlay`] | texts, scale bars and legends over the picture |
 //! | [`Animated`] | motions of the values above, each a [`Property`] and a [`Motion`] |
@@ -43,7 +44,7 @@ mod transform;
 mod visibility;
 
 pub use animated::{Animated, Channel, Motion, ScriptId, ShortTurn, Way};
-pub use camera::{Camera, Follow, Lens, LookAt, Projection, Shot, Shots, Target, View};
+pub use camera::{Camera, FocusOn, Follow, Lens, LookAt, Projection, Shot, Shots, Target, View};
 pub use cloud::{
     AtParticle, Cloud, CloudBonds, CloudColors, CloudLegend, CloudMember, CloudSource, DataMoment, Particles,
 };

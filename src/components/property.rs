@@ -81,6 +81,8 @@ pub(crate) enum Requirement {
     ScreenWidth,
     /// A camera with a lens.
     Lens,
+    /// A camera with a lens that does not focus on an entity ([`FocusOn`](super::FocusOn)).
+    Focus,
     /// The scene.
     AmbientLight,
     /// The scene, with a background of one colour.
@@ -200,7 +202,7 @@ table! {
         /// [`Lens::aperture`](super::Lens::aperture).
         Aperture => (Requirement::Lens, Quantity::Aperture),
         /// [`Lens::focus`](super::Lens::focus).
-        Focus => (Requirement::Lens, Quantity::Length),
+        Focus => (Requirement::Focus, Quantity::Length),
         /// [`Ambient`](super::Ambient).
         Ambient => (Requirement::AmbientLight, Quantity::Light),
         /// The colour of a [`Background::Flat`](super::Background).

@@ -115,6 +115,7 @@ pub(super) fn declare(property: Property, entity: Entity, has_camera: bool, chan
         | Requirement::Screen
         | Requirement::ScreenWidth
         | Requirement::Lens
+        | Requirement::Focus
         | Requirement::AmbientLight
         | Requirement::FlatBackground
         | Requirement::Gradient

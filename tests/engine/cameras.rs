@@ -111,6 +111,41 @@ fn a_camera_looks_at_an_entity() {
 }
 
 #[test]
+fn a_lens_focuses_on_an_entity() {
+    let rolling = "(target: \"ball\", channel: Translation, track: Keys([(0, (0, 0, 1)), (1, (3, 0, 5))]))";
+    let film = |lens: &str, moment: Time| {
+        let camera = format!("camera: (position: (0, 0, -4), view: (0, 0, 1), {lens}),");
+        Engine::from_scene(read(&text(&camera, rolling))).render(moment).unwrap().film
+    };
+    // Half-way, the ball is 7 units in front of the camera, and to its right.
+    for (moment, depth) in [(time(0), 5), (time(5), 7)] {
+        let focused = film("lens: (aperture: 2, focus: 1), focus_on: \"ball\"", moment);
+        assert!(focused == film(&format!("lens: (aperture: 2, focus: {depth})"), moment));
+        assert!(focused != film("lens: (aperture: 2, focus: 1)", moment));
+    }
+    // An entity behind the camera is not in focus.
+    let camera = |focus: &str| {
+        let camera =
+            format!("camera: (position: (0, 0, 9), view: (0, 0, 1), lens: (aperture: 2, focus: 3){focus}),");
+        Engine::from_scene(read(&text(&camera, rolling))).render(time(0)).unwrap().film
+    };
+    assert!(camera(", focus_on: \"ball\"") == camera(""));
+    for (camera, expected) in [
+        ("focus_on: \"ball\"", "without a `lens` everything is in focus"),
+        ("lens: (aperture: 2, focus: 3), focus_on: \"bell\"", "there is no entity \"bell\""),
+    ] {
+        let camera = format!("camera: (position: (0, 0, 9), view: (0, 0, 1), {camera}),");
+        let error = Scene::from_text("cameras.ron", text(&camera, "")).err().unwrap().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let pull = "(target: \"camera\", channel: Focus, track: Keys([(0, 3), (1, 5)]))";
+    let camera =
+        "camera: (position: (0, 0, 9), view: (0, 0, 1), lens: (aperture: 2, focus: 3), focus_on: \"ball\"),";
+    let error = Scene::from_text("cameras.ron", text(camera, pull)).err().unwrap().to_string();
+    assert!(error.contains("a camera with `focus_on`"), "{error}");
+}
+
+#[test]
 fn roll_turns_the_camera_to_its_left() {
     let found = pose("position: (0, 0, 0), view: (0, 0, 1), roll: 90", "", time(0));
     // As +90 degrees about z take x to y and y to -x.

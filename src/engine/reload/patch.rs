@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::matching::{Counterparts, Matching, shape_bits, transform_bits};
 use crate::components::{
-    self, Emission, Follow, LookAt, Material, Overlay, Parent, Pattern, Reflective, Refractive, Shape, Shots,
-    Specular, Target, Transform, Visibility, with_components,
+    self, Emission, FocusOn, Follow, LookAt, Material, Overlay, Parent, Pattern, Reflective, Refractive,
+    Shape, Shots, Specular, Target, Transform, Visibility, with_components,
 };
 use crate::systems::Changes;
 
@@ -58,6 +58,9 @@ fn translate_links(scene: &mut World, own: &Counterparts) {
     }
     for looked_at in scene.query_mut::<&mut LookAt>() {
         looked_at.0 = own.of(looked_at.0);
+    }
+    for focused in scene.query_mut::<&mut FocusOn>() {
+        focused.0 = own.of(focused.0);
     }
     for overlay in scene.query_mut::<&mut Overlay>() {
         for cloud in overlay.0.iter_mut().filter_map(|item| item.content.cloud_mut()) {

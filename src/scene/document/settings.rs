@@ -281,6 +281,16 @@ pub(crate) struct CameraDocument {
     pub(crate) parent: Option<String>,
     pub(crate) follow: Option<String>,
     pub(crate) look_at: Option<String>,
+    pub(crate) focus_on: Option<String>,
+}
+
+impl CameraDocument {
+    /// Returns the names of the entities to which the camera is linked, each with its field.
+    pub(crate) fn links(&self) -> [(&'static str, Option<&String>); 4] {
+        let Self { parent, follow, look_at, focus_on, .. } = self;
+        let links = [("parent", parent), ("follow", follow), ("look_at", look_at), ("focus_on", focus_on)];
+        links.map(|(field, name)| (field, name.as_ref()))
+    }
 }
 
 fn upwards() -> Triple {

@@ -26,10 +26,10 @@ use super::playback::{ValueDocument, keys, playback};
 use crate::animation::{Interpolate, Notation, Playback, Rotation, Track};
 use crate::color::{ColorRamp, ErrorNorm, Rgb, Transfer};
 use crate::components::{
-    Ambient, AmbientOcclusion, Anchor, Animated, AtParticle, Background, Camera, Channel, FilmSettings, Fog,
-    Follow, Lens, LookAt, Motion, Name, Noise, Overlay, OverlayContent, OverlayItem, Parent, Projection,
-    Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars, Sun, TextPart, Transform,
-    View, Way, WorldTransform,
+    Ambient, AmbientOcclusion, Anchor, Animated, AtParticle, Background, Camera, Channel, FilmSettings,
+    FocusOn, Fog, Follow, Lens, LookAt, Motion, Name, Noise, Overlay, OverlayContent, OverlayItem, Parent,
+    Projection, Property, Quality, Sampling, ScriptId, ShortTurn, Shot, Shots, Space, Stars, Sun, TextPart,
+    Transform, View, Way, WorldTransform,
 };
 use crate::time::{FrameRate, Timeline};
 
@@ -118,12 +118,10 @@ fn referred_to<'a>(
     document: &'a SceneDocument,
     entities: &[Entity],
 ) -> (HashMap<&'a str, Entity>, Vec<NamedParticle<'a>>) {
-    let links =
-        |camera: &'a CameraDocument| [&camera.parent, &camera.follow, &camera.look_at].map(Option::as_ref);
     let parents =
         document.entities.iter().flat_map(|entity| [entity.parent.as_deref(), entity.look_at.as_deref()]);
     let targets = document.animate.iter().map(|animation| animation.target.as_ref());
-    let cameras = document.named_cameras().flat_map(|(_, camera)| links(camera));
+    let cameras = document.named_cameras().flat_map(|(_, camera)| camera.links().map(|(_, name)| name));
     let explained = document.overlay.iter().map(OverlayDocument::cloud);
     let names = parents.chain(targets).chain(cameras).chain(explained).flatten();
     let wanted: HashSet<&str> = names.map(String::as_str).collect();
@@ -160,6 +158,9 @@ fn link(world: &mut World, entity: Entity, camera: &CameraDocument, names: &Hash
     }
     if let Some(looked_at) = named(&camera.look_at) {
         builder.add(LookAt(looked_at));
+    }
+    if let Some(focused) = named(&camera.focus_on) {
+        builder.add(FocusOn(focused));
     }
     // The entity exists: the camera was spawned before.
     let _ = world.insert(entity, builder.build());

@@ -59,8 +59,7 @@ fn name(document: &SceneDocument, name: &str, scope: Scope<'_>, at: &At<'_>, pro
 
 /// Checks the references of a camera to entities.
 fn links(document: &CameraDocument, scope: Scope<'_>, at: &At<'_>, problems: &mut Problems) {
-    let links = [("parent", &document.parent), ("follow", &document.follow), ("look_at", &document.look_at)];
-    for (field, name) in links {
+    for (field, name) in document.links() {
         if let Some(name) = name
             && scope.entity(name).is_missing()
         {
@@ -196,7 +195,14 @@ fn shutter(share: f64, at: &At<'_>, problems: &mut Problems) {
 }
 
 fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
-    let Some(lens) = &document.lens else { return };
+    let Some(lens) = &document.lens else {
+        if document.focus_on.is_some() {
+            let help = "add a lens, as `lens: (aperture: 0.1, focus: 5)`, or remove `focus_on`";
+            let message = "without a `lens` everything is in focus";
+            problems.add(&at.field("focus_on"), message, "nothing to focus", help);
+        }
+        return;
+    };
     let at = at.field("lens");
     aperture(lens.aperture, &at.field("aperture"), problems);
     check::size(lens.focus, "the distance in focus", &at.field("focus"), problems);

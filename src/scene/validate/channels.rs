@@ -132,7 +132,8 @@ fn lack_of_camera(camera: &CameraDocument, part: Requirement) -> Option<&'static
         Requirement::ScreenWidth => {
             (screen.is_some_and(|screen| screen.width.is_some()), "a screen without a `width`")
         }
-        Requirement::Lens => (camera.lens.is_some(), "a camera without a `lens`"),
+        Requirement::Focus if camera.focus_on.is_some() => (false, "a camera with `focus_on`"),
+        Requirement::Lens | Requirement::Focus => (camera.lens.is_some(), "a camera without a `lens`"),
         _ => (false, "the camera"),
     };
     (!fits).then_some(otherwise)
@@ -347,6 +348,7 @@ fn home(part: Requirement) -> &'static str {
         Requirement::Screen => "the camera has it where it has a `screen`",
         Requirement::ScreenWidth => "the camera has it where its `screen` has a `width`",
         Requirement::Lens => "the camera has it where it has a `lens`",
+        Requirement::Focus => "the camera has it where it has a `lens` and no `focus_on`",
         Requirement::AmbientLight => "the scene has it: `target: \"scene\"`",
         Requirement::FlatBackground => "the scene has it where its background is one colour",
         Requirement::Gradient => "the scene has it where its background is `(bottom: .., top: ..)`",

@@ -6,7 +6,7 @@ use hecs::{Component, Entity, World};
 use super::settings::{first, first_entity};
 use super::{RenderSettings, Viewpoint};
 use crate::components::{
-    Camera, FilmSettings, Follow, LookAt, Projection, Sampling, Shots, Space, View, WorldTransform,
+    Camera, FilmSettings, FocusOn, Follow, LookAt, Projection, Sampling, Shots, Space, View, WorldTransform,
 };
 use crate::time::Time;
 use crate::trace;
@@ -49,7 +49,12 @@ pub(super) fn prepared_camera(
         prepared = prepared.orthographic();
     }
     let prepared = prepared.rolled(camera.roll);
-    camera.lens.map_or(prepared, |lens| prepared.with_lens(lens.aperture, lens.focus))
+    camera.lens.map_or(prepared, |lens| {
+        let focused = position_of(world, component::<FocusOn>(world, entity).map(|FocusOn(entity)| entity));
+        let depth = focused.map(|point| (point - eye).dot(view) / view.length());
+        let depth = depth.filter(|depth| *depth > 0.0 && depth.is_finite());
+        prepared.with_lens(lens.aperture, depth.unwrap_or(lens.focus))
+    })
 }
 
 /// Returns the prepared active camera of the frame at `moment`, whatever the viewpoint. The world must be at that moment.

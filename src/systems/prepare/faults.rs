@@ -15,10 +15,10 @@ use super::settings::first_entity;
 use super::shape::prepared_shape;
 use crate::color::Rgb;
 use crate::components::{
-    Ambient, AmbientOcclusion, Animated, AreaShape, Background, Camera, FilmSettings, Fog, Follow, Light,
-    LightKind, LookAt, Material, Motion, Order, Parent, Pattern, PatternKind, Projection, Property, Quality,
-    Quantity, Refractive, Sampling, Shape, Shots, Specular, Stars, Sun, Target, Transform, ValidRange, View,
-    Visibility, WorldTransform,
+    Ambient, AmbientOcclusion, Animated, AreaShape, Background, Camera, FilmSettings, FocusOn, Fog, Follow,
+    Light, LightKind, LookAt, Material, Motion, Order, Parent, Pattern, PatternKind, Projection, Property,
+    Quality, Quantity, Refractive, Sampling, Shape, Shots, Specular, Stars, Sun, Target, Transform,
+    ValidRange, View, Visibility, WorldTransform,
 };
 use crate::systems::aim::circular_aims;
 use crate::systems::{Consequence, Fallback, Fault, FaultCause, Unplaced};
@@ -341,7 +341,8 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     let followed = world.get::<&Follow>(entity).map(|follow| follow.0);
     let looked_at = world.get::<&LookAt>(entity).map(|look_at| look_at.0);
     let looks_at_entity = looked_at.is_ok();
-    for (linked, what) in [(followed, "follows"), (looked_at, "looks at")] {
+    let focused = world.get::<&FocusOn>(entity).map(|focus| focus.0);
+    for (linked, what) in [(followed, "follows"), (looked_at, "looks at"), (focused, "focuses on")] {
         if linked.is_ok_and(|linked| position_of(world, Some(linked)).is_none()) {
             faults.push(instead(entity, FaultCause::Missing(what), Fallback::Nothing));
         }

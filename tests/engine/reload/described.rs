@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::fmt::Debug;
 
 use rayreel::components::{
-    Ambient, AmbientOcclusion, Animated, Background, Camera, Emission, FilmSettings, Fog, Follow, Light,
-    LookAt, Material, Name, Order, Parent, Pattern, Quality, Reflective, Refractive, Sampling, Shape, Shots,
-    Space, Specular, Stars, Sun, Target, Transform, Visibility, WorldTransform,
+    Ambient, AmbientOcclusion, Animated, Background, Camera, Emission, FilmSettings, FocusOn, Fog, Follow,
+    Light, LookAt, Material, Name, Order, Parent, Pattern, Quality, Reflective, Refractive, Sampling, Shape,
+    Shots, Space, Specular, Stars, Sun, Target, Transform, Visibility, WorldTransform,
 };
 use rayreel::{Entity, Film, World};
 
@@ -66,6 +66,7 @@ impl Words<'_> {
             self.linked(|parent: &Parent| vec![parent.0]),
             self.linked(|followed: &Follow| vec![followed.0]),
             self.linked(|looked_at: &LookAt| vec![looked_at.0]),
+            self.linked(|focused: &FocusOn| vec![focused.0]),
             self.linked(|shots: &Shots| shots.0.iter().map(|shot| shot.camera).collect()),
             self.one::<WorldTransform>()
                 .map(|words| if with_world_transforms { words } else { String::new() }),
