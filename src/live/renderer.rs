@@ -55,6 +55,8 @@ pub(super) struct Renderer {
     in_progress: Option<RenderInProgress>,
     /// The full picture that is due after an edit and is rendered while other pictures are shown.
     background: Option<RenderInProgress>,
+    /// True while the displayed scene has tried values.
+    shows_tried: bool,
     /// The picture that is rendered for the cache.
     filling: Option<RenderInProgress>,
     /// The last full picture that was requested, of any frame, and the last one for the cache. Their tiles are reused.
@@ -83,6 +85,7 @@ impl Renderer {
             last_level: None,
             in_progress: None,
             background: None,
+            shows_tried: false,
             filling: None,
             displayed: None,
             filled: None,
@@ -127,7 +130,9 @@ impl Renderer {
         self.begin_cache();
         let (timeline, film) = (self.engine.timeline, self.engine.effective_settings().film);
         let published = self.publisher.published();
-        let before = published.keep_for_comparison();
+        // The steps of a drag are one edit: its pictures are compared with the last one before it.
+        let was_tried = std::mem::replace(&mut self.shows_tried, published.shows_tried_values());
+        let before = if was_tried { published.state().before } else { published.keep_for_comparison() };
         // Pages are notified together with the first picture, so that they do not keep the machine busy before it.
         published.update_without_notify(|state| {
             *state = State {

@@ -61,7 +61,8 @@ fn tried_values_are_shown_and_kept_ones_written() {
             event => assert!(!matches!(event, Event::Reloaded(_)), "the files are not read: {event:?}"),
         }
     }
-    assert_eq!(text(&stage), before, "nothing is written");
+    let compared = || stage.session().handle().state().before;
+    assert_eq!((text(&stage), compared()), (before.clone(), Some(first.info)), "nothing is written");
     attempt(&stage, &["camera.fov=30", "materials.clay.k_d=0.25"]).unwrap();
     edit(&stage, SceneEdit::Keep).unwrap();
     let edited = before
@@ -79,6 +80,7 @@ fn tried_values_are_shown_and_kept_ones_written() {
     };
     let mut cold = Engine::load(stage.path("ball.ron")).unwrap();
     assert!(cold.render_frame(0).unwrap() == *kept.film);
+    assert_eq!(compared(), Some(first.info), "the picture before the first value was tried");
     edit(&stage, SceneEdit::Undo).unwrap();
     assert_eq!((text(&stage), edits(&stage).undoable), (before.clone(), 0));
     edit(&stage, SceneEdit::Redo).unwrap();

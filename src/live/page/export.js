@@ -54,7 +54,7 @@ function describeExport() {
     ["Length", `${count} ${count === 1 ? "frame" : "frames"}, ${rate}${isRange ? ", the range of the timeline" : ""}`],
     ["Time", times.length ? estimate(count * mean) : "known once a frame is rendered in full"],
     extension ? ["Into", shortened(path), path]
-      : ["Files", `${shortened(path)}: ${file(first)}${count > 1 ? ` to ${file(last)}` : ""}. Frames that are there already stay.`, path],
+      : ["Files", `${shortened(path)}: ${file(first)}${count > 1 ? ` to ${file(last)}` : ""}. Existing frames are kept.`, path],
   ];
   at("export-facts").replaceChildren(...facts.map(([name, text, title = ""]) => {
     const row = element("tr");

@@ -117,7 +117,7 @@ function describeHeat() {
   const isRead = shown?.full && state.rays === 0;
   Object.assign(at("heat-measure"), { hidden: heat === null || hasHeat() || !shown?.full, disabled: at("measure").disabled });
   if (!heat) { write(at("heat-count"), playing ? "Pause to see the numbers." : isRead ? "This picture is from a file: R renders it, with its numbers." : "The numbers come with the finished picture."); return; }
-  if (!hasHeat()) { write(at("heat-count"), shown?.full ? "Known with an error target, or measured with other samples:" : "Known for pictures in full quality."); return; }
+  if (!hasHeat()) { write(at("heat-count"), shown?.full ? "Not measured yet. Measure renders the frame again, and compares." : "Known for pictures in full quality."); return; }
   const spot = hovered ?? view.spot, pixel = spot?.every((place, axis) => place < heat.film[axis]) ? spot : null;
   const [column, row] = [heat.width, heat.height].map((count, axis) => pixel && Math.floor((pixel[axis] + 0.5) / heat.film[axis] * count / heat.tile));
   write(at("heat-count"), HEAT_KINDS[view.heatKind].describe(pixel ? row * heat.columns + column : null));

@@ -19,7 +19,7 @@ function moveSpot(right, down) {
   if (shown) markPixel([inside(i + right, width), inside(j + down, height)]);
 }
 const finish = () => request("finish");
-const measure = () => { if (!at("measure").disabled) { at("plan-panel").open = true; pause(); request("measure"); } };
+const measure = () => { if (!at("measure").disabled) { at("plan-panel").open = true; at("plan-panel").scrollIntoView({ block: "nearest" }); pause(); request("measure"); } };
 const faster = by => {
   const options = [...at("speed").options].map(option => Number(option.value));
   setSpeed(options[Math.max(0, Math.min(options.length - 1, options.indexOf(view.speed) + by))]);

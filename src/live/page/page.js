@@ -142,6 +142,8 @@ function drawStatus() {
   const wrong = away || Boolean(state && (state.mistakes || state.frame_mistakes));
   write(at("status"), status());
   at("status").classList.toggle("wrong", wrong);
+  document.body.classList.toggle("away", away);
+  at("status").title = away ? "Start `rayreel watch` again: the page connects by itself" : "";
   const waits = state !== null && state.rendering && !wrong && playing === null;
   at("progress").hidden = !waits;
   if (waits) at("progress").value = state.progress;

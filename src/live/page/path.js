@@ -213,6 +213,7 @@ function setPath() {
   keep();
   if (!state) return;
   fetchPath();
+  at("path-panel").scrollIntoView({ block: "nearest" });
   draw();
 }
 

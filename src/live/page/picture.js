@@ -106,6 +106,8 @@ function drawComparison() {
     const where = differs ? `difference × ${view.gain} from ${pinned ? "the pinned picture" : "before the edit"}` : wiping && !view.swap ? `left: ${what}` : what;
     const which = (before.frame === view.frame ? where : `${where}, frame ${before.frame}`) + (before.coarse ? ", unfinished" : "");
     at("compared").textContent = differs ? `${which}: ${drawDifference()}` : which;
+    // There is no difference to show before both pictures are there, in the same size.
+    if (differs) at("difference").hidden = differing === null;
   }
 }
 

@@ -44,13 +44,13 @@ function setDifference() {
 // Draws the absolute difference of each channel, amplified. Returns it in words.
 function drawDifference() {
   const [now, past] = [at("now"), at("before")], of = `${now.src} ${past.src} ${view.gain}`;
-  if (!past.complete || !past.naturalWidth || !now.naturalWidth) return "loading";
+  if (!past.complete || !past.naturalWidth || !now.naturalWidth) { differing = null; return "loading"; }
   if (differing === of) return difference;
   const [one, other] = [bytesOf(now), bytesOf(past)], { width, height } = one;
-  differing = of;
+  differing = width === other.width && height === other.height ? of : null;
+  if (!differing) return `sizes differ: ${other.width} × ${other.height} and ${width} × ${height}`;
   at("difference").width = width;
   at("difference").height = height;
-  if (width !== other.width || height !== other.height) return difference = `sizes differ: ${other.width} × ${other.height} and ${width} × ${height}`;
   let most = 0, count = 0;
   for (let start = 0; start < one.data.length; start += 4) {
     let largest = 0;
