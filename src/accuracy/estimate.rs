@@ -48,7 +48,7 @@ pub fn estimate(
 const SEEDS: [u64; 2] = [0x243f_6a88_85a3_08d3, 0xb7e1_5162_8aed_2a6a];
 
 /// A picture, and the estimated error of it and of another one with independent samples.
-struct Measured {
+struct EstimatedPicture {
     picture: OutputValues,
     estimate: Estimate,
 }
@@ -59,13 +59,13 @@ fn pair(
     moment: Time,
     settings: RenderSettings,
     cancelled: &AtomicBool,
-) -> Result<Measured, EngineError> {
+) -> Result<EstimatedPicture, EngineError> {
     let mut seeded =
         |seed| values(engine, moment, RenderSettings { seed: Some(seed), ..settings }, cancelled);
     let [(picture, first), (other, second)] = [seeded(SEEDS[0])?, seeded(SEEDS[1])?];
     let rms = FilmError::of_values(&picture, &other).rms / SQRT_2;
     let tiles = tile_squares(&picture, &other).into_iter().map(|square| root(square / 2.0)).collect();
-    Ok(Measured { picture, estimate: Estimate { rms, tiles, seconds: f64::midpoint(first, second) } })
+    Ok(EstimatedPicture { picture, estimate: Estimate { rms, tiles, seconds: f64::midpoint(first, second) } })
 }
 
 /// Estimates the error of a picture with a single sample per pixel, from two pictures with four.
