@@ -90,9 +90,10 @@ fn drag(browser: &Browser, handle: &str, by: [i32; 2], name: &str) -> [[i32; 2];
 }
 
 fn undo(browser: &Browser, name: &str) {
-    let undoable = browser.evaluate("state.edits.undoable");
+    let [undoable, reloads] = ["state.edits.undoable", "state.reloads"].map(|count| browser.evaluate(count));
     browser.click("#undo");
-    until(browser, &format!("state.edits.undoable === {undoable} - 1"));
+    // The change of the file is known before it is read again.
+    until(browser, &format!("state.edits.undoable === {undoable} - 1 && state.reloads > {reloads}"));
     rested(browser, name);
 }
 
