@@ -38,7 +38,7 @@ pub fn estimate(
 ) -> Result<Option<Estimate>, EngineError> {
     let sampling = settings.or(engine.settings).effective(engine.world()).sampling;
     unless_cancelled(if sampling.samples > 1 {
-        pair(engine, moment, settings, cancelled).map(|measured| measured.estimate)
+        pair(engine, moment, settings, cancelled).map(|estimated| estimated.estimate)
     } else {
         single(engine, moment, settings, cancelled)
     })
@@ -47,7 +47,7 @@ pub fn estimate(
 /// Seeds of the independent pictures: digits of pi and of e, which scenes do not use.
 const SEEDS: [u64; 2] = [0x243f_6a88_85a3_08d3, 0xb7e1_5162_8aed_2a6a];
 
-/// A picture, and the estimated error of it and of another one with independent samples.
+/// One of two pictures with independent samples, and the estimated error of each.
 struct EstimatedPicture {
     picture: OutputValues,
     estimate: Estimate,
@@ -61,7 +61,7 @@ fn pair(
     cancelled: &AtomicBool,
 ) -> Result<EstimatedPicture, EngineError> {
     let mut seeded =
-        |seed| values(engine, moment, RenderSettings { seed: Some(seed), ..settings }, cancelled);
+        |seed| render_timed(engine, moment, RenderSettings { seed: Some(seed), ..settings }, cancelled);
     let [(picture, first), (other, second)] = [seeded(SEEDS[0])?, seeded(SEEDS[1])?];
     let rms = FilmError::of_values(&picture, &other).rms / SQRT_2;
     let tiles = tile_squares(&picture, &other).into_iter().map(|square| root(square / 2.0)).collect();
@@ -75,7 +75,7 @@ fn single(
     settings: RenderSettings,
     cancelled: &AtomicBool,
 ) -> Result<Estimate, EngineError> {
-    let (picture, seconds) = values(engine, moment, settings, cancelled)?;
+    let (picture, seconds) = render_timed(engine, moment, settings, cancelled)?;
     let four = RenderSettings { samples: Some(4), max_error: Some(0.0), ..settings };
     let four = pair(engine, moment, four, cancelled)?;
     let apart = FilmError::of_values(&picture, &four.picture).rms;
@@ -92,7 +92,7 @@ fn root(square: f64) -> f32 {
 }
 
 /// Renders a picture. Returns its output values and its time in seconds.
-fn values(
+fn render_timed(
     engine: &mut Engine,
     moment: Time,
     settings: RenderSettings,

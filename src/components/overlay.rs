@@ -23,7 +23,7 @@ pub struct OverlayItem {
     pub color: Rgb,
     /// The times in seconds between which the item is shown, the first one included; `None` for all.
     pub times: Option<[f64; 2]>,
-    /// The seconds within `times` in which the item appears, and those in which it disappears, 0 or more.
+    /// The duration of the fade-in and of the fade-out, in seconds, 0 or more. Both lie within `times`.
     pub fade: f64,
 }
 

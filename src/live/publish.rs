@@ -108,8 +108,14 @@ impl Published {
 
     /// Returns whether values are tried on the page, or a view that is not written.
     pub(super) fn shows_tried_values(&self) -> bool {
+        let Unwritten { values, view } = self.unwritten();
+        values || view
+    }
+
+    /// Returns what is shown that is not in the files.
+    pub(super) fn unwritten(&self) -> Unwritten {
         let edits = &self.state.borrow().edits;
-        !edits.tried.is_empty() || edits.look.is_some()
+        Unwritten { values: !edits.tried.is_empty(), view: edits.look.is_some() }
     }
 
     /// Returns the requested quality.
@@ -192,6 +198,20 @@ impl Published {
         let info = picture.as_ref().map(|picture| picture.info);
         pictures.before = picture;
         info
+    }
+}
+
+/// Presence of tried values, and of a view, that are shown and not in the files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Unwritten {
+    values: bool,
+    view: bool,
+}
+
+impl Unwritten {
+    /// Returns whether the next scene is a further step of the same edit: another value of a drag, what becomes of it, or the next view.
+    pub(super) fn continues_in(self, next: Self) -> bool {
+        self.values || self.view && self == next
     }
 }
 

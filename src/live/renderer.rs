@@ -22,7 +22,7 @@ use super::progressive::{
     Effort, FIRST_DIVISOR, FIRST_MS, PreviewLevel, RequestedPicture, Timings, is_representative,
     share_of_unfinished, with_deadline,
 };
-use super::publish::{Event, PictureKind, Publisher, RenderedPicture};
+use super::publish::{Event, PictureKind, Publisher, RenderedPicture, Unwritten};
 use super::state::{EditedPart, Planned, State, Times};
 use super::warnings::PictureWarnings;
 use crate::color::Transfer;
@@ -55,8 +55,7 @@ pub(super) struct Renderer {
     in_progress: Option<RenderInProgress>,
     /// The full picture that is due after an edit and is rendered while other pictures are shown.
     background: Option<RenderInProgress>,
-    /// True while the displayed scene has tried values.
-    shows_tried: bool,
+    unwritten: Unwritten,
     /// The picture that is rendered for the cache.
     filling: Option<RenderInProgress>,
     /// The last full picture that was requested, of any frame, and the last one for the cache. Their tiles are reused.
@@ -85,7 +84,7 @@ impl Renderer {
             last_level: None,
             in_progress: None,
             background: None,
-            shows_tried: false,
+            unwritten: Unwritten::default(),
             filling: None,
             displayed: None,
             filled: None,
@@ -119,6 +118,10 @@ impl Renderer {
                 state.edited = Some(EditedPart { part, reloads: state.reloads + 1 });
             });
         }
+        if is_edited {
+            // It is an edit of its own, whatever is tried on the page.
+            self.unwritten = Unwritten::default();
+        }
         let times = Times { read, build: Times::milliseconds(start.elapsed()), ..Times::default() };
         self.begin(times, wanted_frame);
     }
@@ -131,8 +134,12 @@ impl Renderer {
         let (timeline, film) = (self.engine.timeline, self.engine.effective_settings().film);
         let published = self.publisher.published();
         // The steps of a drag are one edit: its pictures are compared with the last one before it.
-        let was_tried = std::mem::replace(&mut self.shows_tried, published.shows_tried_values());
-        let before = if was_tried { published.state().before } else { published.keep_for_comparison() };
+        let unwritten = published.unwritten();
+        let before = match self.unwritten.continues_in(unwritten) {
+            true => published.state().before,
+            false => published.keep_for_comparison(),
+        };
+        self.unwritten = unwritten;
         // Pages are notified together with the first picture, so that they do not keep the machine busy before it.
         published.update_without_notify(|state| {
             *state = State {

@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use rayreel::components::{Camera, FilmSettings, Parent, Transform, View};
-use rayreel::systems::{Preparation, animate, propagate};
+use rayreel::components::{Camera, FilmSettings, FocusOn, Parent, Transform, View};
+use rayreel::systems::{Fault, FaultCause, Preparation, animate, propagate};
 use rayreel::{Changes, Effect, Engine, Entity, Film, Scene, Time, World, trace};
 
 /// Returns a scene with these cameras and animations, and 3 x 3 pixels, so that one pixel is in the middle.
@@ -143,6 +143,33 @@ fn a_lens_focuses_on_an_entity() {
         "camera: (position: (0, 0, 9), view: (0, 0, 1), lens: (aperture: 2, focus: 3), focus_on: \"ball\"),";
     let error = Scene::from_text("cameras.ron", text(camera, pull)).err().unwrap().to_string();
     assert!(error.contains("a camera with `focus_on`"), "{error}");
+}
+
+#[test]
+fn focus_of_an_undefined_view_or_on_a_missing_entity_is_defined() {
+    let start = |focus: &str| {
+        let camera =
+            format!("camera: (position: (0, 0, -4), view: (0, 0, 1), lens: (aperture: 2, focus: 1){focus}),");
+        let engine = Engine::from_scene(read(&text(&camera, "")));
+        let camera = engine.world().query::<(Entity, &Camera)>().iter().next().unwrap().0;
+        (engine, camera)
+    };
+    // A camera at its own target looks along z.
+    let film = |focus: &str, is_at_target: bool| {
+        let (mut engine, camera) = start(focus);
+        if is_at_target {
+            let camera = engine.world_mut().query_one_mut::<&mut Camera>(camera).unwrap();
+            camera.view = View::Target(camera.position);
+        }
+        engine.render(time(0)).unwrap().film
+    };
+    assert!(film(", focus_on: \"ball\"", true) == film(", focus_on: \"ball\"", false));
+    assert!(film("", true) == film("", false) && film("", true) != film(", focus_on: \"ball\"", true));
+    let (mut engine, camera) = start("");
+    engine.world_mut().insert_one(camera, FocusOn(Entity::DANGLING)).unwrap();
+    assert!(engine.render(time(0)).unwrap().film == film("", false));
+    let is_missing = |fault: &Fault| fault.cause == FaultCause::Missing("focuses on");
+    assert_eq!(engine.faults().iter().filter(|fault| is_missing(fault)).count(), 1);
 }
 
 #[test]

@@ -11,10 +11,10 @@ use serde_json::Value;
 
 use rayreel::color::ErrorNorm;
 use rayreel::components::{
-    Ambient, AmbientOcclusion, AreaShape, Background, Camera, Emission, Falloff, FilmSettings, Fog, Follow,
-    Lens, Light, LightKind, LookAt, Material, Noise, Parent, Pattern, PatternKind, Projection, Quality,
-    Reflective, Refractive, Sampling, Shape, Shot, Shots, Specular, Stars, Sun, Transform, View, Visibility,
-    WorldTransform,
+    Ambient, AmbientOcclusion, AreaShape, Background, Camera, Emission, Falloff, FilmSettings, FocusOn, Fog,
+    Follow, Lens, Light, LightKind, LookAt, Material, Noise, Parent, Pattern, PatternKind, Projection,
+    Quality, Reflective, Refractive, Sampling, Shape, Shot, Shots, Specular, Stars, Sun, Transform, View,
+    Visibility, WorldTransform,
 };
 use rayreel::systems::{Consequence, FaultCause};
 use rayreel::{Context, Engine, Entity, Fault, Film, Ray, RenderRequest, RenderSettings, Rgb, Time, World};
@@ -213,6 +213,7 @@ fn thing() -> impl Strategy<Value = Thing> {
 struct Settings {
     camera: Option<Camera>,
     follows: Option<prop::sample::Index>,
+    focuses_on: Option<prop::sample::Index>,
     looks_at: Option<prop::sample::Index>,
     shots: bool,
     ambient: (Rgb, Option<AmbientOcclusion>),
@@ -285,14 +286,14 @@ fn settings() -> impl Strategy<Value = Settings> {
     let link = || prop::option::weighted(0.2, any::<prop::sample::Index>());
     (
         prop::option::weighted(0.8, camera()),
-        (link(), link(), any::<bool>()),
+        (link(), link(), link(), any::<bool>()),
         ((color(), prop::option::of(occlusion)), background, fog, prop::option::weighted(0.3, (sun, stars))),
         (quality, sampling, film),
     )
         .prop_map(
             |(
                 camera,
-                (follows, looks_at, shots),
+                (follows, focuses_on, looks_at, shots),
                 (ambient, background, fog, sky),
                 (quality, mut sampling, film),
             )| {
@@ -303,6 +304,7 @@ fn settings() -> impl Strategy<Value = Settings> {
                 Settings {
                     camera,
                     follows,
+                    focuses_on,
                     looks_at,
                     shots,
                     ambient,
@@ -379,6 +381,9 @@ fn world(things: &[Thing], settings: &Settings) -> World {
     let active = settings.camera.map_or(removed, |camera| world.spawn((camera,)));
     if let Some(followed) = &settings.follows {
         world.insert_one(active, Follow(*followed.get(&entities))).unwrap();
+    }
+    if let Some(focused) = &settings.focuses_on {
+        world.insert_one(active, FocusOn(*focused.get(&entities))).unwrap();
     }
     if let Some(looked_at) = &settings.looks_at {
         world.insert_one(active, LookAt(*looked_at.get(&entities))).unwrap();

@@ -222,8 +222,9 @@ fn mistakes_are_reported() {
         ("Legend(cloud: \"nobody\")", "there is no entity \"nobody\""),
         ("Legend(cloud: \"gas/1\")", "\"gas/1\" is no cloud"),
         ("ScaleBar(length: 0, label: \"\")", "length"),
-        ("Text(text: \"\", times: (2, 2))", "the first time lies before the second"),
-        ("Text(text: \"\", times: (0, 2), fade: -1)", "`fade` is the seconds"),
+        ("Text(text: \"\", times: (2, 2))", "the first of the `times` is not before the second"),
+        ("Text(text: \"\", times: (0, inf))", "this number is too large"),
+        ("Text(text: \"\", times: (0, 2), fade: -1)", "`fade` is a duration"),
         ("Text(text: \"\", fade: 1)", "an item that is always shown does not fade"),
     ] {
         let found = message(overlay);

@@ -47,7 +47,7 @@ fn dialog_renders_a_range_cancels_and_offers_a_movie() {
     assert_eq!(browser.console(), json!([]));
     render("other");
     until(&browser, "at('export-refused').textContent.startsWith('a film is being rendered')");
-    browser.click("#export-close");
+    browser.click("#export-cancel");
     browser.click("#export button");
     ends("cancelled");
 }

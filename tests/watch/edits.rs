@@ -259,6 +259,33 @@ fn views_of_tied_cameras_are_only_looked_from() {
 }
 
 #[test]
+fn saved_edits_are_compared_with_each_other_while_the_view_is_moved() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    let first = stage.matches_a_cold_start();
+    let full = |reloads: u64| loop {
+        if let Event::Shown(shown) = stage.next()
+            && shown.info.full
+            && shown.info.reloads == reloads
+        {
+            break shown.info;
+        }
+    };
+    for (step, x) in [(2, 1.0), (3, 2.0)] {
+        let (position, target, up) = ([x, 1.0, -5.0], [0.0; 3], [0.0, 1.0, 0.0]);
+        edit(&stage, SceneEdit::Look(LookView { position, target, up, is_free: true })).unwrap();
+        full(step);
+    }
+    let compared = || stage.session().handle().state().before;
+    assert_eq!(compared(), Some(first.info), "views of a drag are one edit");
+    for (step, radius) in [(4, 1.2), (5, 1.4)] {
+        let before = stage.session().handle().state().picture;
+        stage.save(&scene(radius, ""));
+        full(step);
+        assert_eq!(compared(), before, "each save is an edit of its own");
+    }
+}
+
+#[test]
 fn keys_and_values_of_a_view_are_one_change() {
     let track =
         "animate: [(target: \"camera\", channel: Position, track: Keys([(0, (0, 0, -5)), (2, (0, 0, -6))])),";

@@ -67,7 +67,7 @@ function describeExport() {
 }
 
 at("export-open").onclick = offerExport;
-at("export-close").onclick = () => at("export-dialog").close();
+at("export-cancel").onclick = () => at("export-dialog").close();
 at("export-all").onclick = () => {
   [at("export-first").value, at("export-last").value] = [0, state.frames - 1];
   describeExport();

@@ -44,11 +44,13 @@ function setDifference() {
 // Draws the absolute difference of each channel, amplified. Returns it in words.
 function drawDifference() {
   const [now, past] = [at("now"), at("before")], of = `${now.src} ${past.src} ${view.gain}`;
-  if (!past.complete || !past.naturalWidth || !now.naturalWidth) { differing = null; return "loading"; }
   if (differing === of) return difference;
-  const [one, other] = [bytesOf(now), bytesOf(past)], { width, height } = one;
-  differing = width === other.width && height === other.height ? of : null;
-  if (!differing) return `sizes differ: ${other.width} × ${other.height} and ${width} × ${height}`;
+  differing = null;
+  if (!past.complete || !past.naturalWidth || !now.naturalWidth) return "loading";
+  const [width, height] = [now.naturalWidth, now.naturalHeight];
+  if (width !== past.naturalWidth || height !== past.naturalHeight) return `sizes differ: ${past.naturalWidth} × ${past.naturalHeight} and ${width} × ${height}`;
+  const [one, other] = [bytesOf(now), bytesOf(past)];
+  differing = of;
   at("difference").width = width;
   at("difference").height = height;
   let most = 0, count = 0;

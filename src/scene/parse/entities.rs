@@ -24,7 +24,8 @@
 //!    common suffix are reused if the entities before them end exactly where these begin.
 //! 5. Entity documents are shared and never changed. Scripts add spawned entities to the document, not to the entities that are kept here.
 //!
-//! If anything else is found, the whole text is parsed, so that error messages always come from a parse of the whole text. It is kept, too.
+//! If anything else is found, the whole text is parsed, so that error messages always come from a parse of the whole text. The document parsed last
+//! is kept with its text.
 
 #[cfg(test)]
 mod tests;
@@ -50,12 +51,12 @@ pub(in crate::scene) struct ParsedEntities {
     /// The byte offset of the list's content.
     start: usize,
     list: EntityList,
-    rest: Option<Arc<Rest>>,
+    rest: Option<Arc<ParsedText>>,
 }
 
-/// A scene without entities, or one parsed as a whole, and its text.
+/// A text that was parsed as a whole, such as that of a scene without its entities, and its document.
 #[derive(Debug)]
-struct Rest {
+struct ParsedText {
     text: String,
     document: SceneDocument,
 }
@@ -88,7 +89,7 @@ impl ParsedEntities {
             None => (text.len(), from + text[from..].find(']')?),
         };
         let starts = starts_of_parts(text, from..guessed_end.min(until), part);
-        let rest = |end: usize| self.read_rest(format!("{}{}", &text[..start], &text[end..])).ok();
+        let rest = |end: usize| self.read_unless_same(format!("{}{}", &text[..start], &text[end..])).ok();
         let read = || EntityList::read_parts(text, &starts, until);
         let (read, guessed_rest) = match starts.len() {
             1 => (read(), rest(guessed_end)),
@@ -120,19 +121,19 @@ impl ParsedEntities {
         Some(SceneDocument { entities: self.list.documents.clone(), ..rest.document.clone() })
     }
 
-    /// Parses a text as a whole, unless it is the same as the last one that was.
+    /// Parses a text as a whole, and keeps its document.
     pub(super) fn parse_whole(&mut self, text: &str) -> ron::error::SpannedResult<SceneDocument> {
-        let whole = self.read_rest(text.to_owned())?;
+        let whole = self.read_unless_same(text.to_owned())?;
         Ok(self.rest.insert(whole).document.clone())
     }
 
-    /// Parses the text of a scene without entities, unless it is the same as the last one.
-    fn read_rest(&self, text: String) -> ron::error::SpannedResult<Arc<Rest>> {
+    /// Parses a text as a whole, unless it is the same as the last one.
+    fn read_unless_same(&self, text: String) -> ron::error::SpannedResult<Arc<ParsedText>> {
         if let Some(rest) = self.rest.as_ref().filter(|rest| rest.text == text) {
             return Ok(Arc::clone(rest));
         }
         let document = read_general(&text)?;
-        Ok(Arc::new(Rest { text, document }))
+        Ok(Arc::new(ParsedText { text, document }))
     }
 }
 

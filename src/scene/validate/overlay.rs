@@ -35,19 +35,16 @@ pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, scene: &At<'_
 fn times(item: &OverlayDocument, at: &At<'_>, problems: &mut Problems) {
     let (times, fade) = item.times();
     let (times_at, fade_at) = (at.field("times"), at.field("fade"));
-    if let Some((first, end)) = times
-        && !(first.is_finite() && end.is_finite() && first < end)
-    {
-        let help = "write `(2, 5)` for 2 to 5 seconds";
-        problems.add(&times_at, "the first time lies before the second", "empty", help);
+    if let Some((first, end)) = times {
+        let [is_first, is_end] =
+            [(first, 0), (end, 1)].map(|(time, index)| check::number(time, &times_at.index(index), problems));
+        if is_first && is_end && first >= end {
+            let help = "write `(2, 5)` for 2 to 5 seconds";
+            problems.add(&times_at, "the first of the `times` is not before the second", "empty", help);
+        }
     }
     if check::number(fade, &fade_at, problems) && fade < 0.0 {
-        problems.add(
-            &fade_at,
-            "`fade` is the seconds in which an item appears",
-            "negative",
-            "write 0 or more",
-        );
+        problems.add(&fade_at, "`fade` is a duration in seconds", "negative", "write 0 or more");
     }
     if fade > 0.0 && times.is_none() {
         let help = "add the times between which the item is shown, as `times: (2, 5)`";

@@ -51,7 +51,7 @@ pub(super) fn prepared_camera(
     let prepared = prepared.rolled(camera.roll);
     camera.lens.map_or(prepared, |lens| {
         let focused = position_of(world, component::<FocusOn>(world, entity).map(|FocusOn(entity)| entity));
-        let depth = focused.map(|point| (point - eye).dot(view) / view.length());
+        let depth = focused.map(|point| prepared.depth_of(point));
         let depth = depth.filter(|depth| *depth > 0.0 && depth.is_finite());
         prepared.with_lens(lens.aperture, depth.unwrap_or(lens.focus))
     })

@@ -341,9 +341,10 @@ fn camera_faults(world: &World, prepared: &Preparation, faults: &mut Vec<Fault>)
     let followed = world.get::<&Follow>(entity).map(|follow| follow.0);
     let looked_at = world.get::<&LookAt>(entity).map(|look_at| look_at.0);
     let looks_at_entity = looked_at.is_ok();
-    let focused = world.get::<&FocusOn>(entity).map(|focus| focus.0);
-    for (linked, what) in [(followed, "follows"), (looked_at, "looks at"), (focused, "focuses on")] {
-        if linked.is_ok_and(|linked| position_of(world, Some(linked)).is_none()) {
+    let focused = world.get::<&FocusOn>(entity).ok().filter(|_| camera.lens.is_some()).map(|focus| focus.0);
+    for (linked, what) in [(followed.ok(), "follows"), (looked_at.ok(), "looks at"), (focused, "focuses on")]
+    {
+        if linked.is_some_and(|linked| position_of(world, Some(linked)).is_none()) {
             faults.push(instead(entity, FaultCause::Missing(what), Fallback::Nothing));
         }
     }

@@ -35,7 +35,7 @@ pub(crate) struct TileDependencies {
 #[derive(Debug, Default)]
 pub(super) struct DependencyRecorder {
     dependencies: TileDependencies,
-    /// The hulls of the dependencies, in each lane.
+    /// By bounce, as in the dependencies: the hulls, not yet reduced over the lanes.
     lanes: Box<[[HullLanes; 2]; BOUNCES]>,
     /// The lights to which shadow rays are traced from the wavefront's hits.
     lights: u32,
@@ -50,7 +50,7 @@ struct HullLanes {
     is_empty: bool,
 }
 
-/// A box in each lane.
+/// A box in each lane. Vectors are not split by the lines of the cache.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct BoxLanes {
@@ -194,7 +194,8 @@ impl BoxLanes {
         for (axis, points) in points.into_iter().enumerate() {
             let (min, max) = (&mut self.min[axis], &mut self.max[axis]);
             let (least, most) = (f32x16::load_array_ref(simd, min), f32x16::load_array_ref(simd, max));
-            let (mut lower, mut higher) = (least.min(points), most.max(points));
+            // On x86, the second operand is the result if one of them is NaN: what was recorded is kept.
+            let (mut lower, mut higher) = (points.min(least), points.max(most));
             if active != ALL {
                 (lower, higher) = (inside.select(lower, least), inside.select(higher, most));
             }

@@ -413,6 +413,9 @@ fn camera(names: &[String], random: &mut Random) -> String {
     }
     if random.once_in(3) {
         text += &format!(", lens: (aperture: {:?}, focus: 8)", random.share());
+        if let Some(name) = name(random) {
+            text += &format!(", focus_on: \"{name}\"");
+        }
     }
     if random.once_in(3) {
         text += ", shutter: 0.5";

@@ -346,12 +346,17 @@ impl PreparedCamera {
         if self.is_orthographic { self.distance } else { place.distance(self.eye) }
     }
 
+    /// Returns the distance of a point from the plane of the eye, along the view direction, in scene units; negative behind the eye.
+    pub(crate) fn depth_of(&self, point: DVec3) -> f64 {
+        (point - self.eye).dot(self.forward) / self.distance
+    }
+
     /// Returns the height of the picture in the world, in scene units, at the depth of a point. `None` unless the point is in front of the eye.
     #[must_use]
     pub fn height_at(&self, point: DVec3) -> Option<f64> {
         let whole = self.height * f64::from(self.rows) / f64::from(self.rows.saturating_sub(1).max(1));
-        let depth = (point - self.eye).dot(self.forward) / (self.distance * self.distance);
-        let height = if self.is_orthographic { whole } else { whole * depth };
+        let height =
+            if self.is_orthographic { whole } else { whole * (self.depth_of(point) / self.distance) };
         (height > 0.0 && height.is_finite()).then_some(height)
     }
 
