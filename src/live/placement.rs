@@ -1,6 +1,6 @@
 //! The place of an entity at a frame, for its outline in the picture and for moves by hand.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::{DAffine3, DMat3, DVec3};
 use hecs::{Entity, World};
@@ -198,7 +198,6 @@ fn movable_path(world: &World, entity: Entity, sources: &Sources) -> Result<Vec<
     let order = order_of(world, entity).ok_or("it is not in the file")?;
     let Some(path) = sources.entity_path(order) else {
         let place = place_of(world, sources, entity).unwrap_or_default();
-        let place = Path::new(&place).file_name().unwrap_or_default().display();
         return Err(match sources.is_spawned(order) {
             true => "a script makes it: it is moved there".to_owned(),
             false => format!("it is written in another file, at `{place}`: it is moved there"),

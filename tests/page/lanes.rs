@@ -31,8 +31,9 @@ fn keys_are_dragged_eased_added_and_removed() {
     let right = browser.evaluate("Math.round(8 / 19 * document.querySelector('.lane').clientWidth)");
     browser.drag(".key", (serde_json::from_value(right).unwrap(), 0));
     becomes("(0.8, (0, 0, 0)), (2, (0, 0.5, 0))");
-    // The key that was dragged is in the panel.
+    // The key that was dragged is in the panel, and its entity is selected.
     until(&browser, "document.querySelector('#key input').value === '0.8'");
+    until(&browser, "JSON.stringify(view.selected) === JSON.stringify({ entity: 'ball' })");
     run(
         "const easing = document.querySelector('#key select'); easing.value = 'EaseInOut'; easing.onchange()",
     );

@@ -244,11 +244,16 @@ fn values_of_included_files_are_not_changed() {
     assert!(text.as_str().unwrap().contains("entity ball"), "{text}");
     // A ball of the same name in an included file hides the scene's own.
     let part = r#"(entities: [(name: "ball", shape: Sphere(radius: 0.9), transform: (translation: (0, 0, -2)), color: (0, 0, 255))])"#;
-    fs::write(preview.folder.path().join("part.ron"), part).unwrap();
-    preview.save(&SCENE.replacen("Scene(", "Scene(include: [(file: \"part.ron\", name: \"front\")],", 1));
+    fs::create_dir(preview.folder.path().join("parts")).unwrap();
+    fs::write(preview.folder.path().join("parts/front.ron"), part).unwrap();
+    preview.save(&SCENE.replacen(
+        "Scene(",
+        "Scene(include: [(file: \"parts/front.ron\", name: \"front\")],",
+        1,
+    ));
     until(&browser, "state.reloads === 2 && shown.full && shown.reloads === 2");
     let text = browser.evaluate(list);
-    assert_eq!(text, json!("entity front/ball part.ron:1\n\nIts values are changed in its own file."));
+    assert_eq!(text, json!("entity front/ball parts/front.ron:1\n\nIts values are changed in its own file."));
 }
 
 #[test]

@@ -98,7 +98,7 @@ function drawWritten(last) {
   const text = last && `${last.is_undone ? "Taken back" : "Written"}: `, of = JSON.stringify(last);
   if (at("written").dataset.of === of) return;
   at("written").dataset.of = of;
-  at("written").replaceChildren(...last ? [text, placeLink(last.place.split(/[\\/]/).pop(), last.place)] : []);
+  at("written").replaceChildren(...last ? [text, placeLink(last.place)] : []);
 }
 
 at("undo").onclick = undo;

@@ -17,6 +17,7 @@ function drawGizmo(camera) {
   const far = end => dot(endOf(end), forward);
   for (const end of ends) {
     const x = ARM * dot(endOf(end), right), y = -ARM * dot(endOf(end), rise), line = end.querySelector("line");
+    end.classList.toggle("facing", far(end) < -0.94);
     end.setAttribute("transform", `translate(${x.toFixed(2)} ${y.toFixed(2)})`);
     if (line) for (const [name, value] of [["x2", -x], ["y2", -y]]) line.setAttribute(name, value.toFixed(2));
   }

@@ -102,7 +102,11 @@ function keyButton(track, index) {
   button.title = `${formatted(time)} s: ${text}${easing ? ", " + easing : ""}`;
   button.setAttribute("aria-label", `Key of ${nameOf(track)} at ${formatted(time)} seconds`);
   button.setAttribute("aria-pressed", picked?.path === track.path && picked.index === index);
-  button.onclick = () => pick(track, index);
+  button.onclick = () => {
+    const part = track.channel ? track.part : { camera: text.slice(1, -1) };
+    pick(track, index);
+    if (part) select(part, true);
+  };
   button.onpointerdown = event => {
     if (event.button !== 0 || !canChange()) return;
     const from = frameAt(event), end = new AbortController(), { signal } = end;
@@ -245,7 +249,7 @@ function drawKey() {
   const add = element("button", track.channel ? "New key here" : "New shot here", { title: "New key at the shown frame, with the value there" });
   add.onclick = () => addKey(track, view.frame);
   const foot = element("p");
-  foot.append(remove, " ", add, " ", placeLink(track.place.split(/[\\/]/).pop(), track.place));
+  foot.append(remove, " ", add, " ", placeLink(track.place));
   at("key").replaceChildren(...rows, foot);
   if (focused) [...at("key").querySelectorAll("input, select")].find(input => input.getAttribute("aria-label") === focused)?.focus();
 }

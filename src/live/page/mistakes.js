@@ -20,7 +20,7 @@ function drawMistakes(wrong) {
   const help = lines.filter(line => /^\s*= help: /.test(line)).map(line => line.replace(/^\s*= /, ""));
   const brief = [...excerpt(lines), ...help], isEmpty = line => /^\s*(\||--> .*)?\s*$/.test(line);
   const isWhole = first === text && lines.filter(line => !isEmpty(line)).length <= brief.length;
-  const place = wrong.place ? [placeLink(relative(wrong.place), wrong.place), " "] : [];
+  const place = wrong.place ? [placeLink(wrong.place), " "] : [];
   const heading = isExpanded ? [wrong.count === 1 ? "1 mistake" : `${wrong.count} mistakes`] : [...place, title.replace(/^error: /, "")];
   at("wrong").querySelector("h2").replaceChildren(...heading);
   at("wrong").querySelector("h2").title = wrong.place ?? "";

@@ -4,6 +4,7 @@
 const ARROW = 76;        // length of an arrow that is not seen foreshortened, in pixels of the screen
 const GAP = 0.18;        // share of an arrow that is left free around the position, and at which the square begins
 const SQUARE = 0.3;      // side of the square, in lengths of an arrow
+const PLANE_REACH = 2;  // half the side of the piece of a plane that is outlined, in lengths of an arrow
 const EDGE_ON = 0.15;    // sine of the angle to the view, up to which an axis, or the ground, cannot be dragged
 const TOUCHED = 0.35;    // share of an arrow from which on it can be taken, by a mouse
 const ROUND_SIDES = 72;  // sides of the polygon that is drawn for a round outline
@@ -117,7 +118,7 @@ function drawPlacement() {
   const found = placement?.camera && !playing && shown ? placement : null;
   at("selection").toggleAttribute("hidden", !found);
   at("fixed").hidden = !placement?.fixed;
-  write(at("fixed"), placement?.fixed ? `It cannot be moved in the picture: ${placement.fixed}.` : "");
+  write(at("fixed"), placement?.fixed ? `It cannot be moved in the picture: ${relative(placement.fixed)}.` : "");
   if (!found) return;
   const now = grip?.delta ? shifted(found, grip.delta) : found;
   const path = outlinePath(now);
@@ -127,13 +128,13 @@ function drawPlacement() {
 
 const pathOf = (places, isClosed = true) => places.length === 0 ? "" : "M" + places.map(place => place.map(part => part.toFixed(1)).join(" ")).join("L") + (isClosed ? "Z" : "");
 
-// The outline in the picture; a ring for an entity without a shape, and a piece of a plane.
+// The outline in the picture; a ring for an entity without a shape, and a square piece of a plane.
 function outlinePath({ camera, anchor, position, outline }) {
   if (!outline) return "";
   let { corners, rounds, normal } = outline;
   if (normal && anchor) {
-    const side = unit(cross(normal, Math.abs(normal[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0])), reach = arrowLength(camera, anchor);
-    corners = ringAround(anchor, [scaled(side, reach), scaled(cross(normal, side), reach)], ROUND_SIDES);
+    const side = unit(cross(normal, Math.abs(normal[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0])), reach = PLANE_REACH * arrowLength(camera, anchor);
+    corners = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(signs => add(anchor, combined([side, cross(normal, side)], signs), reach));
   }
   if (corners.length === 0 && rounds.length === 0) {
     const place = normal ? null : onFilm(camera, position);

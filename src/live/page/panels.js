@@ -23,7 +23,8 @@ function describeSamples({ samples, all }) {
 }
 
 // A place in a file, which opens the editor if there is one.
-function placeLink(text, place) {
+function placeLink(place) {
+  const text = relative(place);
   if (!state.edits.opens) return text;
   const link = element("button", text, { className: "place", title: `Open ${place}` });
   link.onclick = async () => {
@@ -53,7 +54,7 @@ async function describe(pixel) {
       const { entity, material, place, point, normal, distance } = spot.surface;
       rows.push(["entity", entity]);
       if (material) rows.push(["material", material]);
-      if (place) rows.push(["written in", place.split(/[\\/]/).pop(), place]);
+      if (place) rows.push(["written in", placeLink(place), place]);
       rows.push(["point", numbers(point)], ["normal", numbers(normal)], ["distance", numbers([distance])]);
     } else {
       rows.push(["entity", "none: the background"]);
@@ -66,7 +67,7 @@ async function describe(pixel) {
   for (const [name, value, title = ""] of rows) {
     const row = table.insertRow();
     const cell = element("td", undefined, { title });
-    cell.append(name === "written in" ? placeLink(value, title) : value);
+    cell.append(value);
     row.append(element("th", name), cell);
     if (name === "bytes") {
       const swatch = element("span", undefined, { className: "swatch" });
@@ -98,7 +99,7 @@ function drawWarnings(wrong) {
   at("warned").textContent = at("warnings").querySelector("h2").textContent = title;
   const items = list.map(({ name, message, help, place }) => {
     const item = element("li", message), where = element("small", undefined, { title: place ?? "" });
-    if (place) where.append(placeLink(place.split(/[\\/]/).pop(), place), " · ");
+    if (place) where.append(placeLink(place), " · ");
     where.append(name);
     item.append(element("small", help), where);
     return item;
@@ -138,6 +139,7 @@ function drawPlan() {
     return made;
   };
   const needed = state.plan.filter(planned => planned.needed), others = state.plan.filter(planned => !planned.needed);
+  write(at("plan-about"), state.plan.some(planned => planned.cost !== null) ? "Share of the frame's time" : "What this frame calls for");
   at("needed").replaceChildren(...needed.map(row));
   at("omitted").replaceChildren(...others.map(row));
   at("omitted").parentElement.hidden = others.length === 0;

@@ -94,7 +94,7 @@ function drawTransport() {
   scrubber.value = view.frame;
   scrubber.disabled = last === 0;
   scrubber.setAttribute("aria-valuetext", `frame ${view.frame}, ${seconds.toFixed(2)} seconds`);
-  at("moment").textContent = `frame ${view.frame} of 0–${last} · ${seconds.toFixed(2)} s`;
+  at("moment").replaceChildren(`frame ${view.frame}`, element("span", ` of 0–${last}`), ` · ${seconds.toFixed(2)} s`);
   for (const id of ["back", "play", "forth"]) at(id).disabled = last === 0;
   const [first, end] = range();
   at("range").hidden = view.range === null;

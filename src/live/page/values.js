@@ -25,7 +25,7 @@ async function drawSelected() {
 function partSections({ title, place, sections, note }) {
   const heading = (title, place) => {
     const made = element("h3", title);
-    if (place) { const where = element("small", undefined, { title: place }); where.append(placeLink(place.split(/[\\/]/).pop(), place)); made.append(" ", where); }
+    if (place) { const where = element("small", undefined, { title: place }); where.append(placeLink(place)); made.append(" ", where); }
     return made;
   };
   if (sections.length === 0) return [heading(title, place), element("p", note, { className: "faint" })];
@@ -75,7 +75,7 @@ function namesOf(values) {
 
 // What sets a value over time: its key at the shown frame or, without keys, its place in the file.
 function animatedNote({ track, is_script, place }) {
-  const note = element("small"), where = placeLink(place.split(/[\\/]/).pop(), place);
+  const note = element("small"), where = placeLink(place);
   if (is_script) { note.append("script ", where); return note; }
   const button = element("button", "animated", { type: "button", className: "place", title: "A track sets this value over time: shows its key at this frame" });
   button.onclick = () => { if (!pickAtFrame(track)) note.replaceChildren("animated ", where); };

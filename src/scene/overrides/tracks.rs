@@ -14,12 +14,12 @@ use super::written::{WrittenKind, WrittenValue, kind, written};
 use crate::animation::Notation;
 use crate::color::Transfer;
 use crate::components::Property;
-use crate::scene::SourcePosition;
-use crate::scene::document::{AnimationDocument, EasingDocument};
+use crate::scene::document::{AnimationDocument, EasingDocument, SceneDocument};
 use crate::scene::playback::easing;
 use crate::scene::quote::short;
 use crate::scene::spans::{Bracket, BracketMember, bracket, first_item, is_one_value, literal_text, root};
 use crate::scene::spawn::value_text;
+use crate::scene::{ScenePart, SourcePosition};
 
 /// Maximum number of keys that are listed, so that a page can show them. Tracks of programs have many more.
 const MAX_KEYS: usize = 4000;
@@ -36,6 +36,8 @@ pub struct WrittenTrack {
     pub path: String,
     /// The animated thing, such as `ball` or `material clay`; `shots` for the shots.
     pub target: String,
+    /// The animated part; `None` for the shots and the scene as a whole.
+    pub part: Option<ScenePart>,
     /// The animated property; empty for the shots.
     pub channel: String,
     /// The time of the timeline at which the keys' time is 0, in seconds.
@@ -137,6 +139,7 @@ impl WrittenTracks {
             let shots = WrittenTrack {
                 path: "shots".to_owned(),
                 target: "shots".to_owned(),
+                part: None,
                 channel: String::new(),
                 offset: 0.0,
                 speed: 1.0,
@@ -158,7 +161,7 @@ impl WrittenTracks {
             }
             count += list.keys.len();
             let place = place(animation.value.start);
-            found.tracks.extend(WrittenTrack::of(&text, (index, &fields), &list, place));
+            found.tracks.extend(WrittenTrack::of(&text, (index, &fields), &list, place, &found.cameras));
         }
         let easings = found.tracks.iter().flat_map(|track| &track.keys).filter_map(|key| key.easing.as_ref());
         found.easings = easings.filter_map(|easing| Some((easing.clone(), progress(easing)?))).collect();
@@ -193,7 +196,13 @@ impl WrittenTrack {
     }
 
     /// Returns an animation, given its fields and its keys; `None` if it is incomplete.
-    fn of(text: &str, (index, fields): (usize, &Bracket), list: &KeyList<'_>, place: String) -> Option<Self> {
+    fn of(
+        text: &str,
+        (index, fields): (usize, &Bracket),
+        list: &KeyList<'_>,
+        place: String,
+        cameras: &[String],
+    ) -> Option<Self> {
         let field = |name: &str| fields.field(text, name);
         let number =
             |name: &str, default| field(name).map_or(Some(default), |span| ron::from_str(&text[span]).ok());
@@ -201,8 +210,20 @@ impl WrittenTrack {
         let channel = text[field("channel")?].to_owned();
         let path = format!("animate.{index}.track.0");
         let keys = list.written(&path, Property::named(&channel).map(Property::notation));
+        let (target, part) = match name("target") {
+            Some(name) if name == SceneDocument::SCENE => (name, None),
+            Some(name) if name == SceneDocument::CAMERA || cameras.contains(&name) => {
+                (name.clone(), Some(ScenePart::Camera(name)))
+            }
+            Some(name) => (name.clone(), Some(ScenePart::Entity(name))),
+            None => {
+                let name = name("material")?;
+                (format!("material {name}"), Some(ScenePart::Material(name)))
+            }
+        };
         Some(Self {
-            target: name("target").or_else(|| name("material").map(|name| format!("material {name}")))?,
+            target,
+            part,
             offset: number("offset", 0.0)?,
             speed: number("speed", 1.0)?,
             repeats: field("repeat").is_some_and(|span| &text[span] != "Clamp"),
