@@ -452,7 +452,7 @@ impl Renderer {
         film
     }
 
-    /// Measures the cost of an effect or a point of the error curve. Any command ends the measurements.
+    /// Measures the cost of an effect or a point of the error curve.
     fn measure(&mut self, index: usize) -> Result<JobOutcome, EngineError> {
         let state = self.publisher.published().state();
         let Some(effect) = Effect::ALL.get(index) else {
@@ -464,22 +464,24 @@ impl Renderer {
         }
         let time = self.engine.timeline.time_of(state.frame);
         let cost = measure::cost(&mut self.engine, time, *effect, self.commands.interrupt())?;
+        let Some(cost) = cost else { return Ok(JobOutcome::Interrupted) };
         self.publisher.published().update(|state| {
-            state.rendering = cost.is_some();
-            if let Some(cost) = cost {
-                state.plan = plan;
-                if let Some(planned) = state.plan.get_mut(index) {
-                    planned.cost = cost;
-                }
+            (state.rendering, state.progress) = (true, measure::share(index + 1));
+            state.plan = plan;
+            if let Some(planned) = state.plan.get_mut(index) {
+                planned.cost = cost;
             }
         });
-        Ok(if cost.is_some() { JobOutcome::Done } else { JobOutcome::Ended })
+        Ok(JobOutcome::Done)
     }
 
     /// Measures the error of the frame with the scene's own samples, and then with increasing numbers of samples.
     fn measure_curve(&mut self, frame: u32, index: usize) -> Result<JobOutcome, EngineError> {
         let time = self.engine.timeline.time_of(frame);
         let measured = measure::curve_point(&mut self.engine, time, index, self.commands.interrupt())?;
+        if measured.is_none() && self.commands.interrupt().load(Ordering::Relaxed) {
+            return Ok(JobOutcome::Interrupted);
+        }
         let (point, tile_errors) = measured.map(|measured| (measured.point, measured.tile_errors)).unzip();
         // The next point renders two pictures with twice as many samples.
         let is_last = point.is_none_or(|point| index > 0 && 4.0 * point.milliseconds > LONGEST_POINT);
@@ -490,7 +492,7 @@ impl Renderer {
         }
         published.update(|state| {
             state.curve.extend(point);
-            state.rendering = !is_last;
+            (state.rendering, state.progress) = (!is_last, measure::share(Effect::ALL.len() + index + 1));
         });
         Ok(if is_last { JobOutcome::Ended } else { JobOutcome::Done })
     }

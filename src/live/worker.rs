@@ -1,5 +1,6 @@
 //! The session's thread, which reads the files and picks the jobs of the renderer.
 
+use std::mem;
 use std::path::PathBuf;
 use std::slice;
 use std::sync::Arc;
@@ -71,6 +72,8 @@ pub(super) struct Worker {
     finish: bool,
     /// True until there is a full picture of the scene after an edit.
     lacks_full: bool,
+    /// True if the frame is to be measured after its picture.
+    measures: bool,
 }
 
 impl Worker {
@@ -95,6 +98,7 @@ impl Worker {
             is_playing: false,
             finish,
             lacks_full: false,
+            measures: false,
         }
     }
 
@@ -171,7 +175,7 @@ impl Worker {
 
     /// Begins with the first picture of a new scene.
     fn begin(&mut self) {
-        self.lacks_full = true;
+        (self.lacks_full, self.measures) = (true, false);
         let is_first = self.published.state().reloads == 1;
         self.next = match is_first && self.renderer.may_be_stored() {
             true => self.cached_or_frame_task(Occasion::Request),
@@ -201,6 +205,7 @@ impl Worker {
             ViewChange::Detail(detail) => self.detail = detail,
             ViewChange::Finish | ViewChange::Measure => {}
         }
+        self.measures = matches!(view, ViewChange::Measure);
         let (wanted_frame, detail, before) = (self.wanted_frame, self.detail, self.published.state());
         let shows = before.reloads > 0;
         let frame = wanted_frame.min(before.frames - 1);
@@ -228,7 +233,10 @@ impl Worker {
                 self.cached_or_frame_task(Occasion::Request)
             }
             ViewChange::Finish => self.picture(Detail::Full),
-            ViewChange::Measure => Task::Run(PreviewJob::Measurement(0)),
+            ViewChange::Measure => match self.next {
+                Task::Idle | Task::Fill(_) | Task::Run(PreviewJob::Measurement(_)) => self.rest(),
+                picture => picture,
+            },
         };
     }
 
@@ -548,7 +556,7 @@ impl Worker {
     }
 
     /// Returns the task after the requested picture: the full picture if it is due.
-    fn after_picture(&self) -> Task {
+    fn after_picture(&mut self) -> Task {
         match (self.is_full_due(), self.is_playing) {
             (false, _) => self.rest(),
             (true, false) => self.picture(Detail::Full),
@@ -556,9 +564,13 @@ impl Worker {
         }
     }
 
-    /// Returns the task when nothing is requested.
-    fn rest(&self) -> Task {
-        Task::Fill(Instant::now() + FILL_DELAY)
+    /// Returns the task when no picture is requested: the measurements, if they are.
+    fn rest(&mut self) -> Task {
+        if !mem::take(&mut self.measures) {
+            return Task::Fill(Instant::now() + FILL_DELAY);
+        }
+        self.published.update(|state| (state.rendering, state.progress) = (true, 0.0));
+        Task::Run(PreviewJob::Measurement(0))
     }
 
     /// Returns whether the full picture due after the last edit is still missing.

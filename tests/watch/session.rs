@@ -356,6 +356,7 @@ fn only_needed_effects_are_measured() {
     let is_measured = |state: &rayreel::live::State| {
         !state.rendering && state.plan.iter().any(|planned| planned.cost.is_some())
     };
+    stage.wait_for("progress", |state| state.rendering && 0.5 < state.progress && state.progress < 1.0);
     let state = stage.wait_for("costs", is_measured);
     for planned in state.plan {
         assert_eq!(planned.cost.is_some(), planned.needed, "{}", planned.effect);
@@ -369,6 +370,21 @@ fn only_needed_effects_are_measured() {
     stage.save(&scene(1.1, ""));
     stage.matches_a_cold_start();
     assert!(stage.session().handle().state().curve.is_empty());
+}
+
+#[test]
+fn measurements_wait_for_the_picture_and_go_on_after_questions() {
+    let stage = Stage::new(Some(&scene(1.0, "")));
+    stage.matches_a_cold_start();
+    stage.seek(3);
+    stage.session().handle().send(SessionCommand::ViewChange(ViewChange::Measure));
+    stage.matches_a_cold_start();
+    for i in 0..8 {
+        stage.probe((i, 18)).unwrap();
+        sleep(Duration::from_millis(20));
+    }
+    let state = stage.wait_for("costs and errors", |state| !state.rendering && state.curve.len() > 4);
+    assert!(state.plan.iter().all(|planned| planned.cost.is_some() == planned.needed), "{:?}", state.plan);
 }
 
 #[test]
