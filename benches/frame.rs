@@ -124,7 +124,8 @@ impl Crowd {
     fn world(&self) -> World {
         let mut world = World::new();
         for index in 0..self.count {
-            let material = Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None };
+            let material =
+                Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None, metallic: false };
             let animated = Animated((self.channels)(f64::from(index)));
             let shape = Shape::Sphere { radius: 1.0 };
             world.spawn((Order(index.into()), shape, material, Transform::IDENTITY, animated));

@@ -114,7 +114,7 @@ impl Gas {
     fn new(count: u32) -> Self {
         let mut world = World::new();
         let side = f64::from(count).cbrt() * 3.5;
-        let material = Material { k_a: 0.2, k_d: 0.8, color: Rgb::ONE, ambient_color: None };
+        let material = Material { k_a: 0.2, k_d: 0.8, color: Rgb::ONE, ambient_color: None, metallic: false };
         let mut random = 1_u64;
         let spheres = (0..count)
             .map(|_| {

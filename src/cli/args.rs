@@ -195,7 +195,8 @@ pub(super) struct RenderArguments {
     /// Add an alpha channel holding pixel coverage and omit the background, for compositing; formats png, png16 and exr
     #[arg(long)]
     pub(super) alpha: bool,
-    /// Also encode a movie when all frames are complete: .mp4, .mov, .mkv or .webm with ffmpeg, .gif or .apng without
+    /// Also encode a movie when all frames are complete: .mp4, .mov, .mkv or .webm with ffmpeg, .gif or .apng, which repeat for
+    /// ever, without
     #[arg(long, value_name = "FILE", value_parser = parse_movie, conflicts_with_all = ["at", "sheet", "shard"])]
     pub(super) movie: Option<PathBuf>,
     /// Format of progress reports
@@ -424,8 +425,9 @@ vector, so that t is the distance from the origin. The colour at a point is the 
   for each light    (k_d c I (N.L) + k_s I (N.H)^shininess) V
   reflected light   k_r R, and k_t F R if a part of the refracted light is reflected
   refracted light   k_t (1 - F) T
-where V is the share of the light that arrives, R and T the light that the reflected and the
-refracted ray bring back, and F the reflectance. n1 and n2 are the refractive indices. A light
+On a metal, highlights and reflected light are multiplied by its colour. V is the share of the light
+that arrives, R and T are the light that the reflected and the refracted ray bring back, and F is
+the reflectance. n1 and n2 are the refractive indices. A light
 behind a transparent surface adds k_d c I |N.L| V. Every sum is rounded to 32 bits per channel.
 
 --rays reads one ray per line, ox,oy,oz,dx,dy,dz: its origin and its direction, which may have any

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::anyhow;
 
-use rayreel::clouds::TrajectoryFile;
+use rayreel::clouds::{TrajectoryFile, is_element};
 use rayreel::glam::DVec3;
 use rayreel::trajectory::{Snapshot, Values};
 
@@ -120,8 +120,11 @@ struct Look {
 
 impl Look {
     fn of(snapshot: &Snapshot, extent: &ParticleBounds) -> Self {
-        let has_words = |name: &str| matches!(snapshot.column(name), Some(Values::Labels { .. }));
-        if has_words("element") {
+        let kinds = match snapshot.column("element") {
+            Some(Values::Labels { names, .. }) => names.as_slice(),
+            _ => &[],
+        };
+        if !kinds.is_empty() && kinds.iter().all(|kind| is_element(kind)) {
             let (look, about, largest) = if snapshot.count < MOST_BONDED {
                 ("style: BallAndStick", "Atoms and bonds; `style: Licorice` shows the bonds alone.", 0.5)
             } else {
@@ -138,8 +141,9 @@ impl Look {
                 largest,
             };
         }
-        let color = match snapshot.column("type") {
-            Some(_) => ", color_by: Category(\"type\")".to_owned(),
+        let kind = if kinds.is_empty() { "type" } else { "element" };
+        let color = match snapshot.column(kind) {
+            Some(_) => format!(", color_by: Category({kind:?})"),
             None => String::new(),
         };
         let radii = ["radius", "r", "Radius"].into_iter().find_map(|name| match snapshot.column(name) {

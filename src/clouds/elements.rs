@@ -44,6 +44,12 @@ pub(super) fn element(symbol: &str) -> Option<&'static ChemicalElement> {
     ELEMENTS.iter().find(|element| element.symbol.eq_ignore_ascii_case(symbol))
 }
 
+/// Returns whether a word is the symbol of a chemical element, in any case.
+#[must_use]
+pub fn is_element(symbol: &str) -> bool {
+    element(symbol).is_some()
+}
+
 /// Returns the element with an atomic number.
 pub(super) fn numbered(number: f64) -> Option<&'static ChemicalElement> {
     #[expect(

@@ -83,7 +83,10 @@ pub(super) fn by_element<T: Copy + Send + Sync>(
 ) -> Result<Vec<T>, CloudError> {
     let unknown = |name: String| {
         let message = format!("there is no chemical element {name}");
-        CloudError::new(part.clone(), message, format!("correct the column `{ELEMENT}` of the data"))
+        let help = format!(
+            "correct the column `{ELEMENT}` of the data; for kinds that are no elements, write a `shape`, `color_by: Category(\"{ELEMENT}\")` and `bonds: (radius: .., distance: ..)`"
+        );
+        CloudError::new(part.clone(), message, help)
     };
     match columns.column(ELEMENT, part)? {
         ColumnValues::Labels(labels, names) => {

@@ -19,6 +19,7 @@ mod palette;
 mod trajectory_file;
 
 pub use bonds::BondSettings;
+pub use elements::is_element;
 pub use error::{CloudError, CloudPart};
 pub use file_source::{CloudContent, CloudSettings, FileParticles};
 pub use filter::ParticleFilter;

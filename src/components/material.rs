@@ -15,6 +15,8 @@ pub struct Material {
     pub color: Rgb,
     /// The colour in ambient light, if it differs from `color`.
     pub ambient_color: Option<Rgb>,
+    /// True for a metal, whose highlights and reflected light have the colour `color`, each channel of it at most 1.
+    pub metallic: bool,
 }
 
 impl Material {
@@ -30,7 +32,7 @@ impl Material {
     /// ```
     #[must_use]
     pub const fn matte(color: Rgb) -> Self {
-        Self { k_a: 0.3, k_d: 0.7, color, ambient_color: None }
+        Self { k_a: 0.3, k_d: 0.7, color, ambient_color: None, metallic: false }
     }
 }
 
@@ -45,14 +47,14 @@ impl Default for Material {
     /// world.spawn((ball, Material::default(), Reflective::MIRROR, Transform::at(2.0, 1.0, 0.0)));
     /// ```
     fn default() -> Self {
-        Self { k_a: 0.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None }
+        Self { k_a: 0.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None, metallic: false }
     }
 }
 
 /// Specular highlights of lights on the surface. The presence of this component enables them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specular {
-    /// The specular reflection coefficient, 0..=1. Highlights have the colour of the light, not of the material.
+    /// The specular reflection coefficient, 0..=1. Highlights have the colour of the light and, on metals, of the material.
     pub k_s: f32,
     /// The exponent of N.H, 0..=[`Self::LARGEST_SHININESS`]. Larger exponents give narrower highlights.
     pub shininess: f32,
@@ -66,7 +68,7 @@ impl Specular {
 /// Mirror reflection. The presence of this component enables reflection rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflective {
-    /// The weight of the reflected ray's light, 0..=1.
+    /// The weight of the reflected ray's light, 0..=1. On metals, it is multiplied by the colour of the material.
     pub k_r: f32,
 }
 

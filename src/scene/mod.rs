@@ -63,12 +63,10 @@ pub use load::{Scene, TEMPLATE};
 #[cfg(feature = "live")]
 pub(crate) use overrides::joined;
 pub use overrides::{
-    KeyChange, Override, OverrideError, TextChange, WriteBackError, WrittenKey, WrittenKind, WrittenTrack,
-    WrittenTracks, WrittenValue, written_value,
+    KeyChange, Override, OverrideError, ScenePart, TextChange, WriteBackError, WrittenKey, WrittenKind,
+    WrittenTrack, WrittenTracks, WrittenValue, written_value,
 };
 pub use owner::Owner;
-#[cfg(feature = "live")]
-pub use parts::ScenePart;
 #[cfg(feature = "live")]
 pub(crate) use parts::{AnimatedChannel, ChangedPart};
 pub use reader::Reader;

@@ -1,9 +1,8 @@
 //! The parts of a scene that have a name in its text: settings, cameras, materials and entities.
 
-use serde::{Deserialize, Serialize};
-
 use super::document::SceneDocument;
 use super::files::Origin;
+use super::overrides::ScenePart;
 use super::source_text::{SourceLine, SourceText};
 use super::sources::Sources;
 use super::spans::{BracketMember, bracket, literal_text, own_name, root};
@@ -36,20 +35,6 @@ pub(crate) struct AnimatedChannel {
     pub(crate) is_script: bool,
     /// Position of the track, or of the script's file.
     pub(crate) place: String,
-}
-
-/// A part of a scene.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ScenePart {
-    /// A field of the scene itself, such as `fog`.
-    Setting(String),
-    /// A camera; the one of the field `camera` is called `camera`.
-    Camera(String),
-    /// A material.
-    Material(String),
-    /// An entity; without a name, `#` and its index in document order.
-    Entity(String),
 }
 
 /// A part of a scene whose text differs from an earlier one.

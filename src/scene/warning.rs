@@ -13,7 +13,7 @@ use super::{Diagnostic, SourcePosition};
 /// let scene = Scene::from_text("sky.ron", text.to_owned())?;
 /// let warning = &scene.warnings[0];
 /// assert_eq!(warning.message, "a colour that is almost black: no channel is above 1");
-/// assert_eq!(warning.help, "channels are from 0 to 255: write (128, 179, 255)");
+/// assert_eq!(warning.help, "channels are from 0 to 255: write (128, 179, 255), or (188, 218, 255) for linear light as in POV-Ray");
 /// assert_eq!(warning.position.to_string(), "1:63");
 /// # Ok::<(), rayreel::scene::LoadError>(())
 /// ```

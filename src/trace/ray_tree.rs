@@ -48,6 +48,13 @@ impl SecondaryTerms {
             RayKind::Refraction => self.refraction.map_or(0.0, |refraction| refraction.share),
         }
     }
+
+    /// Returns the part of the light of a secondary ray that the surface sends back.
+    #[must_use]
+    pub fn part(&self, kind: RayKind, light: Rgb) -> Rgb {
+        let tint = self.tint.filter(|_| kind == RayKind::Reflection).unwrap_or(Rgb::ONE);
+        light * self.share(kind) * tint
+    }
 }
 
 /// The kind of a ray.
@@ -192,7 +199,7 @@ impl RayTree {
             returned[index] = light;
             let Some(parent) = traced.parent else { continue };
             if let RayEnd::Surface(lit) = &self.rays[parent].end {
-                let sum = returned[parent] + light * lit.terms.secondary.share(traced.kind);
+                let sum = returned[parent] + lit.terms.secondary.part(traced.kind, light);
                 returned[parent] = clamped(sum);
             }
         }

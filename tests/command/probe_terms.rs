@@ -30,6 +30,11 @@ fn sum(one: Color, other: Color) -> Color {
     each(one, other, |one, other| one + other)
 }
 
+/// Returns the colour of highlights and reflected light, given the terms of a surface.
+fn metal(terms: &Value) -> Color {
+    if terms["metal"].is_null() { [1.0; 3] } else { color(&terms["metal"]) }
+}
+
 fn list(value: &Value) -> &[Value] {
     value.as_array().unwrap()
 }
@@ -71,7 +76,8 @@ fn check_light(trees: &[Value]) -> (u32, u32) {
                     let share =
                         number(&terms["k_s"]) * single(libm::pow(half, terms["shininess"].as_f64().unwrap()));
                     let highlight = color(&sample["highlight"]);
-                    assert!(each(intensity, highlight, |i, h| i * share - h).iter().all(|d| d.abs() < 1e-6));
+                    let expected = product(intensity, metal(terms)).map(|channel| channel * share);
+                    assert!(each(expected, highlight, |e, h| e - h).iter().all(|d| d.abs() < 1e-6));
                     highlights += 1;
                 }
                 let unoccluded = sum(diffuse, color(&sample["highlight"]));
@@ -192,7 +198,7 @@ fn screens_of_parallel_rays_hold_the_starts_of_the_rays() {
 
 #[test]
 fn shares_of_secondary_rays_add_up_to_the_light_that_rays_bring_back() {
-    let mut kinds = [0, 0];
+    let (mut kinds, mut metals) = ([0, 0], 0);
     for tree in trees() {
         let rays = list(&tree["rays"]);
         for (index, ray) in rays.iter().enumerate() {
@@ -202,8 +208,10 @@ fn shares_of_secondary_rays_add_up_to_the_light_that_rays_bring_back() {
                 let kind = usize::from(child["kind"] == "refraction");
                 let share = number(&terms[["reflected_share", "refracted_share"][kind]]);
                 assert_eq!(child["brings_back"], terms[["R", "T"][kind]]);
-                light = sum(light, color(&child["brings_back"]).map(|channel| channel * share));
+                let returned = color(&child["brings_back"]).map(|channel| channel * share);
+                light = sum(light, if kind == 0 { product(returned, metal(terms)) } else { returned });
                 kinds[kind] += 1;
+                metals += u32::from(kind == 0 && !terms["metal"].is_null());
             }
             let back = sum(product(color(&ray["let_through"]), light), color(&ray["added"]));
             assert_eq!(back, color(&ray["brings_back"]));
@@ -217,7 +225,7 @@ fn shares_of_secondary_rays_add_up_to_the_light_that_rays_bring_back() {
         let difference = each(color(&rays[0]["brings_back"]), color(&tree["linear"]), |a, b| (a - b).abs());
         assert!(difference.iter().all(|difference| *difference < 1e-6), "{difference:?}");
     }
-    assert!(kinds.iter().all(|count| *count > 10), "{kinds:?}");
+    assert!(kinds.iter().all(|count| *count > 10) && metals > 2, "{kinds:?} {metals}");
 }
 
 #[test]

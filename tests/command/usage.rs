@@ -293,6 +293,13 @@ fn new_from_data_writes_a_scene_that_shows_it() {
         let is_there = probed.contains(&format!("\"{name}\" (water.ron:"));
         assert!(is_there && probed.contains("data/water.xyz, frame 0)"), "{probed}");
     }
+    // Kinds that are no elements.
+    let mixture = water.replace("O 0", "A 0").replace("H -", "B -");
+    fs::write(folder.path().join("data/mixture.xyz"), mixture).unwrap();
+    stdout_of(folder.path(), ["new", "--from", "data/mixture.xyz", "mixture.ron"]);
+    assert_eq!(stdout_of(folder.path(), ["check", "mixture.ron"]), "mixture.ron: ok, 144 frames\n");
+    let written = fs::read_to_string(folder.path().join("mixture.ron")).unwrap();
+    assert!(written.contains("color_by: Category(\"element\")"), "{written}");
     let output = rayreel(folder.path(), ["new", "--from", "data/wine.xyz", "wine.ron"]);
     assert!(!output.status.success() && text(&output.stderr).contains("data/wine.xyz"));
     assert!(!folder.path().join("wine.ron").exists());

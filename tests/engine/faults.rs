@@ -126,9 +126,14 @@ fn pattern_kind() -> BoxedStrategy<PatternKind> {
 }
 
 fn looks() -> impl Strategy<Value = Looks> {
-    let material = (single(), single(), color(), prop::option::of(color()));
-    let material =
-        material.prop_map(|(k_a, k_d, color, ambient_color)| Material { k_a, k_d, color, ambient_color });
+    let material = (single(), single(), color(), prop::option::of(color()), any::<bool>());
+    let material = material.prop_map(|(k_a, k_d, color, ambient_color, metallic)| Material {
+        k_a,
+        k_d,
+        color,
+        ambient_color,
+        metallic,
+    });
     let refractive = (single(), number(), color(), any::<bool>());
     let refractive =
         refractive.prop_map(|(k_t, ior, absorption, fresnel)| Refractive { k_t, ior, absorption, fresnel });
@@ -497,7 +502,7 @@ proptest! {
 }
 
 fn clay() -> Material {
-    Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None }
+    Material { k_a: 0.5, k_d: 0.5, color: Rgb::ONE, ambient_color: None, metallic: false }
 }
 
 /// Returns the message and the remedy of an entity's only fault.

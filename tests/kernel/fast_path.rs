@@ -49,6 +49,7 @@ struct Thing {
     diffuse: f32,
     specular: Option<Specular>,
     mirror: bool,
+    is_metal: bool,
     glass: Option<Refractive>,
     pattern: Option<Pattern>,
     emission: Option<Emission>,
@@ -156,12 +157,12 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
         [0.0..1.0f32, 0.0..1.0, 0.0..1.0],
         diffuse,
         specular(),
-        any::<bool>(),
+        (any::<bool>(), any::<bool>()),
         glass(),
         (pattern(), emission(), visibility()),
     );
     let thing = (shape(), transform(), surface, point()).prop_map(|(shape, transform, surface, later)| {
-        let (color, diffuse, specular, mirror, glass, (pattern, emission, visibility)) = surface;
+        let (color, diffuse, specular, (mirror, is_metal), glass, (pattern, emission, visibility)) = surface;
         Thing {
             shape,
             transform,
@@ -169,6 +170,7 @@ fn things() -> impl Strategy<Value = Vec<Thing>> {
             diffuse,
             specular,
             mirror,
+            is_metal,
             glass,
             pattern,
             emission,
@@ -250,7 +252,8 @@ fn world(
     let mut world = World::new();
     for thing in things {
         let color = Rgb::from_array(thing.color);
-        let material = Material { k_a: 0.3, k_d: thing.diffuse, color, ambient_color: None };
+        let material =
+            Material { k_a: 0.3, k_d: thing.diffuse, color, ambient_color: None, metallic: thing.is_metal };
         let entity = world.spawn((thing.shape, thing.transform, material));
         if let Some(specular) = thing.specular {
             world.insert_one(entity, specular).unwrap();

@@ -217,7 +217,8 @@ fn a_resolution_of_one_is_the_middle_of_the_screen() {
 /// Returns a world with one shape, a sun along `light`, and a camera at -5 that looks along +z.
 fn world(shape: Shape, transform: Transform, light: DVec3) -> World {
     let mut world = World::new();
-    let material = Material { k_a: 0.2, k_d: 0.8, color: Rgb::new(0.9, 0.6, 0.3), ambient_color: None };
+    let material =
+        Material { k_a: 0.2, k_d: 0.8, color: Rgb::new(0.9, 0.6, 0.3), ambient_color: None, metallic: false };
     world.spawn((shape, transform, material));
     let kind = LightKind::Directional { direction: light };
     world.spawn((Light::new(kind, Rgb::ONE), Transform::IDENTITY));
@@ -610,7 +611,8 @@ fn heap() -> u32 {
 /// Renders concentric reflective spheres with a lamp.
 fn heap_of_spheres(radii: impl Iterator<Item = f64>) -> Film {
     let mut world = World::new();
-    let material = Material { k_a: 0.2, k_d: 0.8, color: Rgb::new(0.9, 0.6, 0.3), ambient_color: None };
+    let material =
+        Material { k_a: 0.2, k_d: 0.8, color: Rgb::new(0.9, 0.6, 0.3), ambient_color: None, metallic: false };
     let mirror = Reflective { k_r: 0.5 };
     world
         .spawn_batch(radii.map(|radius| (Shape::Sphere { radius }, Transform::IDENTITY, material, mirror)))

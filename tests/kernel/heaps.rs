@@ -82,7 +82,13 @@ fn scenery(eye: DVec3, samples: u32) -> World {
 }
 
 fn clay(color: f32) -> Material {
-    Material { k_a: 0.3, k_d: 0.6, color: Rgb::new(color, 0.5, 1.0 - color), ambient_color: None }
+    Material {
+        k_a: 0.3,
+        k_d: 0.6,
+        color: Rgb::new(color, 0.5, 1.0 - color),
+        ambient_color: None,
+        metallic: false,
+    }
 }
 
 fn world(heaps: &[Heap], eye: DVec3, samples: u32) -> World {

@@ -609,7 +609,7 @@ fn omitted_effects_have_their_reasons() {
     }
     // A scene file with squares of no size is refused, but a world may contain them.
     let mut world = World::new();
-    let white = Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None };
+    let white = Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None, metallic: false };
     let squares = Pattern { color: Rgb::ZERO, kind: PatternKind::Checker { size: 0.0 } };
     world.spawn((Shape::Sphere { radius: 1.0 }, Transform::default(), white, squares));
     let mut engine = Engine::new(world);

@@ -18,7 +18,7 @@ const SIDE: u32 = 48;
 /// distance 1 whose pixels are squares of side 1/SIDE.
 fn engine(shape: Shape, place: DVec3, sampling: Sampling) -> (Engine, Entity) {
     let mut world = World::new();
-    let white = Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None };
+    let white = Material { k_a: 1.0, k_d: 0.0, color: Rgb::ONE, ambient_color: None, metallic: false };
     let entity = world.spawn((shape, Transform::from_translation(place), white));
     let extent = f64::from(SIDE - 1) / f64::from(SIDE);
     world.spawn((Camera {

@@ -28,7 +28,7 @@ fn warnings_are_beside_the_picture_until_they_are_mended() {
     for part in [
         "2 warnings",
         "a colour that is almost black: no channel is above 1",
-        "channels are from 0 to 255: write (255, 128, 64)",
+        "channels are from 0 to 255: write (255, 128, 64), or (255, 188, 137) for linear light as in POV-Ray",
         "ball.ron:6:52 · dark-color",
         "entity #2 lights nothing in view",
         "ball.ron:10 · idle-light",

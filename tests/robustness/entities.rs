@@ -37,14 +37,16 @@ fn emission() -> impl Strategy<Value = String> {
 }
 
 pub(crate) fn material() -> impl Strategy<Value = String> {
-    let reflective = prop::option::of(coefficient());
+    let reflective = prop::option::of((coefficient(), any::<bool>()));
     let specular = prop::option::of((coefficient(), shininess()));
     let more =
         (prop_oneof![Just(String::new()), refractive()].boxed(), pattern().boxed(), emission().boxed());
     (coefficient(), coefficient(), color(), prop::option::of(color()), specular, reflective, more).prop_map(
         |(k_a, k_d, color, ambient, specular, reflective, (glass, squares, lamp))| {
             let ambient = ambient.map_or_else(String::new, |color| format!(", ambient_color: {color}"));
-            let mirror = reflective.map_or_else(String::new, |k_r| format!(", reflective: (k_r: {k_r})"));
+            let mirror = reflective.map_or_else(String::new, |(k_r, metallic)| {
+                format!(", metallic: {metallic}, reflective: (k_r: {k_r})")
+            });
             let gloss = specular.map_or_else(String::new, |(k_s, shininess)| {
                 format!(", specular: (k_s: {k_s}, shininess: {shininess})")
             });

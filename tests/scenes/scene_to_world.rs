@@ -125,7 +125,13 @@ fn surfaces_are_named_or_written_in_place_or_have_a_colour() {
     let mut engine = Engine::from_scene(scene(SURFACES));
     engine.seek(Time::from_ratio(0, 1).unwrap()).unwrap();
     let (green, shine) = (Rgb::new(0.0, 1.0, 0.0), Some(Specular { k_s: 0.25, shininess: 9.0 }));
-    let clay = Material { k_a: 0.125, k_d: 0.5, color: Rgb::new(1.0, 0.0, 0.0), ambient_color: None };
+    let clay = Material {
+        k_a: 0.125,
+        k_d: 0.5,
+        color: Rgb::new(1.0, 0.0, 0.0),
+        ambient_color: None,
+        metallic: false,
+    };
     let green_clay = Material { color: green, ..clay };
     let in_place = Material { k_a: 0.0, ..green_clay };
     for (name, material, specular) in [

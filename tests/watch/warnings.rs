@@ -20,7 +20,10 @@ fn warnings_are_those_of_the_last_full_picture() {
     assert_eq!(shown.warnings, now(&stage));
     let place = shown.warnings.list[0].place.as_ref().unwrap();
     assert!(place.ends_with("ball.ron:6:52"), "{place}");
-    assert_eq!(shown.warnings.list[0].help, "channels are from 0 to 255: write (255, 128, 64)");
+    assert_eq!(
+        shown.warnings.list[0].help,
+        "channels are from 0 to 255: write (255, 128, 64), or (255, 188, 137) for linear light as in POV-Ray"
+    );
 
     stage.save(&pale(below));
     let shown = stage.matches_a_cold_start();

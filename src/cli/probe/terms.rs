@@ -104,6 +104,7 @@ impl<'a> Terms<'a> {
         if terms.secondary.mirror > 0.0 {
             facts.push(("k_r", single(terms.secondary.mirror)));
         }
+        facts.extend(terms.secondary.tint.map(|tint| ("metal", color(tint))));
         if let Some(refraction) = &terms.secondary.refraction {
             facts.extend(refraction_facts(refraction, &self.angles(index, lit, refraction)));
         }
@@ -151,10 +152,12 @@ impl<'a> Terms<'a> {
                 RayKind::Refraction => ("refracted light", "T"),
                 RayKind::Reflection | RayKind::Camera => ("reflected light", "R"),
             };
-            let (share, light) = (lit.terms.secondary.share(ray.kind), self.returned[child]);
-            let facts = vec![("share", single(share)), (symbol, color(light))];
+            let (secondary, light) = (&lit.terms.secondary, self.returned[child]);
+            let tint = secondary.tint.filter(|_| ray.kind == RayKind::Reflection);
+            let mut facts = vec![("share", single(secondary.share(ray.kind))), (symbol, color(light))];
+            facts.extend(tint.map(|tint| ("metal", color(tint))));
             let node = TreeNode { facts, ..TreeNode::default() };
-            (name.to_owned(), adds(light * share), node)
+            (name.to_owned(), adds(secondary.part(ray.kind, light)), node)
         });
         terms.collect()
     }
@@ -246,6 +249,7 @@ impl<'a> Terms<'a> {
             "k_s": specular,
             "shininess": shininess,
             "k_r": secondary.mirror,
+            "metal": secondary.tint.map(|tint| tint.to_array()),
             "k_t": refraction.map_or(0.0, |refraction| refraction.coefficient),
             "n": refraction.map(|refraction| [refraction.from, refraction.into]),
             "cosines": angles.as_ref().map(|angles| angles.cosines),

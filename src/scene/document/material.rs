@@ -17,14 +17,17 @@ pub(crate) struct MaterialDocument {
     pub(crate) refractive: Option<RefractiveDocument>,
     pub(crate) pattern: Option<PatternDocument>,
     pub(crate) emission: Option<Triple>,
+    #[serde(default)]
+    pub(crate) metallic: bool,
 }
 
 impl MaterialDocument {
-    /// Returns whether it is matte without coefficients: it has a colour, which the surface would not show otherwise, and is not
-    /// transparent.
+    /// Returns whether it is matte without coefficients: it has a colour, which the surface would not show otherwise, and is neither
+    /// transparent nor a metal.
     pub(crate) fn is_matte_by_default(&self) -> bool {
         let is_colored = self.color.is_some() || self.ambient_color.is_some() || self.pattern.is_some();
-        is_colored && self.k_a.is_none() && self.k_d.is_none() && self.refractive.is_none()
+        let is_other = self.refractive.is_some() || self.metallic;
+        is_colored && self.k_a.is_none() && self.k_d.is_none() && !is_other
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) use unplaced::Unplaced;
 pub use write_back::{TextChange, WriteBackError, written_value};
 #[cfg(feature = "live")]
 pub(crate) use written::joined;
-pub use written::{WrittenKind, WrittenValue};
+pub use written::{ScenePart, WrittenKind, WrittenValue};
 
 /// An override of a value in the scene's files, identified by its path.
 ///

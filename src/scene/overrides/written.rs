@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Override;
 use super::set_value::{counts_other_files, value_at};
@@ -15,6 +15,20 @@ use crate::scene::spans::{BracketMember, bracket, literal_text, root};
 
 /// Fields with colours, besides those that are called so.
 const COLORS: [&str; 4] = ["background", "bottom", "horizon", "top"];
+
+/// A part of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScenePart {
+    /// A field of the scene itself, such as `fog`.
+    Setting(String),
+    /// A camera; the one of the field `camera` is called `camera`.
+    Camera(String),
+    /// A material.
+    Material(String),
+    /// An entity; without a name, `#` and its index in document order.
+    Entity(String),
+}
 
 /// A value in the text of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]

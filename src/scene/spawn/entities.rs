@@ -202,6 +202,7 @@ pub(super) fn surface(document: &MaterialDocument, transfer: Transfer) -> Materi
         k_a: document.k_a.map_or(base.k_a, single),
         k_d: document.k_d.map_or(base.k_d, single),
         ambient_color: document.ambient_color.map(|color| transfer.decode(color.0)),
+        metallic: document.metallic,
         ..base
     };
     let specular = document

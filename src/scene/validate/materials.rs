@@ -53,6 +53,14 @@ pub(super) fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut 
     if let Some(reflective) = material.reflective {
         check::coefficient(reflective.k_r, "k_r", &at.field("reflective").field("k_r"), problems);
     }
+    if material.metallic && material.specular.is_none() && material.reflective.is_none() {
+        problems.add(
+            &at.field("metallic"),
+            "a metal that reflects nothing",
+            "it colours highlights and reflected light",
+            "add `reflective: (k_r: 0.8)` or `specular: (k_s: 0.6, shininess: 60)`",
+        );
+    }
     if let Some(refractive) = material.refractive {
         let at = at.field("refractive");
         check::coefficient(refractive.k_t, "k_t", &at.field("k_t"), problems);

@@ -400,6 +400,7 @@ pub(in crate::scene) fn help_for(error: &ScriptError) -> Option<String> {
 pub(super) mod check {
     use super::{At, Problems};
     use crate::animation::limits::{LARGEST, MOST_LIGHT, SMALLEST};
+    use crate::color::{Rgb, Transfer, to_f32};
     use crate::components::{Quantity, ValidRange};
     use crate::scene::document::Triple;
     use crate::scene::quote::Figure;
@@ -530,7 +531,12 @@ pub(super) mod check {
     pub(crate) fn color(value: Triple, at: &At<'_>, problems: &mut Problems) {
         if value != [0.0; 3] && value.iter().all(|channel| (0.0..=1.0).contains(channel)) {
             let [red, green, blue] = value.map(|channel| (255.0 * channel).round());
-            let help = format!("channels are from 0 to 255: write ({red}, {green}, {blue})");
+            let linear = Transfer::Srgb
+                .encode(Rgb::from_array(value.map(to_f32)))
+                .map(|byte| byte.to_string())
+                .join(", ");
+            let bytes = format!("({red}, {green}, {blue}), or ({linear}) for linear light as in POV-Ray");
+            let help = format!("channels are from 0 to 255: write {bytes}");
             problems.warn(at, "a colour that is almost black", "no channel is above 1", help);
         }
         for (index, value) in value.into_iter().enumerate() {

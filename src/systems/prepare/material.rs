@@ -37,6 +37,7 @@ pub(super) fn surface_material(
         diffuse: sane(material.color) * k_d,
         specular: specular.map_or(0.0, |specular| coefficient(specular.k_s)),
         shininess: specular.map_or(0.0, |specular| shininess(specular.shininess)),
+        tint: material.metallic.then(|| sane(material.color).min(Rgb::ONE)),
         reflected: reflective.map_or(0.0, |reflective| coefficient(reflective.k_r)),
         refraction: refractive.and_then(prepared_refraction),
         pattern,

@@ -164,6 +164,13 @@ impl Colors {
         (self.0[0][lane], self.0[1][lane], self.0[2][lane]) = (color.x, color.y, color.z);
     }
 
+    /// Multiplies other colours by these.
+    #[inline(always)]
+    pub(crate) fn times<S: Simd>(&self, simd: S, others: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+        let [red, green, blue] = self.load(simd);
+        [others[0] * red, others[1] * green, others[2] * blue]
+    }
+
     /// Loads all lanes, channel by channel.
     #[inline(always)]
     pub(crate) fn load<S: Simd>(&self, simd: S) -> [f32x16<S>; 3] {

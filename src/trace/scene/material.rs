@@ -18,6 +18,8 @@ pub struct SurfaceMaterial {
     pub specular: f32,
     /// Exponent of N.H in highlights, 0 or more.
     pub shininess: f32,
+    /// Colour by which highlights and all reflected light are multiplied, up to 1 in each channel; `None` for white.
+    pub tint: Option<Rgb>,
     /// Share of the mirrored ray, 0..=1; 0 without reflection.
     pub reflected: f32,
     /// The transparent medium behind the surface; `None` if the surface is opaque.
@@ -65,7 +67,8 @@ impl SurfaceMaterial {
 
     /// Writes the bytes of everything that pictures depend on.
     pub(super) fn write(&self, bytes: &mut Bytes) {
-        let Self { ambient, diffuse, specular, shininess, reflected, refraction, pattern, emission } = self;
+        let Self { ambient, diffuse, specular, shininess, tint, reflected, refraction, pattern, emission } =
+            self;
         bytes.colors([*ambient, *diffuse]);
         [specular, shininess, reflected].into_iter().for_each(|number| bytes.number((*number).into()));
         bytes.count(refraction.is_some());
@@ -75,7 +78,8 @@ impl SurfaceMaterial {
             bytes.count(*fresnel);
         }
         let emits = *emission != Rgb::ZERO;
-        bytes.count(pattern.as_ref().map_or(0, |pattern| pattern.layout.code()) + 2 * u32::from(emits));
+        let code = pattern.as_ref().map_or(0, |pattern| pattern.layout.code());
+        bytes.count(code + 2 * u32::from(emits) + 32 * u32::from(tint.is_some()));
         if let Some(pattern) = pattern {
             let PreparedPattern { ambient, diffuse, layout } = &**pattern;
             bytes.colors([*ambient, *diffuse]);
@@ -84,16 +88,19 @@ impl SurfaceMaterial {
         if emits {
             bytes.colors([*emission]);
         }
+        tint.iter().for_each(|tint| bytes.colors([*tint]));
     }
 
     /// Returns a fingerprint that equal materials share, and different ones hardly ever do.
     pub(super) fn fingerprint(&self) -> u64 {
-        let Self { ambient, diffuse, specular, shininess, reflected, refraction, pattern, emission } = self;
+        let Self { ambient, diffuse, specular, shininess, tint, reflected, refraction, pattern, emission } =
+            self;
         let mut fingerprint = Fingerprint::default();
         let colors = |fingerprint: &mut Fingerprint, colors: &[Rgb]| {
             colors.iter().flat_map(Rgb::to_array).for_each(|channel| fingerprint.add(channel.into()));
         };
         colors(&mut fingerprint, &[*ambient, *diffuse, *emission]);
+        colors(&mut fingerprint, tint.as_slice());
         [*specular, *shininess, *reflected].into_iter().for_each(|number| fingerprint.add(number.into()));
         if let Some(Refraction { transmitted, ior, absorption, fresnel }) = refraction {
             [f64::from(*transmitted), *ior, f64::from(*fresnel)]

@@ -75,6 +75,8 @@ pub struct SecondaryTerms {
     pub mirror: f32,
     /// The share of the reflected ray's light: k_r, and the part of k_t that is reflected.
     pub reflected: f32,
+    /// The colour of a metal, by which reflected light and highlights are multiplied.
+    pub tint: Option<Rgb>,
     /// The terms of refraction, if the surface is transparent.
     pub refraction: Option<RefractionTerms>,
 }
@@ -126,7 +128,7 @@ pub(crate) fn secondary_rays_and_terms(
     let material = scene.material(surface.hit.id);
     let mut reflected = material.reflected;
     let mut refraction = None;
-    let mut terms = SecondaryTerms { mirror: reflected, ..SecondaryTerms::default() };
+    let mut terms = SecondaryTerms { mirror: reflected, tint: material.tint, ..SecondaryTerms::default() };
     if effects.media()
         && let Some(medium) = &material.refraction
     {
@@ -156,13 +158,14 @@ pub(crate) fn secondary_rays_and_terms(
 
     terms.reflected = reflected;
     let mut branches = SecondaryRays::default();
-    if let Some(state) = reaching(arrived, reflected, *medium, 0) {
+    let tint = material.tint.unwrap_or(Rgb::ONE);
+    if let Some(state) = reaching(arrived, (reflected, tint), *medium, 0) {
         let direction = mirrored::<f64>(direction.into(), surface.normal.into()).into();
         branches.reflected = surface.leave(surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }
     if effects.media()
         && let Some((direction, transmitted, beyond)) = refraction
-        && let Some(state) = reaching(arrived, transmitted, beyond, 1)
+        && let Some(state) = reaching(arrived, (transmitted, Rgb::ONE), beyond, 1)
     {
         branches.refracted =
             surface.leave(!surface.from_outside, direction).map(|ray| TreeRay { ray, state });
@@ -170,18 +173,18 @@ pub(crate) fn secondary_rays_and_terms(
     (branches, terms)
 }
 
-/// Returns the state of a secondary ray that carries a share of the light in a medium, as child `place`, 0 or 1, of the ray that it
+/// Returns the state of a secondary ray that carries a share of the light, in a tint, in a medium, as child `place`, 0 or 1, of the ray that it
 /// continues. `None` if its throughput is zero.
 #[inline]
 pub(super) fn reaching(
     arrived: &PathState,
-    share: f32,
+    (share, tint): (f32, Rgb),
     medium: MediumStack,
     place: u64,
 ) -> Option<PathState> {
     // If k_r + k_t is above 1, light may double without end. It is clamped to finite numbers, because a finite number times zero is zero,
     // but infinity times zero is NaN.
-    let throughput = (arrived.throughput * share).min(Rgb::splat(f32::MAX));
+    let throughput = (arrived.throughput * share).min(Rgb::splat(f32::MAX)) * tint;
     let path = arrived.path.wrapping_mul(2).wrapping_add(place);
     (throughput != Rgb::ZERO).then_some(PathState { throughput, medium, path })
 }

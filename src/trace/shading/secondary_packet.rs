@@ -7,8 +7,9 @@ use super::medium_stack::{MediumStack, MediumStacks};
 use super::path_packet::PathPacket;
 use super::refraction_packet::RefractionPacket;
 use super::secondary::TreeRay;
+use super::terms_packet::add_tint;
 use crate::trace::intersect::{HitPacket, SurfacePacket};
-use crate::trace::math::{F64s3, LANES, Scaled, bits, bits16, finite3, half_of, lanes, scaled_lanes};
+use crate::trace::math::{Colors, F64s3, LANES, Scaled, bits, bits16, finite3, half_of, lanes, scaled_lanes};
 use crate::trace::rays::{RayPacket, ShapeIds};
 use crate::trace::scene::PreparedScene;
 
@@ -44,7 +45,7 @@ pub(crate) fn branch_lanes<S: Simd>(
     (reflections, refracted): (&mut BranchPacket, Option<&mut BranchPacket>),
 ) -> u32 {
     let mut escalated = active & surfaces.tied;
-    let mut reflected = reflected_shares(simd, scene, &hits.ids, active);
+    let (mut reflected, tints) = reflected_shares(simd, scene, &hits.ids, active);
     if let Some(branches) = refracted {
         let at = (hits, surfaces);
         let refraction = RefractionPacket::at(
@@ -57,7 +58,7 @@ pub(crate) fn branch_lanes<S: Simd>(
         );
         escalated |= refraction.escalated;
         let RefractionPacket { transmitted, directions, beyond, lanes, .. } = refraction;
-        let spawned = carry(simd, paths, (&transmitted, &beyond, 1), lanes & !escalated, branches);
+        let spawned = carry(simd, paths, (&transmitted, None, &beyond, 1), lanes & !escalated, branches);
         let mut in_range = 0;
         for half in (0..2).filter(|half| half_of(spawned, *half) != 0) {
             in_range |= start(simd, surfaces, (half, directions.load(simd, half)), &mut branches.rays);
@@ -65,7 +66,8 @@ pub(crate) fn branch_lanes<S: Simd>(
         escalated |= spawned & !in_range;
         depart(surfaces, (spawned & in_range, !surfaces.from_outside), &mut branches.rays);
     }
-    let spawned = carry(simd, paths, (&reflected, &paths.media, 0), active & !escalated, reflections);
+    let carried = (&reflected, tints.as_ref(), &paths.media, 0);
+    let spawned = carry(simd, paths, carried, active & !escalated, reflections);
     let mut in_range = 0;
     for half in (0..2).filter(|half| half_of(spawned, *half) != 0) {
         let (direction, normal) = (rays.directions.load(simd, half), surfaces.normals.load(simd, half));
@@ -75,38 +77,48 @@ pub(crate) fn branch_lanes<S: Simd>(
     escalated | spawned & !in_range
 }
 
-/// Returns the coefficients k_r of the shapes in some lanes.
+/// Returns the coefficients k_r of the shapes in some lanes, and the tints of their reflected light, if there are any.
 #[inline(always)]
-fn reflected_shares<S: Simd>(simd: S, scene: &PreparedScene, ids: &ShapeIds, active: u32) -> [f32; LANES] {
+fn reflected_shares<S: Simd>(
+    simd: S,
+    scene: &PreparedScene,
+    ids: &ShapeIds,
+    active: u32,
+) -> ([f32; LANES], Option<Colors>) {
     if let Some(id) = ids.common(simd, active) {
-        return [scene.material(id).reflected; LANES];
+        let material = scene.material(id);
+        return ([material.reflected; LANES], material.tint.map(Colors::splat));
     }
-    let mut shares = [0.0; LANES];
+    let (mut shares, mut tints) = ([0.0; LANES], None);
     for lane in lanes(active) {
         let Some(id) = ids.get(lane) else { continue };
-        shares[lane] = scene.material(id).reflected;
+        let material = scene.material(id);
+        shares[lane] = material.reflected;
+        add_tint(&mut tints, lane, material);
     }
-    shares
+    (shares, tints)
 }
 
-/// Computes the path states of secondary rays in `media` that carry `shares` of the arriving light. They are child `place`, 0 or 1, of the
+/// Computes the path states of secondary rays in `media` that carry `shares` of the arriving light, in `tints`. They are child `place`, 0 or 1, of the
 /// rays that they continue. Returns the lanes, among `active`, of nonzero throughput, as [`reaching`](super::secondary::reaching) does.
 #[inline(always)]
 fn carry<S: Simd>(
     simd: S,
     arrived: &PathPacket,
-    (shares, media, place): (&[f32; LANES], &[MediumStack; LANES], u64),
+    (shares, tints, media, place): (&[f32; LANES], Option<&Colors>, &[MediumStack; LANES], u64),
     active: u32,
     branches: &mut BranchPacket,
 ) -> u32 {
     let (share, most) = (f32x16::load_array_ref(simd, shares), f32x16::splat(simd, f32::MAX));
-    let mut throughputs = arrived.throughputs.load(simd);
-    let mut lit = 0;
-    for channel in &mut throughputs {
-        let product = *channel * share;
-        *channel = product.simd_lt(most).select(product, most);
-        lit |= bits16(channel.simd_gt(f32x16::splat(simd, 0.0)));
+    let mut throughputs = arrived.throughputs.load(simd).map(|channel| {
+        let product = channel * share;
+        product.simd_lt(most).select(product, most)
+    });
+    if let Some(tints) = tints {
+        throughputs = tints.times(simd, throughputs);
     }
+    let zero = f32x16::splat(simd, 0.0);
+    let lit = throughputs.iter().fold(0, |lit, channel| lit | bits16(channel.simd_gt(zero)));
     let paths = &mut branches.paths;
     paths.throughputs.store(throughputs);
     paths.media = *media;

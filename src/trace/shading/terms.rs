@@ -59,10 +59,10 @@ pub(crate) fn diffuse(color: Rgb, intensity: Rgb, cosine: f64) -> Rgb {
     color * intensity * to_f32(cosine)
 }
 
-/// Computes the specular term, k_s I_j (N.H_j)^shininess, with the [`half_cosine`] N.H_j.
+/// Computes the specular term, k_s I_j (N.H_j)^shininess, with the [`half_cosine`] N.H_j; of metals, in their colour.
 pub(crate) fn specular(material: &SurfaceMaterial, intensity: Rgb, half_cosine: f64) -> Rgb {
     let highlight = pow(half_cosine, f64::from(material.shininess));
-    intensity * (material.specular * to_f32(highlight))
+    intensity * (material.specular * to_f32(highlight)) * material.tint.unwrap_or(Rgb::ONE)
 }
 
 /// Computes max(0, N.H), at most 1, for the half vector H between two directions of any length except zero.

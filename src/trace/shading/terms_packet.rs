@@ -8,8 +8,8 @@ use super::light_sample_packet::{LightSamplePacket, ShadingPacket};
 use super::terms::half_cosine;
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
-use crate::trace::math::{F64s, LANES, Numbers, dot, half_of, lanes, negative, pow, splat, splat3};
-use crate::trace::scene::{LightSource, PreparedLight, PreparedScene};
+use crate::trace::math::{Colors, F64s, LANES, Numbers, dot, half_of, lanes, negative, pow, splat, splat3};
+use crate::trace::scene::{LightSource, PreparedLight, PreparedScene, SurfaceMaterial};
 
 /// Computes the intensity of a light in the lanes of light samples. `lengths` are the lengths of their directions.
 #[inline(always)]
@@ -63,6 +63,14 @@ fn at_most<S: Simd>(simd: S, number: F64s<S>) -> F64s<S> {
     number.simd_lt(most).select(number, most)
 }
 
+/// Adds the tint of a material in a lane, if it has one, to those of other lanes.
+#[inline(always)]
+pub(super) fn add_tint(tints: &mut Option<Colors>, lane: usize, material: &SurfaceMaterial) {
+    if let Some(tint) = material.tint {
+        tints.get_or_insert(Colors::splat(Rgb::ONE)).set(lane, tint);
+    }
+}
+
 /// Adds highlights to the colours of light samples.
 #[inline(always)]
 pub(super) fn add_highlights<S: Simd>(
@@ -76,11 +84,12 @@ pub(super) fn add_highlights<S: Simd>(
     if active == 0 {
         return;
     }
-    let (mut coefficients, mut exponents) = ([0.0; LANES], [0.0; LANES]);
+    let (mut coefficients, mut exponents, mut tints) = ([0.0; LANES], [0.0; LANES], None);
     for lane in lanes(active) {
         let Some(id) = lit.hits.ids.get(lane) else { continue };
         let material = scene.material(id);
         (coefficients[lane], exponents[lane]) = (material.specular, f64::from(material.shininess));
+        add_tint(&mut tints, lane, material);
     }
     let exponents = Numbers::new(&exponents);
     let mut shares = Numbers::splat(0.0);
@@ -94,9 +103,13 @@ pub(super) fn add_highlights<S: Simd>(
         shares.store(half, pow(cosine, exponents.load(simd, half)));
     }
     let share = f32x16::load_array_ref(simd, &coefficients) * shares.rounded(simd);
+    let mut highlights = intensity.map(|intensity| intensity * share);
+    if let Some(tints) = &tints {
+        highlights = tints.times(simd, highlights);
+    }
     let mut colors = light_samples.colors.load(simd);
-    for (color, intensity) in colors.iter_mut().zip(intensity) {
-        *color += intensity * share;
+    for (color, highlight) in colors.iter_mut().zip(highlights) {
+        *color += highlight;
     }
     light_samples.colors.store(colors);
 }

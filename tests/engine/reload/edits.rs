@@ -159,7 +159,13 @@ fn edit_world(engine: &mut Engine, random: &mut Random) {
 }
 
 fn ball(x: f64) -> (Shape, Material, Transform) {
-    let material = Material { k_a: 1.0, k_d: 0.5, color: Rgb::new(1.0, 0.5, 0.25), ambient_color: None };
+    let material = Material {
+        k_a: 1.0,
+        k_d: 0.5,
+        color: Rgb::new(1.0, 0.5, 0.25),
+        ambient_color: None,
+        metallic: false,
+    };
     (Shape::Sphere { radius: 0.5 }, material, Transform::at(x, 0.5, 0.0))
 }
 

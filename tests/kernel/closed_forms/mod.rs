@@ -5,6 +5,7 @@ mod ambient_occlusion;
 mod area_lights;
 mod emission;
 mod media;
+mod metals;
 mod motion;
 mod patterns;
 mod refraction;

@@ -76,7 +76,8 @@ fn material(random: &mut Random) -> String {
         let _ = write!(text, "emission: {}, ", random.triple(0.0, 2.0));
     }
     if random.chance(0.7) {
-        let _ = write!(text, "reflective: (k_r: {:?}), ", random.number());
+        let metallic = random.chance(0.4);
+        let _ = write!(text, "reflective: (k_r: {:?}), metallic: {metallic}, ", random.number());
     }
     if random.chance(0.6) {
         let (ior, fresnel) = (random.between(0.6, 2.5), random.chance(0.7));
