@@ -11,7 +11,7 @@ macro_rules! chapters {
 }
 
 chapters! {
-    first_film lesson motion trajectories physics production accuracy editors
+    first_film lesson motion product_shot trajectories physics production accuracy editors
     coming_from_pov_ray coming_from_blender coming_from_manim coming_from_ovito_and_vmd
     commands
 }
