@@ -84,7 +84,7 @@ pub(super) fn by_element<T: Copy + Send + Sync>(
     let unknown = |name: String| {
         let message = format!("there is no chemical element {name}");
         let help = format!(
-            "correct the column `{ELEMENT}` of the data; for kinds that are no elements, write a `shape`, `color_by: Category(\"{ELEMENT}\")` and `bonds: (radius: .., distance: ..)`"
+            "correct the column `{ELEMENT}` of the data; for other kinds, write a `shape` and `color_by: Category(\"{ELEMENT}\")`"
         );
         CloudError::new(part.clone(), message, help)
     };

@@ -67,8 +67,8 @@ pub enum ViewChange {
     Detail(Detail),
     /// Shows the current frame at full quality once.
     Finish,
-    /// Measures the cost of each effect of the current frame, and its error by the number of samples, once its picture is finished. Any
-    /// other change ends the measurements.
+    /// Measures the cost of each effect of the current frame, and its error by the number of samples, once its picture is finished. A
+    /// change of the view or the scene, and an export, end the measurements; questions begin the current one again.
     Measure,
 }
 

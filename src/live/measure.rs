@@ -12,11 +12,11 @@ use crate::time::Time;
 /// Maximum number of samples per pixel of a curve point, whose error is about 1/32 of that of a single sample.
 const MOST_SAMPLES: u32 = 1024;
 
-/// Returns the share of the measurements that are done, given their number: all effects, then the points of the curve, of which there may be
-/// fewer.
+/// Returns the share of the measurements that are done, given their number: all effects, then the points of the curve, of which there may
+/// be fewer.
 pub(super) fn share(done: usize) -> f64 {
     let points = 2 + MOST_SAMPLES.ilog2() as usize;
-    done as f64 / (Effect::ALL.len() + points) as f64
+    (done as f64 / (Effect::ALL.len() + points) as f64).min(1.0)
 }
 
 /// A measured point of the error curve.

@@ -233,10 +233,8 @@ impl Worker {
                 self.cached_or_frame_task(Occasion::Request)
             }
             ViewChange::Finish => self.picture(Detail::Full),
-            ViewChange::Measure => match self.next {
-                Task::Idle | Task::Fill(_) | Task::Run(PreviewJob::Measurement(_)) => self.rest(),
-                picture => picture,
-            },
+            ViewChange::Measure if self.is_picture_due() => self.next,
+            ViewChange::Measure => self.rest(),
         };
     }
 
@@ -394,7 +392,13 @@ impl Worker {
             if export.end.is_some() {
                 commands.send(SessionCommand::ExportEnded);
             }
-        })
+        })?;
+        // Both would distort the other's times.
+        if self.is_measuring() {
+            self.next = self.rest();
+            self.published.update(|state| state.rendering = false);
+        }
+        Ok(())
     }
 
     /// Opens an editor at a place. Only files of the scene and the place of a mistake are opened.
@@ -429,7 +433,8 @@ impl Worker {
             None
         }));
         // The colour of a pixel is that of the film, which a picture from the cache lacks.
-        if matches!(self.next, Task::Idle | Task::Fill(_)) && self.renderer.shows_cached_picture() {
+        if !self.is_picture_due() && self.renderer.shows_cached_picture() {
+            self.measures |= self.is_measuring();
             self.next = self.picture(self.detail);
         }
     }
@@ -447,7 +452,7 @@ impl Worker {
     }
 
     fn fail(&mut self, error: EngineError) {
-        self.next = Task::Idle;
+        (self.next, self.measures) = (Task::Idle, false);
         self.renderer.fail(error);
     }
 
@@ -562,6 +567,14 @@ impl Worker {
             (true, false) => self.picture(Detail::Full),
             (true, true) => self.wait_for_next_frame(),
         }
+    }
+
+    fn is_measuring(&self) -> bool {
+        matches!(self.next, Task::Run(PreviewJob::Measurement(_)))
+    }
+
+    fn is_picture_due(&self) -> bool {
+        !matches!(self.next, Task::Idle | Task::Fill(_)) && !self.is_measuring()
     }
 
     /// Returns the task when no picture is requested: the measurements, if they are.

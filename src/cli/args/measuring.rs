@@ -43,7 +43,7 @@ pub(in crate::cli) struct AccuracyArguments {
     /// Also vary the film size: pictures of these sizes are scaled to the scene's size and compared, as in 480x270,320x180
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size, allow_hyphen_values = true)]
     pub(in crate::cli) sizes: Vec<(u32, u32)>,
-    /// Use fewer samples and fewer rounds: about a tenth of the time
+    /// Use fewer samples and fewer rounds: less certain, in a fraction of the time
     #[arg(long)]
     pub(in crate::cli) quick: bool,
     /// Also write an HTML page with plots and pictures to this file

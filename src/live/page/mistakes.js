@@ -7,8 +7,8 @@ let isExpanded = false;
 // A text with paths relative to the scene's folder.
 function relative(text) {
   const folder = state.scene.slice(0, 1 + Math.max(state.scene.lastIndexOf("/"), state.scene.lastIndexOf("\\")));
-  const parts = text.split(/(?<=[\s"'`(])/);
-  return folder ? parts.map(part => part.startsWith(folder) ? part.slice(folder.length) : part).join("") : text;
+  const isStart = before => before === "" || /[\s"'`(]$/.test(before);
+  return folder ? text.split(folder).reduce((before, part) => before + (isStart(before) ? "" : folder) + part) : text;
 }
 
 function drawMistakes(wrong) {

@@ -139,7 +139,7 @@ function drawPlan() {
     return made;
   };
   const needed = state.plan.filter(planned => planned.needed), others = state.plan.filter(planned => !planned.needed);
-  write(at("plan-about"), state.plan.some(planned => planned.cost !== null) ? "Share of the frame's time" : "What this frame calls for");
+  write(at("plan-about"), state.plan.some(planned => planned.cost !== null) ? "Share of the frame's time" : "Effects of this frame");
   at("needed").replaceChildren(...needed.map(row));
   at("omitted").replaceChildren(...others.map(row));
   at("omitted").parentElement.hidden = others.length === 0;

@@ -15,10 +15,10 @@ pub(crate) struct MaterialDocument {
     pub(crate) specular: Option<SpecularDocument>,
     pub(crate) reflective: Option<ReflectiveDocument>,
     pub(crate) refractive: Option<RefractiveDocument>,
-    pub(crate) pattern: Option<PatternDocument>,
-    pub(crate) emission: Option<Triple>,
     #[serde(default)]
     pub(crate) metallic: bool,
+    pub(crate) pattern: Option<PatternDocument>,
+    pub(crate) emission: Option<Triple>,
 }
 
 impl MaterialDocument {

@@ -345,12 +345,19 @@ impl Case<'_> {
         Some(error(message, label, help, context.previous.clone()?))
     }
 
-    /// Returns the remedy for values in round brackets in a field that takes a name.
-    fn remedy_in_brackets(&self) -> Option<&'static str> {
+    /// Returns the remedy for values as other programs have them in a field of this name.
+    fn remedy_of_field(&self) -> Option<&'static str> {
         let before = self.text[..self.context.found.start].trim_end().strip_suffix(':')?.trim_end();
         let outside = before.trim_end_matches(|last: char| last.is_alphanumeric() || last == '_');
-        (&before[outside.len()..] == "look_at")
-            .then_some("`look_at` takes an entity's name: write a point as `target: (0, 1, 0)`")
+        match &before[outside.len()..] {
+            "look_at" if self.context.word() == "(" => {
+                Some("`look_at` takes an entity's name: write a point as `target: (0, 1, 0)`")
+            }
+            "metallic" => {
+                Some("write `metallic: true, reflective: (k_r: 0.8)` for a metal; other materials omit it")
+            }
+            _ => None,
+        }
     }
 
     /// Explains a value of another type than requested.
@@ -366,10 +373,8 @@ impl Case<'_> {
         {
             help = format!("write it as {named}");
         }
-        if context.word() == "("
-            && let Some(in_brackets) = self.remedy_in_brackets()
-        {
-            help = in_brackets.to_owned();
+        if let Some(remedy) = self.remedy_of_field() {
+            help = remedy.to_owned();
         }
         let lacks_bracket = matches!(expectation, Expectation::VariantContent { .. })
             && matches!(self.code, Error::ExpectedStructLike);

@@ -53,7 +53,10 @@ pub(super) fn material(material: &MaterialDocument, at: &At<'_>, problems: &mut 
     if let Some(reflective) = material.reflective {
         check::coefficient(reflective.k_r, "k_r", &at.field("reflective").field("k_r"), problems);
     }
-    if material.metallic && material.specular.is_none() && material.reflective.is_none() {
+    let reflects = material.specular.is_some()
+        || material.reflective.is_some()
+        || material.refractive.is_some_and(|refractive| refractive.fresnel);
+    if material.metallic && !reflects {
         problems.add(
             &at.field("metallic"),
             "a metal that reflects nothing",

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::terms::{diffuse, half_cosine, intensity, length, specular};
+use super::terms::{diffuse, half_cosine, highlight, intensity, length, specular};
 use crate::color::Rgb;
 use crate::trace::effects::Effects;
 use crate::trace::intersect::SurfacePoint;
@@ -296,6 +296,7 @@ fn unlit(light: &PreparedLight, terms: &LightTerms, lit: &ShadingPoint<'_>) -> U
     }
     match half_cosine {
         _ if lit.diffuse != Rgb::ZERO => Unlit::OtherColor,
+        Some(cosine) if highlight(lit.material, cosine) > 0.0 => Unlit::OtherColor,
         Some(_) => Unlit::NoHighlight,
         None if terms.cosine < 0.0 => Unlit::Behind,
         None => Unlit::NotDiffuse,

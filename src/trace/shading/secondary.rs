@@ -159,13 +159,13 @@ pub(crate) fn secondary_rays_and_terms(
     terms.reflected = reflected;
     let mut branches = SecondaryRays::default();
     let tint = material.tint.unwrap_or(Rgb::ONE);
-    if let Some(state) = reaching(arrived, (reflected, tint), *medium, 0) {
+    if let Some(state) = reaching(arrived, reflected, tint, *medium, 0) {
         let direction = mirrored::<f64>(direction.into(), surface.normal.into()).into();
         branches.reflected = surface.leave(surface.from_outside, direction).map(|ray| TreeRay { ray, state });
     }
     if effects.media()
         && let Some((direction, transmitted, beyond)) = refraction
-        && let Some(state) = reaching(arrived, (transmitted, Rgb::ONE), beyond, 1)
+        && let Some(state) = reaching(arrived, transmitted, Rgb::ONE, beyond, 1)
     {
         branches.refracted =
             surface.leave(!surface.from_outside, direction).map(|ray| TreeRay { ray, state });
@@ -173,12 +173,13 @@ pub(crate) fn secondary_rays_and_terms(
     (branches, terms)
 }
 
-/// Returns the state of a secondary ray that carries a share of the light, in a tint, in a medium, as child `place`, 0 or 1, of the ray that it
-/// continues. `None` if its throughput is zero.
+/// Returns the state of a secondary ray that carries a share of the light, in a tint, in a medium, as child `place`, 0 or 1, of the ray
+/// that it continues. `None` if its throughput is zero.
 #[inline]
 pub(super) fn reaching(
     arrived: &PathState,
-    (share, tint): (f32, Rgb),
+    share: f32,
+    tint: Rgb,
     medium: MediumStack,
     place: u64,
 ) -> Option<PathState> {

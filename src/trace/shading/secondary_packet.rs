@@ -58,7 +58,7 @@ pub(crate) fn branch_lanes<S: Simd>(
         );
         escalated |= refraction.escalated;
         let RefractionPacket { transmitted, directions, beyond, lanes, .. } = refraction;
-        let spawned = carry(simd, paths, (&transmitted, None, &beyond, 1), lanes & !escalated, branches);
+        let spawned = carry(simd, paths, (&transmitted, &beyond, 1), None, lanes & !escalated, branches);
         let mut in_range = 0;
         for half in (0..2).filter(|half| half_of(spawned, *half) != 0) {
             in_range |= start(simd, surfaces, (half, directions.load(simd, half)), &mut branches.rays);
@@ -66,8 +66,8 @@ pub(crate) fn branch_lanes<S: Simd>(
         escalated |= spawned & !in_range;
         depart(surfaces, (spawned & in_range, !surfaces.from_outside), &mut branches.rays);
     }
-    let carried = (&reflected, tints.as_ref(), &paths.media, 0);
-    let spawned = carry(simd, paths, carried, active & !escalated, reflections);
+    let carried = (&reflected, &paths.media, 0);
+    let spawned = carry(simd, paths, carried, tints.as_ref(), active & !escalated, reflections);
     let mut in_range = 0;
     for half in (0..2).filter(|half| half_of(spawned, *half) != 0) {
         let (direction, normal) = (rays.directions.load(simd, half), surfaces.normals.load(simd, half));
@@ -105,7 +105,8 @@ fn reflected_shares<S: Simd>(
 fn carry<S: Simd>(
     simd: S,
     arrived: &PathPacket,
-    (shares, tints, media, place): (&[f32; LANES], Option<&Colors>, &[MediumStack; LANES], u64),
+    (shares, media, place): (&[f32; LANES], &[MediumStack; LANES], u64),
+    tints: Option<&Colors>,
     active: u32,
     branches: &mut BranchPacket,
 ) -> u32 {

@@ -61,8 +61,13 @@ pub(crate) fn diffuse(color: Rgb, intensity: Rgb, cosine: f64) -> Rgb {
 
 /// Computes the specular term, k_s I_j (N.H_j)^shininess, with the [`half_cosine`] N.H_j; of metals, in their colour.
 pub(crate) fn specular(material: &SurfaceMaterial, intensity: Rgb, half_cosine: f64) -> Rgb {
-    let highlight = pow(half_cosine, f64::from(material.shininess));
-    intensity * (material.specular * to_f32(highlight)) * material.tint.unwrap_or(Rgb::ONE)
+    intensity * highlight(material, half_cosine) * material.tint.unwrap_or(Rgb::ONE)
+}
+
+/// Computes k_s (N.H)^shininess.
+#[inline]
+pub(crate) fn highlight(material: &SurfaceMaterial, half_cosine: f64) -> f32 {
+    material.specular * to_f32(pow(half_cosine, f64::from(material.shininess)))
 }
 
 /// Computes max(0, N.H), at most 1, for the half vector H between two directions of any length except zero.

@@ -94,6 +94,14 @@ fn all_that_reaches_a_picture_changes_it() {
             let emission = Rgb::X;
             scene.replace_materials([(ids[0], SurfaceMaterial { emission, ..SurfaceMaterial::default() })]);
         }),
+        changed(&|scene| {
+            let tint = Some(Rgb::X);
+            scene.replace_materials([(ids[0], SurfaceMaterial { tint, ..SurfaceMaterial::default() })]);
+        }),
+        changed(&|scene| {
+            let tint = Some(Rgb::Y);
+            scene.replace_materials([(ids[0], SurfaceMaterial { tint, ..SurfaceMaterial::default() })]);
+        }),
         changed(&|scene| scene.ambient = Rgb::splat(0.1)),
         changed(&|scene| scene.ambient_occlusion = Some(occlusion)),
         changed(&|scene| {

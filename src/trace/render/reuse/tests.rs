@@ -100,6 +100,7 @@ fn material(random: &mut Random) -> SurfaceMaterial {
         diffuse: color * 0.5,
         specular: if random.once_in(3) { 0.5 } else { 0.0 },
         shininess: 20.0,
+        tint: random.once_in(3).then_some(color),
         reflected: if random.once_in(3) { 0.5 } else { 0.0 },
         refraction: random.once_in(4).then_some(refraction),
         ..SurfaceMaterial::default()
