@@ -111,15 +111,18 @@ fn carry<S: Simd>(
     branches: &mut BranchPacket,
 ) -> u32 {
     let (share, most) = (f32x16::load_array_ref(simd, shares), f32x16::splat(simd, f32::MAX));
-    let mut throughputs = arrived.throughputs.load(simd).map(|channel| {
-        let product = channel * share;
-        product.simd_lt(most).select(product, most)
-    });
+    let mut throughputs = arrived.throughputs.load(simd);
+    for channel in &mut throughputs {
+        let product = *channel * share;
+        *channel = product.simd_lt(most).select(product, most);
+    }
     if let Some(tints) = tints {
         throughputs = tints.times(simd, throughputs);
     }
-    let zero = f32x16::splat(simd, 0.0);
-    let lit = throughputs.iter().fold(0, |lit, channel| lit | bits16(channel.simd_gt(zero)));
+    let mut lit = 0;
+    for channel in throughputs {
+        lit |= bits16(channel.simd_gt(f32x16::splat(simd, 0.0)));
+    }
     let paths = &mut branches.paths;
     paths.throughputs.store(throughputs);
     paths.media = *media;

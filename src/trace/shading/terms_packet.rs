@@ -103,7 +103,10 @@ pub(super) fn add_highlights<S: Simd>(
         shares.store(half, pow(cosine, exponents.load(simd, half)));
     }
     let share = f32x16::load_array_ref(simd, &coefficients) * shares.rounded(simd);
-    let mut highlights = intensity.map(|intensity| intensity * share);
+    let mut highlights = intensity;
+    for highlight in &mut highlights {
+        *highlight *= share;
+    }
     if let Some(tints) = &tints {
         highlights = tints.times(simd, highlights);
     }
