@@ -225,8 +225,14 @@ fn look_is_the_picture_of_a_camera_there() {
     browser.evaluate("(attempt(['materials.clay.k_d=0.25']).then(keepEdits), true)");
     until(&browser, "state.edits.undoable === 1 && state.edits.look !== null");
     assert_eq!(file(&preview), scene.replace("k_d: 0.5", "k_d: 0.25"));
+    let before = browser.evaluate("state.reloads");
     browser.press('\u{e00c}');
-    until(&browser, "state.edits.look === null && shown.full && shown.reloads === state.reloads");
+    until(
+        &browser,
+        &format!(
+            "state.edits.look === null && state.reloads > {before} && shown.full && shown.reloads === state.reloads"
+        ),
+    );
     let own =
         Engine::from_scene(Scene::from_text("ball.ron", file(&preview)).unwrap()).render_frame(15).unwrap();
     let id = browser.evaluate("shown.id").as_u64().unwrap();

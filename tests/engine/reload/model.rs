@@ -438,7 +438,8 @@ fn material(random: &mut Random) -> String {
         text += &format!(", specular: (k_s: {:?}, shininess: {})", random.share(), random.index(50));
     }
     if random.once_in(3) {
-        text += &format!(", reflective: (k_r: {:?}), metallic: {}", random.share(), random.once_in(2));
+        let k_r = random.share();
+        text += &format!(", reflective: (k_r: {k_r:?}), metallic: {}", k_r > 0.5);
     }
     if random.once_in(4) {
         let rest = random.pick(&["", ", fresnel: true", ", absorption: (0.5, 0, 0.25)"]);
