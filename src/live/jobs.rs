@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::commands::Detail;
 use super::progressive::{PreviewLevel, RefreshTimer};
@@ -119,5 +119,27 @@ pub(super) fn settings_of(engine: &Engine, detail: Detail) -> Option<RenderSetti
         Detail::Full => None,
         Detail::Draft => Some(draft(1)),
         Detail::Half => Some(draft(2)),
+    }
+}
+
+/// The next task of the thread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Task {
+    Idle,
+    Run(PreviewJob),
+    /// Nothing until the given time, since the next frame of playback may be requested. After that time, a better picture.
+    Wait(Instant),
+    /// To fill the cache from the given time on.
+    Fill(Instant),
+}
+
+impl Task {
+    pub(super) fn is_measurement(self) -> bool {
+        matches!(self, Self::Run(PreviewJob::Measurement(_)))
+    }
+
+    /// Returns whether it renders a picture, now or after a wait.
+    pub(super) fn is_picture(self) -> bool {
+        !matches!(self, Self::Idle | Self::Fill(_)) && !self.is_measurement()
     }
 }

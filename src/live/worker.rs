@@ -12,7 +12,7 @@ use super::controls::Controls;
 use super::editor::Place;
 use super::edits::UNSAVED;
 use super::export::{self, ExportRequest, ExportScene};
-use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob};
+use super::jobs::{JobOutcome, LevelRole, Occasion, PreviewJob, Task};
 use super::outline::PartInfo;
 use super::path_info::{PathInfo, PathRequest};
 use super::pixel_info::PixelInfo;
@@ -41,17 +41,6 @@ const FILL_DELAY: Duration = Duration::from_millis(250);
 const IDLE_TIMEOUT: Duration = Duration::from_millis(500);
 /// The same time in frame intervals, for low frame rates. The longer one applies.
 const IDLE_INTERVALS: f64 = 3.0;
-
-/// The next task of the thread.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Task {
-    Idle,
-    Run(PreviewJob),
-    /// Nothing until the given time, since the next frame of playback may be requested. After that time, a better picture.
-    Wait(Instant),
-    /// To fill the cache from the given time on.
-    Fill(Instant),
-}
 
 /// The state of the session's thread.
 pub(super) struct Worker {
@@ -233,7 +222,7 @@ impl Worker {
                 self.cached_or_frame_task(Occasion::Request)
             }
             ViewChange::Finish => self.picture(Detail::Full),
-            ViewChange::Measure if self.is_picture_due() => self.next,
+            ViewChange::Measure if self.next.is_picture() => self.next,
             ViewChange::Measure => self.rest(),
         };
     }
@@ -394,7 +383,7 @@ impl Worker {
             }
         })?;
         // Both would distort the other's times.
-        if self.is_measuring() {
+        if self.next.is_measurement() {
             self.next = self.rest();
             self.published.update(|state| state.rendering = false);
         }
@@ -433,8 +422,8 @@ impl Worker {
             None
         }));
         // The colour of a pixel is that of the film, which a picture from the cache lacks.
-        if !self.is_picture_due() && self.renderer.shows_cached_picture() {
-            self.measures |= self.is_measuring();
+        if !self.next.is_picture() && self.renderer.shows_cached_picture() {
+            self.measures |= self.next.is_measurement();
             self.next = self.picture(self.detail);
         }
     }
@@ -567,14 +556,6 @@ impl Worker {
             (true, false) => self.picture(Detail::Full),
             (true, true) => self.wait_for_next_frame(),
         }
-    }
-
-    fn is_measuring(&self) -> bool {
-        matches!(self.next, Task::Run(PreviewJob::Measurement(_)))
-    }
-
-    fn is_picture_due(&self) -> bool {
-        !matches!(self.next, Task::Idle | Task::Fill(_)) && !self.is_measuring()
     }
 
     /// Returns the task when no picture is requested: the measurements, if they are.
