@@ -516,7 +516,7 @@ fn slow_pictures_show_their_progress() {
     let Some(browser) = open(&preview) else { return };
     until(&browser, "shown !== null && shown.full && at('progress').hidden");
     let slow = SCENE.replace("width: 160, height: 90", "width: 1600, height: 900");
-    preview.save(&slow.replacen("Scene(", "Scene(sampling: (samples: 8),", 1));
+    preview.save(&slow.replacen("Scene(", "Scene(sampling: (samples: 24),", 1));
     until(&browser, "shown.reloads === 2 && shown.coarse && !at('progress').hidden");
     let mut seen = Vec::new();
     let start = Instant::now();
