@@ -427,8 +427,8 @@ vector, so that t is the distance from the origin. The colour at a point is the 
   refracted light   k_t (1 - F) T
 On a metal, highlights and reflected light are multiplied by its colour. V is the share of the light
 that arrives, R and T are the light that the reflected and the refracted ray bring back, and F is
-the reflectance. n1 and n2 are the refractive indices. A light
-behind a transparent surface adds k_d c I |N.L| V. Every sum is rounded to 32 bits per channel.
+the reflectance. n1 and n2 are the refractive indices. A light behind a transparent surface adds
+k_d c I |N.L| V. Every sum is rounded to 32 bits per channel.
 
 --rays reads one ray per line, ox,oy,oz,dx,dy,dz: its origin and its direction, which may have any
 length except zero; a header line with these names is skipped. For each ray, a line

@@ -1,4 +1,4 @@
-//! The jobs of the renderer, their results, and the rendering of one picture.
+//! The tasks of the worker, the jobs of the renderer, their results, and the rendering of one picture.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

@@ -99,8 +99,9 @@ fn reflected_shares<S: Simd>(
     (shares, tints)
 }
 
-/// Computes the path states of secondary rays in `media` that carry `shares` of the arriving light, in `tints`. They are child `place`, 0 or 1, of the
-/// rays that they continue. Returns the lanes, among `active`, of nonzero throughput, as [`reaching`](super::secondary::reaching) does.
+/// Computes the path states of secondary rays in `media` that carry `shares` of the arriving light, in `tints`. They are child `place`, 0
+/// or 1, of the rays that they continue. Returns the lanes, among `active`, of nonzero throughput, as
+/// [`reaching`](super::secondary::reaching) does.
 #[inline(always)]
 fn carry<S: Simd>(
     simd: S,
