@@ -3,7 +3,7 @@
 //! Samples selected for an error target or a deadline are written to a settings file next to the frames. `--settings` reads that file and
 //! reproduces the same pictures independently of timing.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -60,7 +60,7 @@ struct SettingsRecorder {
     /// True if each frame has its own file. The record of a sheet is written only once the sheet is complete.
     is_of_files: bool,
     /// The pictures recorded by this run.
-    noted: BTreeSet<PictureKey>,
+    noted: BTreeMap<PictureKey, FrameRequest>,
     /// Frames whose estimated error exceeds the target, with that error.
     worse: Vec<(String, f64)>,
     /// Frames that may exceed the target because of features that no sample hit, with the error of those features.
@@ -76,6 +76,8 @@ pub(super) struct Chosen {
     pub(super) frames: usize,
     /// Message about the missed deadline or error target, if one was missed.
     pub(super) missed: Option<String>,
+    /// Message about the unequal errors of the frames of a deadline.
+    pub(super) unequal: Option<String>,
 }
 
 impl SampleSelection {
@@ -177,7 +179,8 @@ impl SampleSelection {
         };
         record.write()?;
         let missed = self.late().or_else(|| record.missed_target());
-        Ok(Some(Chosen { file: record.file, frames: record.noted.len(), missed }))
+        let unequal = record.deadline.and_then(|deadline| unequal_errors(&record.errors_under(deadline)));
+        Ok(Some(Chosen { file: record.file, frames: record.noted.len(), missed, unequal }))
     }
 }
 
@@ -195,7 +198,7 @@ impl SettingsRecorder {
         let deadline = deadline.map(|deadline| deadline.as_secs_f64());
         let (scene, due) = (scene.to_owned(), Instant::now());
         let is_of_files = settings.sheet.is_none();
-        let noted = BTreeSet::new();
+        let noted = BTreeMap::new();
         Ok(Self {
             file,
             settings: known,
@@ -225,7 +228,7 @@ impl SettingsRecorder {
             }
         }
         let error = report.error.map(|error| error.value);
-        self.noted.insert(PictureKey::of_request(request));
+        self.noted.insert(PictureKey::of_request(request), *request);
         self.settings.put(FrameRecord {
             frame: request.frame,
             time: request.time.seconds(),
@@ -244,10 +247,22 @@ impl SettingsRecorder {
         Some(self.settings.of_deadline(request, self.deadline?)?.0)
     }
 
+    /// Returns the estimated errors of the frames whose samples were selected for a deadline, in ascending order.
+    fn errors_under(&self, deadline: f64) -> Vec<(f64, String)> {
+        let error_of = |(picture, request): (&PictureKey, &FrameRequest)| {
+            let record =
+                self.settings.get(picture).filter(|record| record.deadline_seconds == Some(deadline))?;
+            Some((record.estimated_error?, request.moment()))
+        };
+        let mut errors: Vec<(f64, String)> = self.noted.iter().filter_map(error_of).collect();
+        errors.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+        errors
+    }
+
     /// Records the samples of a kept frame. An existing entry stays unchanged.
     fn note_kept(&mut self, samples: Option<FrameSamples>, request: &FrameRequest) {
         let Some(FrameSamples { samples, max_error, rounds }) = samples else { return };
-        self.noted.insert(PictureKey::of_request(request));
+        self.noted.insert(PictureKey::of_request(request), *request);
         if self.settings.samples_of(request).is_none() {
             self.settings.put(FrameRecord {
                 frame: request.frame,
@@ -314,6 +329,24 @@ impl SettingsRecorder {
     }
 }
 
+/// Returns a message if the largest of some errors, in ascending order and in 8-bit levels, is much larger than their median.
+fn unequal_errors(errors: &[(f64, String)]) -> Option<String> {
+    /// Ratio to the median. In simulations of sequences whose frames differ, the worst frame of a quiet machine reaches up to twice the median.
+    const UNEQUAL: f64 = 2.0;
+    /// Errors of less than half a level are invisible.
+    const VISIBLE: f64 = 0.5;
+    let (median, _) = errors.get(errors.len().saturating_sub(1) / 2)?;
+    let (worst, moment) = errors.last()?;
+    (*worst > VISIBLE.max(UNEQUAL * median)).then(|| {
+        format!(
+            "{moment} has an estimated error of {}, half of the frames {} or less: other work may have slowed it down. If its file is \
+             removed, the same command renders it again in the time that it took",
+            number(*worst),
+            number(*median)
+        )
+    })
+}
+
 /// Returns an error if an override sets a value that an option selects.
 fn ensure_unset(arguments: &RenderArguments) -> anyhow::Result<()> {
     let option = match arguments {
@@ -337,5 +370,21 @@ fn read(file: &Path, settings: &OutputSettings) -> anyhow::Result<SettingsFile> 
     match settings.requests().find(|request| known.samples_of(request).is_none()) {
         Some(request) => Err(anyhow!("`{}` has no settings for {}", file.display(), request.moment())),
         None => Ok(known),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_visible_and_far_larger_errors_are_unequal() {
+        let of = |errors: [f64; 4]| {
+            let named = errors.iter().zip(1..).map(|(error, frame)| (*error, format!("frame {frame}")));
+            unequal_errors(&named.collect::<Vec<_>>()).is_some()
+        };
+        assert!(of([1.0, 1.0, 1.5, 2.1]) && of([0.1, 0.1, 0.1, 0.6]));
+        assert!(!of([1.0, 1.0, 1.5, 2.0]) && !of([0.01, 0.01, 0.01, 0.5]));
+        assert_eq!((unequal_errors(&[]), unequal_errors(&[(9.0, "frame 1".to_owned())])), (None, None));
     }
 }

@@ -152,16 +152,14 @@ fn print_report(
     if let Some(changed) = report.changed.describe() {
         note(arguments, &changed);
     }
-    if let Some(Chosen { file, frames, missed }) = &report.chosen {
+    if let Some(Chosen { file, frames, missed, unequal }) = &report.chosen {
         let frames = if *frames == 1 { "frame".to_owned() } else { format!("{frames} frames") };
         let file = file.display();
         note(
             arguments,
             &format!("the samples are in {file}; --settings with that file gives the same {frames} again"),
         );
-        if let Some(missed) = missed {
-            warn(arguments, missed);
-        }
+        missed.iter().chain(unequal).for_each(|warning| warn(arguments, warning));
     }
     if let Some(unchanged) = report.sheet.as_ref().and_then(SheetReport::unchanged) {
         note(arguments, &unchanged);

@@ -104,6 +104,7 @@ impl RenderReport {
             "interrupted": self.interrupted,
             "settings": self.chosen.as_ref().map(|chosen| chosen.file.display().to_string()),
             "missed": self.chosen.as_ref().and_then(|chosen| chosen.missed.clone()),
+            "unequal": self.chosen.as_ref().and_then(|chosen| chosen.unequal.clone()),
             "sheet": self.sheet.as_ref().map(SheetReport::to_json),
             "warnings": self.warnings.to_json(sources),
             "kept": self.kept,

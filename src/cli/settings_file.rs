@@ -1,7 +1,7 @@
 //! The settings file next to the frames, which holds the samples that were selected for each frame. With it, the same frames are rendered
 //! again independently of timing.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, ensure};
@@ -100,14 +100,19 @@ impl SettingsFile {
         is_it.then(|| self.samples_of(request)).flatten().map(|samples| (samples, frame.seconds))
     }
 
+    /// Returns the entry of a picture.
+    pub(super) fn get(&self, picture: &PictureKey) -> Option<&FrameRecord> {
+        self.frames.get(picture)
+    }
+
     /// Inserts a frame, replacing its existing entry.
     pub(super) fn put(&mut self, frame: FrameRecord) {
         self.frames.insert(frame.picture(), frame);
     }
 
     /// Inserts the entries of another file, except for the pictures in `own`.
-    pub(super) fn put_others(&mut self, other: Self, own: &BTreeSet<PictureKey>) {
-        self.frames.extend(other.frames.into_iter().filter(|(picture, _)| !own.contains(picture)));
+    pub(super) fn put_others(&mut self, other: Self, own: &BTreeMap<PictureKey, FrameRequest>) {
+        self.frames.extend(other.frames.into_iter().filter(|(picture, _)| !own.contains_key(picture)));
     }
 
     /// Writes the file atomically.

@@ -183,6 +183,19 @@ fn frames_of_the_same_deadline_are_kept() {
     fs::remove_file(folder.join("kept/a.0001.ppm")).unwrap();
     fs::write(folder.join("kept/a.0002.ppm"), "P6").unwrap();
     assert_eq!(rendered(&[]), 2);
+    // One frame with a far larger error than the others.
+    let file = folder.join("kept/a.settings.json");
+    let mut record = settings(&folder.join("kept"));
+    for (frame, error) in record["frames"].as_array_mut().unwrap().iter_mut().zip([0.7, 0.8, 2.5, 0.9]) {
+        frame["estimated_error"] = error.into();
+    }
+    fs::write(&file, record.to_string()).unwrap();
+    let message = render(folder, &["--deadline", "2s", "--out", "kept"])["unequal"].take();
+    let message = message.as_str().unwrap();
+    assert!(
+        message.contains("frame 2 has an estimated error of 2.5000, half of the frames 0.8000 or less"),
+        "{message}"
+    );
     // Another deadline or another scene requires all frames again.
     let report = render(folder, &["--deadline", "1s", "--out", "kept"]);
     assert_eq!(report["frames"].as_array().unwrap().len(), 4);
