@@ -135,6 +135,18 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
             &spheres(7, 120, PIXEL / 10.0, "spark"),
         ),
         with("beyond white", lit, glossy, &format!("{FLOOR}{LAMP}{}", spheres(8, 60, PIXEL / 3.0, "hot"))),
+        // The lamp's light has an upper bound far above what reaches the pebbles.
+        with(
+            "rare sparks",
+            lit,
+            glossy,
+            &format!(
+                "{}{}{}",
+                LAMP.replace("(1, 1, 1)", "(40, 40, 40), falloff: (1, 0, 0.5)"),
+                spheres(15, 200, PIXEL / 2.0, "floor"),
+                spheres(16, 20, PIXEL / 6.0, "spark")
+            ),
+        ),
         with("bokeh", &format!("{lens}{bright}"), glossy, &spheres(9, 60, PIXEL / 4.0, "hot")),
         with(
             "fireflies",

@@ -3,6 +3,7 @@
 
 use super::needs::Gain;
 use super::output_curve::OutputCurve;
+use super::scale::FeatureLight;
 use crate::color::ErrorNorm;
 use crate::trace::math::{LANES, WHOLE, lanes};
 use crate::trace::render::visibility::Feature;
@@ -268,17 +269,49 @@ impl PixelPacket {
         for lane in 0..LANES {
             let (count, area, radiance) = (count[lane], self.area[lane], self.radiance[lane]);
             let variance = 0.5 * (self.variance[lane] + around.variance[lane]);
-            let falls = if edges { count * count.sqrt() / EDGES } else { count };
-            let edge = (variance / falls).max(missed[lane]);
-            // Until samples hit the feature, they behave like independent samples. A feature may straddle the corner of four pixels, hence
-            // the quarter.
-            let met = if edges { (0.25 * area * count).max(1.0) } else { 1.0 };
-            let small = variance / (count * met.sqrt()) + hidden[lane].max(missed[lane]);
-            let error = if radiance > 0.0 { small } else { edge };
+            let shown = self.shown_error(lane, variance, edges);
+            let small = shown + hidden[lane].max(missed[lane]);
+            let error = if radiance > 0.0 { small } else { shown.max(missed[lane]) };
             let part = if alpha { 255.0 * missed_part(area, count) } else { 0.0 };
             errors[lane] = if featured >> lane & 1 == 1 { error.max(part * part) } else { errors[lane] };
         }
         errors
+    }
+
+    /// Returns the squared error of the mean of a featured pixel's samples that the samples show, given the variance of one sample.
+    #[inline(always)]
+    pub(super) fn shown_error(&self, lane: usize, variance: f32, edges: bool) -> f32 {
+        let (count, area) = (single(f64::from(self.taken[lane])), self.area[lane]);
+        let edge = variance / if edges { count * count.sqrt() / EDGES } else { count };
+        // Until samples hit the feature, they behave like independent samples. A feature may straddle the corner of four pixels, hence the
+        // quarter.
+        let met = if edges { (0.25 * area * count).max(1.0) } else { 1.0 };
+        if self.radiance[lane] > 0.0 { variance / (count * met.sqrt()) } else { edge }
+    }
+
+    /// Adds the variance of light in the pixels of small features, after their first samples, and its upper bounds.
+    pub(super) fn measure_light(&self, sums: &PacketSums, light: &mut FeatureLight) {
+        for lane in lanes(self.classes[Class::Small as usize]).filter(|lane| self.taken[*lane] >= FEWEST) {
+            let count = f64::from(self.taken[lane]);
+            let [area, radiance] = [self.area[lane], self.radiance[lane]].map(f64::from);
+            let (mut bound, mut seen) = (0.0, 0.0);
+            for (all, squares) in sums.all.iter().zip(&sums.squares) {
+                let mean = all[lane] / count;
+                let farthest = f64::max(radiance - mean, mean);
+                bound += farthest * farthest;
+                seen += f64::max(squares[lane] - all[lane] * mean, 0.0) / (count - 1.0);
+            }
+            // The mean of p (1 - p) for a covered fraction p uniformly distributed up to `area`, of which a feature that straddles the corner
+            // of four pixels leaves a quarter.
+            light.add(self.radiance[lane], 0.25 * area * (0.5 - area / 3.0) * bound, seen);
+        }
+    }
+
+    /// Replaces the upper bounds of the radiance of small features by what was measured.
+    pub(super) fn dim(&mut self, light: &FeatureLight) {
+        for lane in lanes(self.classes[Class::Small as usize]) {
+            self.radiance[lane] *= light.shine(self.radiance[lane]);
+        }
     }
 
     /// Scales the estimates by the factor of each class. The factors are measured on the pixels of this round. Featured pixels without new

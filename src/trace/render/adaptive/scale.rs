@@ -1,8 +1,9 @@
-//! Correction of the scale of estimates by the differences between halves of samples.
+//! Correction of the scale of estimates by what the samples of many pixels show together.
 
+use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
-use super::evidence::PixelPacket;
+use super::evidence::{PixelPacket, single};
 use crate::trace::math::LANES;
 
 /// Weight of the prior of a class, in pixels.
@@ -18,34 +19,45 @@ pub(super) struct Scale {
     pub(super) uncertain: f64,
 }
 
-/// Sums over the pixels of a class whose sample counts were doubled.
+/// Sums over the pixels of a class whose sample counts were doubled and, of edges, over those that have their first samples.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Halves {
+pub(super) struct ClassSums {
     pixels: f64,
+    /// Squared errors by the model, as first samples show them, and the squares of half the difference between both halves of the samples.
     model: f64,
+    shown: f64,
     apart: f64,
-    apart_squared: f64,
+    /// Squares of `shown` and `apart`.
+    squared: f64,
     /// Sums of `apart` before and after the last doubling, for pixels that were doubled twice.
     earlier: f64,
     later: f64,
 }
 
-impl Halves {
+impl ClassSums {
+    /// Adds a pixel that has its first samples, with its squared errors by the model and as the samples show it.
+    pub(super) fn add_first(&mut self, model: f32, shown: f32) {
+        let [model, shown] = [model, shown].map(f64::from);
+        *self += Self { pixels: 1.0, model, shown, squared: shown * shown, ..Self::default() };
+    }
+
     /// Adds a pixel whose sample count was doubled, with the estimates of its packet.
-    pub(super) fn add(&mut self, pixels: &PixelPacket, lane: usize, errors: &[f32; LANES]) {
+    pub(super) fn add_doubled(&mut self, pixels: &PixelPacket, lane: usize, errors: &[f32; LANES]) {
         let [apart, before, model] =
             [pixels.apart[lane], pixels.apart_before[lane], errors[lane]].map(f64::from);
         let (earlier, later) = if before >= 0.0 { (before, apart) } else { (0.0, 0.0) };
-        *self += Self { pixels: 1.0, model, apart, apart_squared: apart * apart, earlier, later };
+        *self +=
+            Self { pixels: 1.0, model, apart, squared: apart * apart, earlier, later, ..Self::default() };
     }
 }
 
-impl AddAssign for Halves {
+impl AddAssign for ClassSums {
     fn add_assign(&mut self, other: Self) {
         self.pixels += other.pixels;
         self.model += other.model;
+        self.shown += other.shown;
         self.apart += other.apart;
-        self.apart_squared += other.apart_squared;
+        self.squared += other.squared;
         self.earlier += other.earlier;
         self.later += other.later;
     }
@@ -57,25 +69,122 @@ impl Scale {
         Self { factor: 1.0, falls, uncertain: 0.25 }
     }
 
-    /// Corrects the scale by the differences between the halves of a class's pixels.
-    pub(super) fn correct(&mut self, halves: &Halves) {
-        if halves.pixels == 0.0 {
+    /// Corrects the scale by what the samples of a class's pixels show. The pixels were not selected by these samples.
+    pub(super) fn correct(&mut self, sums: &ClassSums) {
+        if sums.pixels == 0.0 {
             return;
         }
-        if halves.earlier > 0.0 {
-            let prior = PRIOR * halves.earlier / halves.pixels;
-            let measured = (halves.later + prior * self.falls) / (halves.earlier + prior);
+        if sums.earlier > 0.0 {
+            let prior = PRIOR * sums.earlier / sums.pixels;
+            let measured = (sums.later + prior * self.falls) / (sums.earlier + prior);
             self.falls = measured.clamp(0.2, 0.5);
         }
-        if halves.model > 0.0 {
+        if sums.model > 0.0 {
             // On average, `apart` is (1 - q) e², and the squared error after doubling is q e².
-            let measured = self.falls / (1.0 - self.falls) * halves.apart;
-            let prior = PRIOR * halves.model / halves.pixels;
-            self.factor = ((measured + prior * self.factor) / (halves.model + prior)).clamp(0.125, 8.0);
+            let measured = sums.shown + self.falls / (1.0 - self.falls) * sums.apart;
+            let prior = PRIOR * sums.model / sums.pixels;
+            self.factor = ((measured + prior * self.factor) / (sums.model + prior)).clamp(0.125, 8.0);
         }
-        if halves.apart > 0.0 {
+        let sum = sums.shown + sums.apart;
+        if sum > 0.0 {
             // For normal X, Var(X²) = 2 E[X²]² = 2/3 E[X⁴]: the ratio overestimates the relative variance of the sum.
-            self.uncertain = (halves.apart_squared / (halves.apart * halves.apart)).min(0.25);
+            self.uncertain = (sums.squared / (sum * sum)).min(0.25);
+        }
+    }
+}
+
+/// The variance of light in the pixels of small features: as seen by the first samples, and by the upper bounds of the features' radiance,
+/// which assume that all lights are near and visible. Features with about the same bound are measured together: most have the same material.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FeatureLight(BTreeMap<u32, LightSums>);
+
+#[derive(Clone, Copy, Debug, Default)]
+struct LightSums {
+    pixels: f64,
+    bound: f64,
+    seen: f64,
+}
+
+impl FeatureLight {
+    /// Adds a pixel with the bound of its feature's radiance, and the variances.
+    pub(super) fn add(&mut self, radiance: f32, bound: f64, seen: f64) {
+        *self.0.entry(Self::key(radiance)).or_default() += LightSums { pixels: 1.0, bound, seen };
+    }
+
+    /// Adds the pixels of another part of the picture.
+    pub(super) fn merge(mut self, other: Self) -> Self {
+        other.0.into_iter().for_each(|(key, sums)| *self.0.entry(key).or_default() += sums);
+        self
+    }
+
+    /// Returns the measured radiance of features as a fraction of the bound.
+    pub(super) fn shine(&self, radiance: f32) -> f32 {
+        /// Lower limit, lest a few bright features among many dark ones be taken for dark.
+        const DARKEST: f64 = 0.25;
+        let Some(LightSums { pixels, bound, seen }) = self.0.get(&Self::key(radiance)) else { return 1.0 };
+        let prior = PRIOR * bound / pixels;
+        let share = (seen + prior) / (bound + prior);
+        // Bounds can be 0 or infinite.
+        if share.is_finite() { single(share.sqrt().clamp(DARKEST, 1.0)) } else { 1.0 }
+    }
+
+    /// Returns eight keys per power of two.
+    fn key(radiance: f32) -> u32 {
+        radiance.to_bits() >> 20
+    }
+}
+
+impl AddAssign for LightSums {
+    fn add_assign(&mut self, other: Self) {
+        self.pixels += other.pixels;
+        self.bound += other.bound;
+        self.seen += other.seen;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(one: f64, other: f64) -> bool {
+        (one - other).abs() < 1e-3
+    }
+
+    #[test]
+    fn first_samples_scale_the_model() {
+        let mut sums = ClassSums::default();
+        for pixel in 0..100_000 {
+            sums.add_first(4.0, if pixel % 4 == 0 { 4.0 } else { 0.0 });
+        }
+        let mut scale = Scale::new(0.5);
+        scale.correct(&sums);
+        assert!(close(scale.factor, 0.25), "the samples show a quarter");
+    }
+
+    #[test]
+    fn few_pixels_hardly_change_the_scale() {
+        let (mut sums, mut scale) = (ClassSums::default(), Scale::new(0.5));
+        sums.add_first(4.0, 0.0);
+        scale.correct(&sums);
+        assert!(close(scale.factor, 8.0 / 9.0), "{}", scale.factor);
+    }
+
+    #[test]
+    fn features_of_one_bound_shine_together() {
+        let mut light = FeatureLight::default();
+        for _ in 0..100_000 {
+            light.add(1.0, 4.0, 1.0);
+            light.add(2.0, 4.0, 0.0);
+            light.add(4.0, 4.0, 9.0);
+        }
+        light.add(8.0, 4.0, 0.0);
+        light.add(f32::INFINITY, f64::INFINITY, 1.0);
+        light.add(0.0, 0.0, 0.0);
+        let merged = light.merge(FeatureLight::default());
+        let shine =
+            [1.0, 2.0, 4.0, 8.0, f32::INFINITY, 0.0, 3.0].map(|radiance| f64::from(merged.shine(radiance)));
+        for (found, expected) in shine.into_iter().zip([0.5, 0.25, 1.0, 0.9428, 1.0, 1.0, 1.0]) {
+            assert!(close(found, expected), "{shine:?}");
         }
     }
 }
