@@ -278,7 +278,7 @@ impl PixelPacket {
         errors
     }
 
-    /// Returns the squared error of the mean of a featured pixel's samples that the samples show, given the variance of one sample.
+    /// Returns the squared error that the samples of a featured pixel show in their mean, given the variance of one sample.
     #[inline(always)]
     pub(super) fn shown_error(&self, lane: usize, variance: f32, edges: bool) -> f32 {
         let (count, area) = (single(f64::from(self.taken[lane])), self.area[lane]);
