@@ -1,9 +1,9 @@
 //! Estimates the squared errors of pixels from their samples and from geometric features. Loops run over the lanes of a packet, so that
 //! compilers vectorize them.
 
+use super::feature_light::FeatureLight;
 use super::needs::Gain;
 use super::output_curve::OutputCurve;
-use super::scale::FeatureLight;
 use crate::color::ErrorNorm;
 use crate::trace::math::{LANES, WHOLE, lanes};
 use crate::trace::render::visibility::Feature;
@@ -310,7 +310,8 @@ impl PixelPacket {
     /// Replaces the upper bounds of the radiance of small features by what was measured.
     pub(super) fn dim(&mut self, light: &FeatureLight) {
         for lane in lanes(self.classes[Class::Small as usize]) {
-            self.radiance[lane] *= light.shine(self.radiance[lane]);
+            let radiance = self.radiance[lane];
+            self.radiance[lane] = single(f64::from(radiance) * light.shine(radiance));
         }
     }
 

@@ -17,8 +17,8 @@
 //!    least the error possible for their contrast and the size of the smallest feature, even if all samples agree (`evidence`).
 //! 2. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
 //!    well-distributed samples often agree at an edge, single samples on both sides never do.
-//! 3. **Pooled first samples** measure the errors at edges, and the brightness of small features, which geometry only bounds (`scale`). In
-//!    one pixel they agree by chance; in the sum over many pixels they do not.
+//! 3. **Pooled first samples** measure the errors at edges (`scale`), and the brightness of small features, which geometry only bounds
+//!    (`feature_light`). In one pixel they agree by chance; in the sum over many pixels they do not.
 //! 4. **Pooled halves** measure how errors fall with the sample count. If e² is the squared error of the mean of n samples and q e² of 2 n
 //!    samples, the square of half the difference between the halves is (1 - q) e² on average. Summed over all pixels of a class, which were
 //!    not selected by this difference, it corrects the scale of the class's estimates.
@@ -30,6 +30,7 @@
 //! loops, with identical results at every SIMD level.
 
 mod evidence;
+mod feature_light;
 mod hidden_images;
 mod instants;
 mod needs;
@@ -52,12 +53,13 @@ use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
 pub(crate) use evidence::PacketSums;
 use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, Surroundings, next_goal, single};
+use feature_light::FeatureLight;
 use hidden_images::HiddenImages;
 pub(crate) use instants::{InstantOrder, block};
 use needs::{Gain, SquaresByGain, beyond};
 use output_curve::OutputCurve;
 pub use round_policy::{Outlook, Replay, RoundPolicy, SharedRoundPolicy};
-use scale::{ClassSums, FeatureLight, Scale};
+use scale::{ClassSums, Scale};
 
 /// The error target of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
