@@ -331,7 +331,7 @@ impl SettingsRecorder {
 
 /// Returns a message if the largest of some errors, in ascending order and in 8-bit levels, is much larger than their median.
 fn unequal_errors(errors: &[(f64, String)]) -> Option<String> {
-    /// Ratio to the median. In simulations of sequences whose frames differ, the worst frame of a quiet machine reaches up to twice the median.
+    /// Ratio to the median, which the simulations of `accuracy::Deadline` allow on a machine with a little other work.
     const UNEQUAL: f64 = 2.0;
     /// Errors of less than half a level are invisible.
     const VISIBLE: f64 = 0.5;

@@ -311,7 +311,7 @@ impl PixelPacket {
     pub(super) fn dim(&mut self, light: &FeatureLight) {
         for lane in lanes(self.classes[Class::Small as usize]) {
             let radiance = self.radiance[lane];
-            self.radiance[lane] = single(f64::from(radiance) * light.shine(radiance));
+            self.radiance[lane] = single(f64::from(radiance) * light.radiance_fraction(radiance));
         }
     }
 

@@ -31,7 +31,7 @@ impl FeatureLight {
     }
 
     /// Returns the measured radiance of features as a fraction of the bound.
-    pub(super) fn shine(&self, radiance: f32) -> f64 {
+    pub(super) fn radiance_fraction(&self, radiance: f32) -> f64 {
         /// Lower limit, lest a few bright features among many dark ones be taken for dark.
         const DARKEST: f64 = 0.25;
         let Some(LightSums { pixels, bound, seen }) = self.0.get(&Self::key(radiance)) else { return 1.0 };
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn features_of_one_bound_shine_together() {
+    fn features_of_one_bound_are_measured_together() {
         let mut light = FeatureLight::default();
         for _ in 0..100_000 {
             light.add(1.0, 4.0, 1.0);
@@ -71,9 +71,10 @@ mod tests {
         light.add(f32::INFINITY, f64::INFINITY, 1.0);
         light.add(0.0, 0.0, 0.0);
         let merged = light.merge(FeatureLight::default());
-        let shine = [1.0, 2.0, 4.0, 8.0, f32::INFINITY, 0.0, 3.0].map(|radiance| merged.shine(radiance));
-        for (found, expected) in shine.into_iter().zip([0.5, 0.25, 1.0, 0.9428, 1.0, 1.0, 1.0]) {
-            assert!((found - expected).abs() < 1e-3, "{shine:?}");
+        let fractions =
+            [1.0, 2.0, 4.0, 8.0, f32::INFINITY, 0.0, 3.0].map(|radiance| merged.radiance_fraction(radiance));
+        for (found, expected) in fractions.into_iter().zip([0.5, 0.25, 1.0, 0.9428, 1.0, 1.0, 1.0]) {
+            assert!((found - expected).abs() < 1e-3, "{fractions:?}");
         }
     }
 }
