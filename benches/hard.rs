@@ -19,15 +19,18 @@ mod spent;
 
 use hard_scenes::hard_scenes;
 use rayreel::accuracy::FilmError;
+use rayreel::color::Transfer;
 use rayreel::trace::{EstimatedError, Film};
 use rayreel::{Engine, RenderRequest, RenderSettings, Rgb, Scene};
 use spent::Spent;
 
 const TARGETS: [f32; 4] = [4.0, 2.0, 1.0, 0.5];
 const UNIFORM: [u32; 17] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512];
-/// Sample counts of references for hard and for shipped scenes. Hard scenes are small; their references have enough samples for an error of
-/// a tenth of the smallest target.
+/// Sample counts of references for hard and for shipped scenes. They are repeated with other seeds until the mean's own error is at most
+/// `REFERENCE_ERROR`, a tenth of the smallest target, or for as many as `REPEATS` times.
 const REFERENCE: [u32; 2] = [65_536, 8192];
+const REFERENCE_ERROR: f64 = 0.05;
+const REPEATS: u64 = 128;
 /// Index of the frame whose cost is measured. It is rendered repeatedly for more than `LONG` seconds.
 const FRAME: u32 = 6;
 const LONG: f64 = 0.2;
@@ -46,6 +49,60 @@ struct Picture {
     rays: f64,
     seconds: f64,
     estimate: Option<EstimatedError>,
+}
+
+/// The mean of films of many samples, and its own error.
+struct Reference {
+    film: Film,
+    error: f64,
+    transfer: Transfer,
+}
+
+impl Reference {
+    /// Renders a reference as two halves: their means differ by twice the error of the whole mean.
+    fn render(subject: &mut Subject, frame: u32) -> Self {
+        let transfer = subject.engine.effective_settings().film.transfer;
+        let mut part = |seed| {
+            let settings = RenderSettings {
+                samples: Some(subject.reference / 2),
+                max_error: Some(0.0),
+                seed: Some(seed),
+                instants: Some(256),
+                ..RenderSettings::default()
+            };
+            render(subject, frame, settings).film
+        };
+        let mut halves = [1000, 1001].map(&mut part);
+        let mut repeats = 1;
+        let error = loop {
+            let error = FilmError::between(&halves[0], &halves[1], transfer).rms / 2.0;
+            if error <= REFERENCE_ERROR || repeats == REPEATS {
+                break error;
+            }
+            repeats += 1;
+            for (half, seed) in halves.iter_mut().zip(1000 * repeats..) {
+                *half = mix(half, &part(seed), 1.0 / repeats as f32);
+            }
+        };
+        let film = mix(&halves[0], &halves[1], 0.5);
+        Self { film, error, transfer }
+    }
+
+    /// Returns the error of a film, without that of the reference.
+    fn error_of(&self, film: &Film) -> f64 {
+        let found = FilmError::between(film, &self.film, self.transfer).rms;
+        (found.powi(2) - self.error.powi(2)).max(0.0).sqrt()
+    }
+}
+
+/// Returns a film between two: the first for a weight of 0, the second for 1.
+fn mix(first: &Film, second: &Film, weight: f32) -> Film {
+    let pixels = first
+        .pixels()
+        .iter()
+        .zip(second.pixels())
+        .map(|(first, second)| *first + (*second - *first) * weight);
+    Film::from_pixels(first.width(), first.height(), pixels)
 }
 
 /// Counts of measurements: all, within the target, within the target or reported, and with a close estimate.
@@ -102,9 +159,7 @@ fn measure_costs(subjects: impl Iterator<Item = Subject>) {
     let (mut tally, mut costs) = (TargetTally::default(), Vec::new());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for mut subject in subjects {
-        let (name, reference) = (subject.name.clone(), reference(&mut subject, FRAME));
-        let transfer = subject.engine.effective_settings().film.transfer;
-        let error = |film: &Film| FilmError::between(film, &reference, transfer).rms;
+        let (name, reference) = (subject.name.clone(), Reference::render(&mut subject, FRAME));
         // Processor time is counted in ticks of some milliseconds: as many pictures as it takes for many of them.
         let mut timed = |settings: RenderSettings| {
             pool.install(|| {
@@ -130,7 +185,7 @@ fn measure_costs(subjects: impl Iterator<Item = Subject>) {
                     ..RenderSettings::default()
                 };
                 let picture = timed(settings);
-                (samples, error(&picture.film), picture)
+                (samples, reference.error_of(&picture.film), picture)
             })
             .collect();
         for target in TARGETS {
@@ -140,7 +195,7 @@ fn measure_costs(subjects: impl Iterator<Item = Subject>) {
                 ..RenderSettings::default()
             });
             let estimate = picture.estimate.unwrap();
-            let found = error(&picture.film);
+            let found = reference.error_of(&picture.film);
             let samples = picture.rays / f64::from(picture.film.width() * picture.film.height());
             let cheapest = uniform.iter().find(|(_, error, _)| *error <= f64::from(target));
             let price = cheapest.map_or("| more than 512 | | |".to_owned(), |(count, error, cheapest)| {
@@ -172,8 +227,7 @@ fn runs(subjects: impl Iterator<Item = Subject>) {
     println!("|---|---|---|---|");
     let mut tally = TargetTally::default();
     for mut subject in subjects {
-        let (reference, transfer) =
-            (reference(&mut subject, FRAME), subject.engine.effective_settings().film.transfer);
+        let reference = Reference::render(&mut subject, FRAME);
         for target in TARGETS {
             let (mut errors, mut estimates) = (Vec::new(), Vec::new());
             for seed in 0..RUN {
@@ -184,7 +238,7 @@ fn runs(subjects: impl Iterator<Item = Subject>) {
                     ..RenderSettings::default()
                 };
                 let picture = render(&mut subject, FRAME, settings);
-                let found = FilmError::between(&picture.film, &reference, transfer).rms;
+                let found = reference.error_of(&picture.film);
                 let mark = if tally.add(found, target, picture.estimate.unwrap()) { "" } else { "!" };
                 errors.push(format!("{found:.2}{mark}"));
                 estimates.push(format!("{:.2}", picture.estimate.unwrap().value));
@@ -193,18 +247,6 @@ fn runs(subjects: impl Iterator<Item = Subject>) {
         }
     }
     tally.print();
-}
-
-fn reference(subject: &mut Subject, frame: u32) -> Film {
-    let samples = Some(subject.reference);
-    let settings = RenderSettings {
-        samples,
-        max_error: Some(0.0),
-        seed: Some(99),
-        instants: Some(256),
-        ..RenderSettings::default()
-    };
-    render(subject, frame, settings).film
 }
 
 fn shipped() -> impl Iterator<Item = Subject> {
