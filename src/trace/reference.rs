@@ -17,7 +17,7 @@ use crate::trace::render::adaptive::{
 use crate::trace::render::film::{self, Film};
 use crate::trace::render::image::RenderedImage;
 use crate::trace::render::job::SamplePlan;
-use crate::trace::render::visibility::{hidden_images, reference_features};
+use crate::trace::render::visibility::{images, reference_features};
 use crate::trace::scene::{
     Attenuation, PassageTerms, PreparedCamera, PreparedLight, PreparedScene, RayClass, SIDE,
 };
@@ -53,7 +53,7 @@ impl<'a> Reference<'a> {
         let resolution = self.context.camera.resolution();
         let mut portions = Vec::new();
         if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
-            adaptive.record_images(&hidden_images(self.context.scene, self.context.camera));
+            adaptive.record_images(&images(&self.context, adaptive.is_open()));
         }
         for tile in Tile::all(resolution) {
             if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_features()) {

@@ -56,6 +56,11 @@ fn spheres(seed: u64, count: u32, radius: f64, material: &str) -> String {
     text
 }
 
+/// Returns spheres behind the camera, some 30 units from where they were.
+fn behind(spheres: &str) -> String {
+    spheres.replace(", 0.", ", -30.").replace(", -0.", ", -30.")
+}
+
 /// Returns boxes much longer than they are thick, upright or at random angles.
 fn needles(seed: u64, count: u32, thickness: f64, length: f64, turned: bool) -> String {
     let mut random = Random(seed);
@@ -152,9 +157,15 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
             "fireflies",
             lit,
             glossy,
+            &format!("{FLOOR}{chrome}{LAMP}{}", behind(&spheres(10, 40, PIXEL / 4.0, "hot"))),
+        ),
+        with(
+            "looking glass",
+            lit,
+            glossy,
             &format!(
-                "{FLOOR}{chrome}{LAMP}{}",
-                spheres(10, 40, PIXEL / 4.0, "hot").replace(", 0.", ", -30.").replace(", -0.", ", -30.")
+                "(shape: Plane(normal: (0, 0, -1)), transform: (translation: (0, 0, 20)), material: \"chrome\"),{balls}{LAMP}{}",
+                behind(&spheres(17, 20, PIXEL, "spark"))
             ),
         ),
         with("glints", lit, glossy, &format!("{FLOOR}{balls}{LAMP}")),

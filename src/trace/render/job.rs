@@ -303,6 +303,9 @@ impl<E: Encoding> RenderJob<E> {
         let SamplePlan { samples, instants, .. } = self.plan;
         let naive = Naive::of(context.scene);
         let overlay = self.overlay.clone();
+        if let Some(adaptive) = self.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
+            adaptive.record_images(&visibility::images(context, adaptive.is_open()));
+        }
         let work = TileWork {
             context,
             naive: naive.as_ref(),
@@ -326,9 +329,6 @@ impl<E: Encoding> RenderJob<E> {
         self.stats += stats;
         if let Some(adaptive) = &mut self.adaptive {
             features.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));
-            if adaptive.wants_images() {
-                adaptive.record_images(&visibility::hidden_images(context.scene, context.camera));
-            }
         }
         whole
     }

@@ -62,7 +62,7 @@ pub struct LightTerms {
     /// The direction to the light; of any length except zero.
     pub to_light: DVec3,
     /// End of the shadow ray, at the light.
-    limit: ShadowLimit,
+    pub(crate) limit: ShadowLimit,
     /// N.L, the cosine of the angle between the normal and the direction to the light. It is negative if the light arrives from behind,
     /// through a transparent medium.
     pub cosine: f64,

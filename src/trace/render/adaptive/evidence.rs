@@ -6,8 +6,9 @@ use super::needs::Gain;
 use super::output_curve::OutputCurve;
 use crate::color::ErrorNorm;
 use crate::trace::math::{LANES, WHOLE, lanes};
+use crate::trace::render::film::Film;
 use crate::trace::render::visibility::Feature;
-use crate::trace::stages::TILE;
+use crate::trace::stages::{PACKETS, TILE, Tile};
 
 /// The sums of the samples of a packet's pixels.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +54,31 @@ pub(super) struct PixelPacket {
     /// Area and radiance of each pixel's feature.
     area: [f32; LANES],
     radiance: [f32; LANES],
+}
+
+/// Reusable memory for the pixels of a picture.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PixelMemory {
+    pub(super) packets: Vec<PixelPacket>,
+    /// Estimates of squared errors, before scaling.
+    pub(super) errors: Vec<[f32; LANES]>,
+}
+
+impl PixelMemory {
+    /// Returns the sample count of each pixel of the last picture. `None` if no picture of this size was rendered.
+    pub(crate) fn counts(&self, (columns, rows): (u32, u32)) -> Option<Film<u32>> {
+        let across = columns.div_ceil(TILE);
+        if self.packets.len() != (across * rows.div_ceil(TILE)) as usize * PACKETS {
+            return None;
+        }
+        let taken = |column: u32, row: u32| {
+            let (packet, lane) = Tile::lane_of((column % TILE) as usize, (row % TILE) as usize);
+            let tile = (row / TILE * across + column / TILE) as usize;
+            self.packets[tile * PACKETS + packet].taken[lane]
+        };
+        let counts = (0..rows).flat_map(|row| (0..columns).map(move |column| taken(column, row)));
+        Some(Film::from_values(columns, rows, counts.collect()))
+    }
 }
 
 /// The error model of a pixel.
@@ -289,6 +315,13 @@ impl PixelPacket {
         if self.radiance[lane] > 0.0 { variance / (count * met.sqrt()) } else { edge }
     }
 
+    /// Returns the weight of what a pixel's samples show: of small features the expected number of samples that met it, at most 1. Samples
+    /// that can hardly have met a feature tell little about it.
+    pub(super) fn met(&self, lane: usize) -> f32 {
+        let is_small = self.radiance[lane] > 0.0;
+        if is_small { (0.25 * self.area[lane] * single(f64::from(self.taken[lane]))).min(1.0) } else { 1.0 }
+    }
+
     /// Adds the variance of light in the pixels of small features, after their first samples, and its upper bounds.
     pub(super) fn measure_light(&self, sums: &PacketSums, light: &mut FeatureLight) {
         for lane in lanes(self.classes[Class::Small as usize]).filter(|lane| self.taken[*lane] >= FEWEST) {
@@ -303,7 +336,8 @@ impl PixelPacket {
             }
             // The mean of p (1 - p) for a covered fraction p uniformly distributed up to `area`, of which a feature that straddles the corner
             // of four pixels leaves a quarter.
-            light.add(self.radiance[lane], 0.25 * area * (0.5 - area / 3.0) * bound, seen);
+            let met = f64::from(self.met(lane));
+            light.add(self.radiance[lane], met, 0.25 * area * (0.5 - area / 3.0) * bound, seen);
         }
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
-/// Weight of what is assumed before a measurement, in pixels.
+/// Weight of what is assumed before a measurement, in pixels of weight 1.
 pub(super) const PRIOR: f64 = 8.0;
 
 /// The variance of light in the pixels of small features: as seen by the first samples, and by the upper bounds of the features' radiance,
@@ -13,15 +13,15 @@ pub(super) struct FeatureLight(BTreeMap<u32, LightSums>);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct LightSums {
-    pixels: f64,
+    met: f64,
     bound: f64,
     seen: f64,
 }
 
 impl FeatureLight {
-    /// Adds a pixel with the bound of its feature's radiance, and the variances.
-    pub(super) fn add(&mut self, radiance: f32, bound: f64, seen: f64) {
-        *self.0.entry(Self::key(radiance)).or_default() += LightSums { pixels: 1.0, bound, seen };
+    /// Adds a pixel with the bound of its feature's radiance, its [weight](super::evidence::PixelPacket::met), and the variances.
+    pub(super) fn add(&mut self, radiance: f32, met: f64, bound: f64, seen: f64) {
+        *self.0.entry(Self::key(radiance)).or_default() += LightSums { met, bound, seen };
     }
 
     /// Adds the pixels of another part of the picture.
@@ -34,8 +34,8 @@ impl FeatureLight {
     pub(super) fn radiance_fraction(&self, radiance: f32) -> f64 {
         /// Lower limit, lest a few bright features among many dark ones be taken for dark.
         const DARKEST: f64 = 0.25;
-        let Some(LightSums { pixels, bound, seen }) = self.0.get(&Self::key(radiance)) else { return 1.0 };
-        let prior = PRIOR * bound / pixels;
+        let Some(LightSums { met, bound, seen }) = self.0.get(&Self::key(radiance)) else { return 1.0 };
+        let prior = PRIOR * bound / met;
         let share = (seen + prior) / (bound + prior);
         // Bounds can be 0 or infinite.
         if share.is_finite() { share.sqrt().clamp(DARKEST, 1.0) } else { 1.0 }
@@ -49,7 +49,7 @@ impl FeatureLight {
 
 impl AddAssign for LightSums {
     fn add_assign(&mut self, other: Self) {
-        self.pixels += other.pixels;
+        self.met += other.met;
         self.bound += other.bound;
         self.seen += other.seen;
     }
@@ -63,13 +63,13 @@ mod tests {
     fn features_of_one_bound_are_measured_together() {
         let mut light = FeatureLight::default();
         for _ in 0..100_000 {
-            light.add(1.0, 4.0, 1.0);
-            light.add(2.0, 4.0, 0.0);
-            light.add(4.0, 4.0, 9.0);
+            light.add(1.0, 1.0, 4.0, 1.0);
+            light.add(2.0, 1.0, 4.0, 0.0);
+            light.add(4.0, 1.0, 4.0, 9.0);
         }
-        light.add(8.0, 4.0, 0.0);
-        light.add(f32::INFINITY, f64::INFINITY, 1.0);
-        light.add(0.0, 0.0, 0.0);
+        light.add(8.0, 1.0, 4.0, 0.0);
+        light.add(f32::INFINITY, 1.0, f64::INFINITY, 1.0);
+        light.add(0.0, 0.0, 0.0, 0.0);
         let merged = light.merge(FeatureLight::default());
         let fractions =
             [1.0, 2.0, 4.0, 8.0, f32::INFINITY, 0.0, 3.0].map(|radiance| merged.radiance_fraction(radiance));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::evidence::{Class, PixelPacket, single};
 use super::output_curve::OutputCurve;
 use crate::trace::math::lanes;
-use crate::trace::render::visibility::Image;
+use crate::trace::render::visibility::HiddenImage;
 
 /// Sums of squared errors if images are missed, in quarter-octave bins of the image area.
 #[derive(Clone, Debug)]
@@ -13,9 +13,9 @@ pub(super) struct HiddenImages(BTreeMap<i32, f64>);
 
 impl HiddenImages {
     /// Sorts the images that a picture may show into bins.
-    pub(super) fn new(found: &[Image], curve: OutputCurve) -> Self {
+    pub(super) fn new(found: &[HiddenImage], curve: OutputCurve) -> Self {
         let mut images = BTreeMap::new();
-        for Image { area, radiance, count } in found {
+        for HiddenImage { area, radiance, count } in found {
             #[expect(clippy::cast_possible_truncation, reason = "of a few pixels")]
             let size = libm::floor(4.0 * libm::log2(*area)) as i32;
             let change = f64::from(curve.value(radiance * single(area.min(1.0))));

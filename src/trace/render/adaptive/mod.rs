@@ -13,8 +13,9 @@
 //! are biased if the same samples decide which pixels get more: pixels whose samples agree by chance would stop too early. Five measures
 //! counter this bias:
 //!
-//! 1. **Geometry** finds the pixels in which more than one surface can show ([`visibility`](super::visibility)). Their error estimate is at
-//!    least the error possible for their contrast and the size of the smallest feature, even if all samples agree (`evidence`).
+//! 1. **Geometry** finds the pixels in which more than one surface can show, or the image of a small shape in a mirror, or a small highlight
+//!    ([`visibility`](super::visibility)). Their error estimate is at least the error possible for their contrast and the size of the
+//!    smallest feature, even if all samples agree (`evidence`).
 //! 2. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
 //!    well-distributed samples often agree at an edge, single samples on both sides never do.
 //! 3. **Pooled first samples** measure the errors at edges (`scale`), and the brightness of small features, which geometry only bounds
@@ -47,12 +48,11 @@ use fearless_simd::dispatch;
 use crate::color::{ErrorNorm, Transfer};
 use crate::trace::math::{LANES, SimdLevel, lanes};
 use crate::trace::rays::ShapeId;
-use crate::trace::render::film::Film;
-use crate::trace::render::visibility::{CoverPacket, Feature, Image, TileFeatures, UNCOVERED};
+use crate::trace::render::visibility::{CoverPacket, Feature, Images, TileFeatures, UNCOVERED};
 use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
-pub(crate) use evidence::PacketSums;
 use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, Surroundings, next_goal, single};
+pub(crate) use evidence::{PacketSums, PixelMemory};
 use feature_light::FeatureLight;
 use hidden_images::HiddenImages;
 pub(crate) use instants::{InstantOrder, block};
@@ -127,30 +127,6 @@ pub(crate) trait SampleSums: Sync {
     /// Returns the sums of a packet by its index. Packets are numbered tile by tile, with tiles row by row and packets in the tile's order.
     /// `first` is the column and row of the packet's first pixel.
     fn of(&self, packet: usize, first: (usize, usize)) -> PacketSums;
-}
-
-/// Reusable memory for the pixels of a picture.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct PixelMemory {
-    packets: Vec<PixelPacket>,
-    errors: Vec<[f32; LANES]>,
-}
-
-impl PixelMemory {
-    /// Returns the sample count of each pixel of the last picture. `None` if no picture of this size was rendered.
-    pub(crate) fn counts(&self, (columns, rows): (u32, u32)) -> Option<Film<u32>> {
-        let across = columns.div_ceil(TILE);
-        if self.packets.len() != (across * rows.div_ceil(TILE)) as usize * PACKETS {
-            return None;
-        }
-        let taken = |column: u32, row: u32| {
-            let (packet, lane) = Tile::lane_of((column % TILE) as usize, (row % TILE) as usize);
-            let tile = (row / TILE * across + column / TILE) as usize;
-            self.packets[tile * PACKETS + packet].taken[lane]
-        };
-        let counts = (0..rows).flat_map(|row| (0..columns).map(move |column| taken(column, row)));
-        Some(Film::from_values(columns, rows, counts.collect()))
-    }
 }
 
 /// The state of adaptive sampling: the sample count of each pixel, and the samples of the current round.
@@ -274,9 +250,16 @@ impl Adaptive {
         self.images.is_none()
     }
 
-    /// Stores the images in mirrors and glass that the picture may show.
-    pub(crate) fn record_images(&mut self, found: &[Image]) {
-        self.images = Some(HiddenImages::new(found, self.curve));
+    /// Stores the images in mirrors and glass that the picture may show, before the first samples.
+    pub(crate) fn record_images(&mut self, Images { placed, hidden }: &Images) {
+        self.images = Some(HiddenImages::new(hidden, self.curve));
+        let side = TILE as usize;
+        for ((column, row), feature) in placed {
+            let (column, row) = (*column as usize, *row as usize);
+            let (packet, lane) = Tile::lane_of(column % side, row % side);
+            let tile = row / side * self.tiles.0 + column / side;
+            self.packets[tile * PACKETS + packet].join(lane, *feature, self.most);
+        }
     }
 
     /// Returns whether the shutter is open, so that shapes may move through pixels.

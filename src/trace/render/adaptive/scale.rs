@@ -19,6 +19,7 @@ pub(super) struct Scale {
 /// Sums over the pixels of a class whose sample counts were doubled and, of edges, over those that have their first samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClassSums {
+    /// Number of pixels, by their [weights](PixelPacket::met).
     pixels: f64,
     /// Squared errors by the model, as first samples show them, and the squares of half the difference between both halves of the samples.
     model: f64,
@@ -43,8 +44,9 @@ impl ClassSums {
         let [apart, before, model] =
             [pixels.apart[lane], pixels.apart_before[lane], errors[lane]].map(f64::from);
         let (earlier, later) = if before >= 0.0 { (before, apart) } else { (0.0, 0.0) };
+        let met = f64::from(pixels.met(lane));
         *self +=
-            Self { pixels: 1.0, model, apart, squared: apart * apart, earlier, later, ..Self::default() };
+            Self { pixels: met, model, apart, squared: apart * apart, earlier, later, ..Self::default() };
     }
 }
 

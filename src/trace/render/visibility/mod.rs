@@ -17,10 +17,13 @@
 //!     it covers a part    -> feature of the shape's size
 //! ```
 //!
+//! Images of small shapes in mirrors and small highlights are found shape by shape (`images`), at the point that reflects them (`mirror`).
+//!
 //! With a lens, every pixel sees a disc of each plane: squares are widened by the circle of confusion. The result depends only on the
 //! shapes, not on the order in which the tree visits them.
 
-mod hidden;
+mod images;
+mod mirror;
 mod outline;
 mod sky;
 
@@ -37,7 +40,7 @@ use crate::trace::rays::ShapeId;
 use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::shading::most_radiance;
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
-pub(crate) use hidden::{Image, hidden_images};
+pub(crate) use images::{HiddenImage, Images, images};
 use outline::{Covers, Outline, Squares, TileRays, where_less};
 use sky::add_sky;
 

@@ -2,11 +2,18 @@
 
 use glam::{DAffine3, DQuat};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 
+use super::images::seen_area;
+use super::mirror::Ball;
 use super::*;
+use crate::color::Rgb;
+use crate::trace::Effects;
 use crate::trace::math::PixelSampling;
 use crate::trace::rays::PreparedRay;
-use crate::trace::scene::ShapeRef;
+use crate::trace::scene::{LightSource, PreparedLight, ShapeRef};
+use crate::trace::shading::RenderContext;
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
 use crate::trace::{Geometry, PreparedShape, SurfaceMaterial};
 
@@ -154,4 +161,156 @@ fn plain_pixels_have_no_feature_and_tiny_shapes_have() {
         !small.is_empty() && small.len() <= 4 && small.iter().all(|area| (0.005..0.02).contains(area)),
         "{small:?}"
     );
+}
+
+fn mirror() -> impl Strategy<Value = PreparedShape> {
+    prop_oneof![
+        2 => (point(3.0), 0.2..2.0).prop_map(|(center, radius)| PreparedShape::Sphere(Sphere { center, radius })),
+        1 => placed().prop_map(|(map, half)| {
+            PreparedShape::AlignedBox(AlignedBox { min: map.translation - half, max: map.translation + half })
+        }),
+        1 => placed().prop_map(|(map, half)| PreparedShape::BoxImage(BoxImage::new(map, half).unwrap())),
+    ]
+}
+
+/// Returns whether a ray shows a tiny ball in a mirror, or a highlight.
+fn shows_detail(context: &RenderContext<'_>, ray: &PreparedRay, search: &mut Scratch<'_>) -> bool {
+    let scene = context.scene;
+    let Some(hit) = scene.closest(ray, search) else { return false };
+    let surface = scene.surface(ray, &hit, search);
+    let material = scene.material(surface.hit.id);
+    if !material.continues() {
+        return false;
+    }
+    let (normal, direction) = (surface.normal, ray.direction());
+    // The shape and the distance of what is seen from the surface.
+    let mut above = |direction: DVec3| {
+        let away = PreparedRay::new(surface.point + 1e-9 * normal, direction).unwrap();
+        let hit = scene.closest(&away, search)?.hit;
+        Some((hit.id, away.at(hit.root.t()).distance(surface.point)))
+    };
+    let reflected = above(direction - 2.0 * direction.dot(normal) * normal);
+    if reflected.is_some_and(|(id, _)| !scene.material(id).continues()) {
+        return true;
+    }
+    // All pixels of a small shape have a feature.
+    let bounds = scene.geometry().bounds(surface.hit.id);
+    if bounds.is_some_and(|bounds| seen_area(context.camera, &Ball::around(&bounds)) < LARGE) {
+        return false;
+    }
+    let LightSource::Point(lamp) = scene.lights[0].source else { panic!("another light") };
+    let to_light = lamp - surface.point;
+    let half = (to_light.normalize() - direction.normalize()).normalize();
+    let is_lit = normal.dot(to_light) > 0.0
+        && above(to_light).is_none_or(|(_, distance)| distance > to_light.length());
+    is_lit && libm::pow(normal.dot(half), material.shininess.into()) > 0.5
+}
+
+/// Returns a scene of mirrors, some tiny balls and a lamp.
+fn mirrored() -> impl Strategy<Value = PreparedScene> {
+    let shapes = (
+        prop::collection::vec(mirror(), 1..4),
+        prop::option::of(point(1.0)),
+        prop::collection::vec((point(5.0), 0.01..0.06), 4..10),
+        point(8.0),
+    );
+    shapes.prop_map(|(mut mirrors, floor, balls, lamp)| {
+        let floor = floor.and_then(|normal| Plane::new(DVec3::new(0.0, -3.0, 0.0), normal));
+        mirrors.extend(floor.map(PreparedShape::Plane));
+        let ball = |(center, radius)| PreparedShape::Sphere(Sphere { center, radius });
+        let mut geometry = Geometry::default();
+        let mirror = SurfaceMaterial {
+            reflected: 0.5,
+            specular: 0.5,
+            shininess: 20_000.0,
+            ..SurfaceMaterial::default()
+        };
+        let mut materials = vec![mirror; mirrors.len()];
+        materials.resize(mirrors.len() + balls.len(), SurfaceMaterial::default());
+        mirrors.into_iter().chain(balls.into_iter().map(ball)).for_each(|shape| _ = geometry.push(shape));
+        let mut scene = PreparedScene::new(geometry, materials);
+        scene.lights.push(light(LightSource::Point(lamp), 1.0));
+        scene
+    })
+}
+
+fn light(source: LightSource, intensity: f32) -> PreparedLight {
+    let intensity = Rgb::splat(intensity);
+    PreparedLight { source, intensity, falloff: None, samples: 1, casts_shadows: true, own_shape: None }
+}
+
+/// Checks that pixels with tiny images or highlights have a feature, but for the few in which an edge hides the middle of the image.
+#[test]
+fn tiny_images_in_mirrors_and_highlights_have_a_feature() {
+    let (mut runner, mut search) = (TestRunner::deterministic(), Scratch::default());
+    let (mut shown, mut missed, mut hidden) = (0, Vec::new(), 0);
+    for case in 0..1500 {
+        let (scene, eye) = (mirrored(), point(8.0)).new_tree(&mut runner).unwrap().current();
+        let wide = if case % 2 == 0 { 1.0 } else { 3.0 };
+        let size = (SIDE_PIXELS, SIDE_PIXELS);
+        let camera = PreparedCamera::new(eye, -eye, DVec3::Y, 1.0, (wide, wide), size);
+        let sampling = PixelSampling { samples: 64, seed: 1 };
+        let context = RenderContext::new(&scene, &camera, sampling, Effects::ALL);
+        let found = images(&context, false);
+        if !found.hidden.is_empty() {
+            hidden += 1;
+            continue;
+        }
+        for (column, row) in
+            (0..SIDE_PIXELS).flat_map(|row| (0..SIDE_PIXELS).map(move |column| (column, row)))
+        {
+            let mut rays = (0..64).map(|sample| camera.sample_ray(sampling, column, row, sample).unwrap());
+            if rays.any(|ray| shows_detail(&context, &ray, &mut search)) {
+                shown += 1;
+                if !found.placed.iter().any(|(pixel, _)| *pixel == (column, row)) {
+                    missed.push((case, column, row));
+                }
+            }
+        }
+    }
+    assert!(shown > 200 && hidden < 500, "the test shows too little: {shown}, {hidden}");
+    assert!(50 * missed.len() <= shown, "of {shown}: {missed:?}");
+}
+
+/// Checks the pixel, size and radiance of an image and a highlight, and which images are hidden.
+#[test]
+fn images_and_highlights_are_where_the_law_of_reflection_puts_them() {
+    let sphere = |center: [f64; 3], radius| {
+        PreparedShape::Sphere(Sphere { center: DVec3::from_array(center), radius })
+    };
+    let camera =
+        PreparedCamera::new(DVec3::new(0.0, 0.0, -10.0), DVec3::Z, DVec3::Y, 10.0, (4.0, 4.0), (41, 41));
+    let mirror =
+        SurfaceMaterial { reflected: 0.5, specular: 0.5, shininess: 1e6, ..SurfaceMaterial::default() };
+    let glowing = SurfaceMaterial { emission: Rgb::splat(3.0), ..SurfaceMaterial::default() };
+    let found = |ball: PreparedShape, lamp: DVec3| {
+        let mut geometry = Geometry::default();
+        [sphere([0.0; 3], 1.0), ball].into_iter().for_each(|shape| _ = geometry.push(shape));
+        let mut scene = PreparedScene::new(geometry, vec![mirror.clone(), glowing.clone()]);
+        scene.lights.push(light(LightSource::Directional(lamp), 2.0));
+        let sampling = PixelSampling { samples: 1, seed: 1 };
+        images(&RenderContext::new(&scene, &camera, sampling, Effects::ALL), false)
+    };
+    let (away, at_right_angles) = (DVec3::Z, DVec3::Y);
+    // The eye and the ball are equally far, 60 degrees apart: the mirror's point is 30 degrees from both, at height 1/2. Its distance and
+    // 10 pixels per unit at 10 units put it 5.47 pixels above the middle.
+    let beyond = sphere([0.0, 10.0 * 0.75_f64.sqrt(), -5.0], 0.01);
+    let seen = found(beyond, away);
+    let pixels: Vec<(u32, u32)> = seen.placed.iter().map(|(pixel, _)| *pixel).collect();
+    assert_eq!((pixels.as_slice(), seen.hidden.len()), ([(20, 15)].as_slice(), 0));
+    let Feature { area, radiance } = seen.placed[0].1;
+    // A mirror of radius 1 at this distance shows the ball smaller by about 20.
+    let expected = std::f32::consts::PI * (0.1_f32 / 20.0).powi(2);
+    assert!(
+        area > 0.8 * expected && area < 1.3 * expected && radiance == 1.5,
+        "{area} {expected} {radiance}"
+    );
+    // Light from above is reflected where the normal is 43 degrees high, at height 0.68: 7.36 pixels above the middle.
+    let lit = found(sphere([0.0, 0.0, 50.0], 0.01), at_right_angles);
+    let pixels: Vec<((u32, u32), f32)> =
+        lit.placed.iter().map(|(pixel, feature)| (*pixel, (feature.radiance * 1000.0).round())).collect();
+    assert_eq!(pixels, [((20, 13), 1000.0)]);
+    // A ball that is half in the mirror is hidden; one behind it is not shown at all.
+    assert_eq!(found(sphere([0.0, 0.999, 0.0], 0.01), away).hidden.len(), 1);
+    assert_eq!(found(sphere([0.0, 0.0, 5.0], 0.01), away).hidden.len(), 0);
 }
