@@ -84,7 +84,7 @@ fn error_targets_are_met_on_detail_that_geometry_finds() {
 #[test]
 fn estimates_are_near_the_measured_error_after_audits() {
     for scene in hard_scenes() {
-        if !["glass", "mirrors", "penumbrae", "beyond white", "glints"].contains(&scene.name) {
+        if !["glass", "mirrors", "penumbrae", "beyond white", "fireflies", "glints"].contains(&scene.name) {
             continue;
         }
         let mut engine = engine(&scene);
@@ -94,7 +94,7 @@ fn estimates_are_near_the_measured_error_after_audits() {
             let EstimatedError { value, deviation, hidden } = estimate;
             let most = f64::from(target).max((value + 2.0 * deviation).hypot(hidden));
             assert!(found <= 1.1 * most, "{}: {found:.2} for {target}, {estimate:?}", scene.name);
-            // No lamp is mirrored.
+            // Nothing bright is mirrored where geometry does not find it.
             assert!(hidden < value, "{}: {estimate:?}", scene.name);
         }
     }
@@ -115,8 +115,8 @@ fn first_estimates_are_near_the_measured_error() {
         let (found, estimate) = errors(&mut engine, false, &reference, 255.0);
         let ratio = estimate.value / found;
         // Sparks are so bright that any part of a pixel is white.
-        let most = if scene.name == "rare sparks" { 6.0 } else { 3.0 };
-        assert!((0.8..most).contains(&ratio), "{}: {found:.2}, estimated {estimate:?}", scene.name);
+        let most = if scene.name == "rare sparks" { 5.5 } else { 2.7 };
+        assert!((0.9..most).contains(&ratio), "{}: {found:.2}, estimated {estimate:?}", scene.name);
     }
 }
 

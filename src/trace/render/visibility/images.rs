@@ -91,18 +91,17 @@ fn images_in<'a>(
         }
         let radiance = most_radiance(scene, scene.material(*id));
         let mut is_hidden = faces.is_empty() || ball.is_cut_by(&faces, bounds.as_ref());
-        for place in faces.iter().filter_map(|face| face.reflect(eye, ball.middle)) {
+        for (face, place) in faces.iter().filter_map(|face| Some((face, face.reflect(eye, ball.middle)?))) {
             is_hidden = false;
             let (pixels, area) = place.pixels(camera, place.image(ball.radius));
+            // Other shapes may hide some points of the image.
             let mut shows = |point: DVec3| {
-                let ray = place.ray(point - place.point);
-                ray.and_then(|ray| secondary.closest(&ray, &mut search))
-                    .is_some_and(|found| found.hit.id == *id)
+                let Some(place) = face.reflect(eye, point) else { return false };
+                let Some(ray) = place.ray(point - place.point) else { return false };
+                place.is_seen(scene, mirror, eye, &mut search)
+                    && secondary.closest(&ray, &mut search).is_some_and(|found| found.hit.id == *id)
             };
-            if !pixels.is_empty()
-                && ball.points(place.point).any(&mut shows)
-                && place.is_seen(scene, mirror, eye, &mut search)
-            {
+            if !pixels.is_empty() && ball.points(place.point).any(&mut shows) {
                 let radiance = reflected.min(1.0) * radiance;
                 let feature = Feature { area: to_f32(area.min(1.0)), radiance };
                 images.placed.extend(pixels.into_iter().map(|pixel| (pixel, feature)));

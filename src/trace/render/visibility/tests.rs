@@ -239,7 +239,7 @@ fn light(source: LightSource, intensity: f32) -> PreparedLight {
     PreparedLight { source, intensity, falloff: None, samples: 1, casts_shadows: true, own_shape: None }
 }
 
-/// Checks that pixels with tiny images or highlights have a feature, but for the few in which an edge hides the middle of the image.
+/// Checks that pixels with tiny images or highlights have a feature, but for the few in which an edge hides most of one.
 #[test]
 fn tiny_images_in_mirrors_and_highlights_have_a_feature() {
     let (mut runner, mut search) = (TestRunner::deterministic(), Scratch::default());
@@ -269,7 +269,7 @@ fn tiny_images_in_mirrors_and_highlights_have_a_feature() {
         }
     }
     assert!(shown > 200 && hidden < 500, "the test shows too little: {shown}, {hidden}");
-    assert!(50 * missed.len() <= shown, "of {shown}: {missed:?}");
+    assert!(200 * missed.len() <= shown, "{} of {shown}: {missed:?}", missed.len());
 }
 
 /// Checks the pixel, size and radiance of an image and a highlight, and which images are hidden.
