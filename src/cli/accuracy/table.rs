@@ -8,23 +8,10 @@ use rayreel::scene::Printable;
 use super::super::report::in_millions;
 use super::Measured;
 
-/// Headings of the columns. The columns of instructions and estimates are shown only if they have values.
-const HEADS: [&str; 13] = [
-    "",
-    "setting",
-    "s/frame",
-    "x own",
-    "spread",
-    "rays",
-    INSTRUCTIONS,
-    "max",
-    "rms",
-    ESTIMATED,
-    "PSNR",
-    "SSIM",
-    "off > 1",
-];
-const INSTRUCTIONS: &str = "instr.";
+/// Headings of the columns. That of estimates is shown only if it has values. Counts of instructions, which not every machine has, are left to
+/// the JSON and CSV output: the table has the same columns on all machines.
+const HEADS: [&str; 12] =
+    ["", "setting", "s/frame", "x own", "spread", "rays", "max", "rms", ESTIMATED, "PSNR", "SSIM", "off > 1"];
 const ESTIMATED: &str = "estimated";
 
 pub(super) fn draw(measured: &Measured) -> String {
@@ -122,7 +109,6 @@ fn symbol(parameter: Parameter) -> String {
 /// Returns the headings of the columns that are shown.
 pub(super) fn heads(report: &Report) -> Vec<&'static str> {
     let is_shown = |head: &&str| match *head {
-        INSTRUCTIONS => report.rows.iter().all(|row| row.instructions.is_some()),
         ESTIMATED => report.rows.iter().any(|row| row.estimated.is_some()),
         _ => true,
     };
@@ -181,7 +167,6 @@ pub(super) fn cell(row: &Row, head: &str) -> String {
         "x own" => format!("{:.2}", row.relative.median),
         "spread" => spread(&row.relative),
         "rays" => in_millions(row.rays.total() as f64),
-        INSTRUCTIONS => row.instructions.map_or_else(String::new, in_millions),
         "max" => error(row.error.max),
         "rms" => error(row.error.rms),
         ESTIMATED => row.estimated.map_or_else(String::new, estimated),
@@ -237,7 +222,7 @@ mod tests {
             seconds: MedianRange { median: 0.5, low: 0.25, high: 0.75 },
             relative: MedianRange { median: 1.0, low: 0.5, high: 1.5 },
             rays: RayCounts { camera: 1000 * samples, ..RayCounts::default() },
-            instructions: None,
+            instructions: Some(2.5e6),
             estimated: None,
             capped: None,
             same_as: None,

@@ -26,7 +26,7 @@ pub(super) struct Cost {
     /// Rays saved per frame.
     pub(super) rays: f64,
     /// Instructions saved per frame, if they are counted.
-    pub(super) instructions: Option<f64>,
+    instructions: Option<f64>,
     /// Fraction of the time saved in each round.
     shares: Vec<f64>,
     /// Error without the effect: the largest of any frame, and the RMS over all frames.
@@ -95,11 +95,6 @@ impl Costs {
         Some(&self.effects.iter().find(|(other, _)| *other == effect)?.1)
     }
 
-    /// Returns whether instructions are counted on this machine.
-    pub(super) fn are_instructions_counted(&self) -> bool {
-        self.instructions.is_some()
-    }
-
     pub(super) fn describe(&self) -> String {
         let frames: Vec<_> = self.frames.iter().map(u32::to_string).collect();
         let (of, mean) = match &frames[..] {
@@ -108,9 +103,7 @@ impl Costs {
             [others @ .., last] => (format!("frames {} and {last}", others.join(", ")), ", on average"),
         };
         let (rays, seconds) = (in_millions(self.rays), self.seconds.median);
-        let instructions = self.instructions.map(|count| format!(" and {} instructions", in_millions(count)));
-        let instructions = instructions.unwrap_or_default();
-        format!("Measured at {of}: {rays} rays{instructions} in {seconds:.3} s{mean}.\n")
+        format!("Measured at {of}: {rays} rays in {seconds:.3} s{mean}.\n")
     }
 
     pub(super) fn json(&self) -> Value {

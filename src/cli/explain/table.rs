@@ -6,9 +6,6 @@ use super::super::report::in_millions;
 use super::cost::Costs;
 use super::timeline::PlannedTimeline;
 
-/// Index of the time column.
-const TIME: usize = 4;
-
 /// Formats a table of the needed effects, with their costs if they were measured, followed by a table of the effects that are not needed.
 pub(super) fn draw(timeline: &PlannedTimeline, costs: Option<&Costs>) -> String {
     let (mut needed, mut omitted) = (Vec::new(), Vec::new());
@@ -29,9 +26,6 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: Option<&Costs>) -> String 
         let mut heads = vec!["needed", "frames", "why"];
         if let Some(costs) = costs {
             heads.extend(["rays", "time", "max error", "rms error"]);
-            if costs.are_instructions_counted() {
-                heads.insert(TIME, "instr.");
-            }
         }
         text += &columns(&heads, &needed);
     }
@@ -45,16 +39,12 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: Option<&Costs>) -> String 
 fn cost_cells(effect: Effect, costs: &Costs) -> Vec<String> {
     let Some(cost) = costs.effect(effect) else { return Vec::new() };
     let share = cost.share();
-    let mut cells = vec![
+    vec![
         signed(cost.rays),
         format!("{:.0} ±{:.0} %", 100.0 * share.median, 50.0 * (share.high - share.low)),
         format!("{:.1}", cost.error.max),
         format!("{:.2}", cost.error.rms),
-    ];
-    if costs.are_instructions_counted() {
-        cells.insert(1, signed(cost.instructions.unwrap_or(0.0)));
-    }
-    cells
+    ]
 }
 
 /// Formats a saved count. Negative counts were spent.
