@@ -66,6 +66,8 @@ fn error_targets_are_met_on_detail_that_geometry_finds() {
         "black on black",
         "rare sparks",
         "fireflies",
+        "sparks on grey",
+        "looking glass",
     ] {
         let scene = named(name);
         let mut engine = engine(&scene);

@@ -24,7 +24,7 @@ pub(super) fn draw(timeline: &PlannedTimeline, costs: Option<&Costs>) -> String 
     let mut text = String::new();
     if !needed.is_empty() {
         let mut heads = vec!["needed", "frames", "why"];
-        if let Some(costs) = costs {
+        if costs.is_some() {
             heads.extend(["rays", "time", "max error", "rms error"]);
         }
         text += &columns(&heads, &needed);

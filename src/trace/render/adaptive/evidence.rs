@@ -45,10 +45,10 @@ pub(super) struct PixelPacket {
     alpha: [f32; LANES],
     /// Variance of one sample in output values, derived from the deviation of the mean of all samples.
     pub(super) variance: [f32; LANES],
-    /// Square of half the difference between the means of both halves of the samples, in output values; negative if unknown.
-    pub(super) apart: [f32; LANES],
-    /// Value of `apart` before the last round that sampled the pixel.
-    pub(super) apart_before: [f32; LANES],
+    /// Squared difference between the mean of all samples and that of either half, in output values; negative if unknown.
+    pub(super) moved: [f32; LANES],
+    /// Value of `moved` before the last round that sampled the pixel.
+    pub(super) moved_before: [f32; LANES],
     /// Estimate of the squared error.
     pub(super) square: [f32; LANES],
     /// Area and radiance of each pixel's feature.
@@ -144,8 +144,8 @@ impl PixelPacket {
             mean: [std::array::from_fn(number); 3],
             alpha: [0.0; LANES],
             variance: [0.0; LANES],
-            apart: [-1.0; LANES],
-            apart_before: [-1.0; LANES],
+            moved: [-1.0; LANES],
+            moved_before: [-1.0; LANES],
             square: [0.0; LANES],
             area: [Feature::NONE.area; LANES],
             radiance: [Feature::NONE.radiance; LANES],
@@ -185,17 +185,14 @@ impl PixelPacket {
     /// Updates the statistics with the samples of a round. `doubled` must have been cleared.
     #[inline(always)]
     pub(super) fn update(&mut self, curve: OutputCurve, sums: &PacketSums) {
-        let (mut apart, mut variance) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+        let (mut moved, mut variance) = ([0.0_f32; LANES], [0.0_f32; LANES]);
         let (is_first, is_single) = (self.taken == [0; LANES], self.goal == [1; LANES]);
-        let [mut before, mut of_all, mut of_new, mut of_others] = [[0.0; LANES]; 4];
-        let [mut count, mut part] = [[0.0_f32; LANES]; 2];
+        let ([mut of_all, mut of_others], mut count) = ([[0.0; LANES]; 2], [0.0_f32; LANES]);
         for lane in 0..LANES {
-            let (all, old) = (f64::from(self.goal[lane]), f64::from(self.taken[lane]));
-            (before[lane], count[lane]) = (old, single(all));
+            let all = f64::from(self.goal[lane]);
+            count[lane] = single(all);
             of_all[lane] = 1.0 / all;
-            of_new[lane] = 1.0 / (all - old);
             of_others[lane] = 1.0 / (all - 1.0);
-            part[lane] = single((all - old) * of_all[lane]);
         }
         // Few divisions and short loops, so that every loop is vectorized.
         for ((mean, sums), squares) in self.mean.iter_mut().zip(&sums.all).zip(&sums.squares) {
@@ -205,10 +202,11 @@ impl PixelPacket {
             }
             if !is_first {
                 for lane in 0..LANES {
-                    // The old mean moves towards the mean of the new samples by the fraction of new samples.
-                    let new = (sums[lane] - before[lane] * f64::from(mean[lane])) * of_new[lane];
-                    let moved = part[lane] * (curve.value(single(new)) - curve.value(mean[lane]));
-                    apart[lane] += moved * moved / 3.0;
+                    // Of use only if the count was doubled: both halves have the same distribution, so both differences count.
+                    let halves = [mean[lane], single(2.0 * all[lane] - f64::from(mean[lane]))];
+                    let of_all = curve.value(single(all[lane]));
+                    let [old, new] = halves.map(|half| of_all - curve.value(half));
+                    moved[lane] += (old * old + new * new) / 6.0;
                 }
             }
             if !is_single {
@@ -227,8 +225,7 @@ impl PixelPacket {
             for lane in lanes(self.active) {
                 let share = covered[lane] / f64::from(self.goal[lane]);
                 let differs = single(255.0 * (share - f64::from(self.alpha[lane])));
-                // The change of the mean is half the difference between the halves.
-                apart[lane] = apart[lane].max(differs * differs);
+                moved[lane] = moved[lane].max(differs * differs);
                 variance[lane] = variance[lane].max(single(255.0 * 255.0 * share * (1.0 - share)));
                 self.alpha[lane] = single(share);
             }
@@ -237,10 +234,10 @@ impl PixelPacket {
             let (before, goal, is_active) = (self.taken[lane], self.goal[lane], self.active >> lane & 1 == 1);
             let is_doubled = before > 1 && goal == 2 * before;
             self.doubled |= u32::from(is_active && is_doubled) << lane;
-            let apart = if is_doubled { apart[lane] } else { -1.0 };
+            let moved = if is_doubled { moved[lane] } else { -1.0 };
             let variance = if goal > 1 { variance[lane] } else { 0.0 };
-            self.apart_before[lane] = if is_active { self.apart[lane] } else { self.apart_before[lane] };
-            self.apart[lane] = if is_active { apart } else { self.apart[lane] };
+            self.moved_before[lane] = if is_active { self.moved[lane] } else { self.moved_before[lane] };
+            self.moved[lane] = if is_active { moved } else { self.moved[lane] };
             self.variance[lane] = if is_active { variance } else { self.variance[lane] };
             self.taken[lane] = if is_active { goal } else { before };
         }

@@ -21,13 +21,13 @@ pub(super) struct Scale {
 pub(super) struct ClassSums {
     /// Number of pixels, by their [weights](PixelPacket::met).
     pixels: f64,
-    /// Squared errors by the model, as first samples show them, and the squares of half the difference between both halves of the samples.
+    /// Squared errors by the model, as first samples show them, and the squared changes of the means.
     model: f64,
     shown: f64,
-    apart: f64,
-    /// Squares of `shown` and `apart`.
+    moved: f64,
+    /// Squares of `shown` and `moved`.
     squared: f64,
-    /// Sums of `apart` before and after the last doubling, for pixels that were doubled twice.
+    /// Sums of `moved` before and after the last doubling, for pixels that were doubled twice.
     earlier: f64,
     later: f64,
 }
@@ -41,12 +41,12 @@ impl ClassSums {
 
     /// Adds a pixel whose sample count was doubled, with the estimates of its packet.
     pub(super) fn add_doubled(&mut self, pixels: &PixelPacket, lane: usize, errors: &[f32; LANES]) {
-        let [apart, before, model] =
-            [pixels.apart[lane], pixels.apart_before[lane], errors[lane]].map(f64::from);
-        let (earlier, later) = if before >= 0.0 { (before, apart) } else { (0.0, 0.0) };
+        let [moved, before, model] =
+            [pixels.moved[lane], pixels.moved_before[lane], errors[lane]].map(f64::from);
+        let (earlier, later) = if before >= 0.0 { (before, moved) } else { (0.0, 0.0) };
         let met = f64::from(pixels.met(lane));
         *self +=
-            Self { pixels: met, model, apart, squared: apart * apart, earlier, later, ..Self::default() };
+            Self { pixels: met, model, moved, squared: moved * moved, earlier, later, ..Self::default() };
     }
 }
 
@@ -55,7 +55,7 @@ impl AddAssign for ClassSums {
         self.pixels += other.pixels;
         self.model += other.model;
         self.shown += other.shown;
-        self.apart += other.apart;
+        self.moved += other.moved;
         self.squared += other.squared;
         self.earlier += other.earlier;
         self.later += other.later;
@@ -79,12 +79,12 @@ impl Scale {
             self.falls = measured.clamp(0.2, 0.5);
         }
         if sums.model > 0.0 {
-            // On average, `apart` is (1 - q) e², and the squared error after doubling is q e².
-            let measured = sums.shown + self.falls / (1.0 - self.falls) * sums.apart;
+            // On average, `moved` is (1 - q) e², and the squared error after doubling is q e².
+            let measured = sums.shown + self.falls / (1.0 - self.falls) * sums.moved;
             let prior = PRIOR * sums.model / sums.pixels;
             self.factor = ((measured + prior * self.factor) / (sums.model + prior)).clamp(0.125, 8.0);
         }
-        let sum = sums.shown + sums.apart;
+        let sum = sums.shown + sums.moved;
         if sum > 0.0 {
             // For normal X, Var(X²) = 2 E[X²]² = 2/3 E[X⁴]: the ratio overestimates the relative variance of the sum.
             self.uncertain = (sums.squared / (sum * sum)).min(0.25);
