@@ -68,6 +68,9 @@ fn error_targets_are_met_on_detail_that_geometry_finds() {
         "fireflies",
         "sparks on grey",
         "looking glass",
+        "glints",
+        "penumbrae",
+        "mirrors",
     ] {
         let scene = named(name);
         let mut engine = engine(&scene);

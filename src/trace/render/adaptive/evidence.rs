@@ -6,9 +6,8 @@ use super::needs::Gain;
 use super::output_curve::OutputCurve;
 use crate::color::ErrorNorm;
 use crate::trace::math::{LANES, WHOLE, lanes};
-use crate::trace::render::film::Film;
 use crate::trace::render::visibility::Feature;
-use crate::trace::stages::{PACKETS, TILE, Tile};
+use crate::trace::stages::TILE;
 
 /// The sums of the samples of a packet's pixels.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +40,8 @@ pub(super) struct PixelPacket {
     pub(super) goal: [u32; LANES],
     /// Mean of the samples, by channel; NaN beyond the film.
     mean: [[f32; LANES]; 3],
+    /// Least and greatest mean of the plain pixels, by channel.
+    range: [[f32; 3]; 2],
     /// Fraction of the samples that the scene covers.
     alpha: [f32; LANES],
     /// Variance of one sample in output values, derived from the deviation of the mean of all samples.
@@ -54,31 +55,6 @@ pub(super) struct PixelPacket {
     /// Area and radiance of each pixel's feature.
     area: [f32; LANES],
     radiance: [f32; LANES],
-}
-
-/// Reusable memory for the pixels of a picture.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct PixelMemory {
-    pub(super) packets: Vec<PixelPacket>,
-    /// Estimates of squared errors, before scaling.
-    pub(super) errors: Vec<[f32; LANES]>,
-}
-
-impl PixelMemory {
-    /// Returns the sample count of each pixel of the last picture. `None` if no picture of this size was rendered.
-    pub(crate) fn counts(&self, (columns, rows): (u32, u32)) -> Option<Film<u32>> {
-        let across = columns.div_ceil(TILE);
-        if self.packets.len() != (across * rows.div_ceil(TILE)) as usize * PACKETS {
-            return None;
-        }
-        let taken = |column: u32, row: u32| {
-            let (packet, lane) = Tile::lane_of((column % TILE) as usize, (row % TILE) as usize);
-            let tile = (row / TILE * across + column / TILE) as usize;
-            self.packets[tile * PACKETS + packet].taken[lane]
-        };
-        let counts = (0..rows).flat_map(|row| (0..columns).map(move |column| taken(column, row)));
-        Some(Film::from_values(columns, rows, counts.collect()))
-    }
 }
 
 /// The error model of a pixel.
@@ -103,6 +79,9 @@ const SIDE: usize = crate::trace::scene::SIDE as usize;
 const AUDITED: u32 = 8;
 const AUDITED_TILES: u32 = 4;
 
+/// The range of no values, by channel.
+const EMPTY_RANGE: [[f32; 3]; 2] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+
 /// Minimum sample count for a usable variance.
 pub(super) const FEWEST: u32 = 4;
 
@@ -122,6 +101,8 @@ pub(super) struct ErrorModel {
     pub(super) edges: bool,
     /// True if the error of alpha counts.
     pub(super) alpha: bool,
+    /// The target error in output values.
+    pub(super) target: f32,
 }
 
 impl PixelPacket {
@@ -142,6 +123,7 @@ impl PixelPacket {
             taken: [0; LANES],
             goal: std::array::from_fn(goal_of),
             mean: [std::array::from_fn(number); 3],
+            range: EMPTY_RANGE,
             alpha: [0.0; LANES],
             variance: [0.0; LANES],
             moved: [-1.0; LANES],
@@ -155,6 +137,11 @@ impl PixelPacket {
     /// Returns the pixels inside the film.
     pub(super) fn inside(&self) -> u32 {
         self.classes.iter().fold(0, |all, class| all | class)
+    }
+
+    /// Returns the pixels that show a single smooth surface.
+    pub(super) fn plain(&self) -> u32 {
+        self.classes[Class::Plain as usize]
     }
 
     /// Returns the pixels in which more than one surface may show.
@@ -241,8 +228,23 @@ impl PixelPacket {
             self.variance[lane] = if is_active { variance } else { self.variance[lane] };
             self.taken[lane] = if is_active { goal } else { before };
         }
+        self.measure_range();
         self.changed |= self.active;
         self.active = 0;
+    }
+
+    /// Finds the least and the greatest mean of the plain pixels.
+    #[inline(always)]
+    fn measure_range(&mut self) {
+        let plain = self.plain();
+        for (channel, mean) in self.mean.iter().enumerate() {
+            let of_plain = |other: f32| -> [f32; LANES] {
+                std::array::from_fn(|lane| if plain >> lane & 1 == 1 { mean[lane] } else { other })
+            };
+            let [darkest, brightest] = EMPTY_RANGE.map(|range| range[channel]);
+            self.range[0][channel] = of_plain(darkest).into_iter().fold(darkest, f32::min);
+            self.range[1][channel] = of_plain(brightest).into_iter().fold(brightest, f32::max);
+        }
     }
 
     /// Returns the estimates of squared errors, before scaling. `audited` is the variance of one sample in the audited pixels nearby. The
@@ -250,9 +252,9 @@ impl PixelPacket {
     #[inline(always)]
     pub(super) fn errors(
         &self,
-        ErrorModel { curve, edges, alpha }: ErrorModel,
+        ErrorModel { curve, edges, alpha, target }: ErrorModel,
         audited: f32,
-        around: impl FnOnce() -> Surroundings,
+        around: [[Option<&PixelPacket>; 3]; 3],
     ) -> [f32; LANES] {
         let count: [f32; LANES] = std::array::from_fn(|lane| single(f64::from(self.taken[lane])));
         let mut errors = [0.0; LANES];
@@ -262,23 +264,21 @@ impl PixelPacket {
             errors[lane] = variance / count[lane];
         }
         let featured = self.featured();
+        // Errors below the target cannot raise the picture's error above it.
+        if self.plain() != 0 && Self::differ(&around, curve, target / MISSED) {
+            // The edge of a shadow or of an image may lie between the samples of two pixels.
+            let missed = self.missed(curve, &Surroundings::of(around, Self::plain));
+            for lane in 0..LANES {
+                errors[lane] = if missed[lane] > errors[lane] { missed[lane] } else { errors[lane] };
+            }
+        }
         if featured == 0 {
             return errors;
         }
-        let around = around();
-        let (mut missed, mut hidden) = ([0.0_f32; LANES], [0.0_f32; LANES]);
-        for (channel, mean) in self.mean.iter().enumerate() {
-            let (least, most) = (&around.least[channel], &around.most[channel]);
-            for lane in 0..LANES {
-                // The missed fraction of the pixel has the colour of the neighbour that differs most.
-                let mean = mean[lane];
-                let farther = if most[lane] - mean > mean - least[lane] { most[lane] } else { least[lane] };
-                let change = curve.value(mean + MISSED / count[lane] * (farther - mean)) - curve.value(mean);
-                missed[lane] += change * change / 3.0;
-            }
-            if self.classes[Class::Small as usize] == 0 {
-                continue;
-            }
+        let around = Surroundings::of(around, Self::inside);
+        let (missed, mut hidden) = (self.missed(curve, &around), [0.0_f32; LANES]);
+        let has_small = self.classes[Class::Small as usize] != 0;
+        for mean in self.mean.iter().filter(|_| has_small) {
             for lane in 0..LANES {
                 // The missed feature may be brighter or darker than the mean.
                 let (mean, radiance) = (mean[lane], self.radiance[lane]);
@@ -299,6 +299,34 @@ impl PixelPacket {
             errors[lane] = if featured >> lane & 1 == 1 { error.max(part * part) } else { errors[lane] };
         }
         errors
+    }
+
+    /// Returns whether the plain pixels of a packet and its neighbours differ by more than `least`, in output values of any channel.
+    #[inline(always)]
+    fn differ(packets: &[[Option<&Self>; 3]; 3], curve: OutputCurve, least: f32) -> bool {
+        let [mut darkest, mut brightest] = EMPTY_RANGE;
+        for packet in packets.iter().flatten().flatten() {
+            for channel in 0..3 {
+                darkest[channel] = darkest[channel].min(packet.range[0][channel]);
+                brightest[channel] = brightest[channel].max(packet.range[1][channel]);
+            }
+        }
+        darkest.iter().zip(&brightest).any(|(dark, bright)| curve.value(*bright) - curve.value(*dark) > least)
+    }
+
+    /// Returns the squared errors of pixels if their samples missed a part that has the colour of the neighbour that differs most.
+    #[inline(always)]
+    fn missed(&self, curve: OutputCurve, around: &Surroundings) -> [f32; LANES] {
+        let mut missed = [0.0_f32; LANES];
+        for ((mean, least), most) in self.mean.iter().zip(&around.least).zip(&around.most) {
+            for lane in 0..LANES {
+                let (mean, count) = (mean[lane], single(f64::from(self.taken[lane])));
+                let farther = if most[lane] - mean > mean - least[lane] { most[lane] } else { least[lane] };
+                let change = curve.value(mean + MISSED / count * (farther - mean)) - curve.value(mean);
+                missed[lane] += change * change / 3.0;
+            }
+        }
+        missed
     }
 
     /// Returns the squared error that the samples of a featured pixel show in their mean, given the variance of one sample.
@@ -437,7 +465,7 @@ impl PixelPacket {
             let is = |pixel: u32| mixed(block ^ pixel).is_multiple_of(AUDITED);
             (0..LANES).map(|lane| 1 << lane).filter(|pixel| is(*pixel)).fold(0, |all, pixel| all | pixel)
         };
-        let audits = audits & self.classes[Class::Plain as usize] & !self.audited & !enough;
+        let audits = audits & self.plain() & !self.audited & !enough;
         self.active = enough | audits;
         for lane in 0..LANES {
             let is_active = self.active >> lane & 1 == 1;
@@ -475,9 +503,12 @@ pub(super) struct Surroundings {
 }
 
 impl Surroundings {
-    /// Computes the surroundings of a packet, given with its eight neighbours, row by row.
+    /// Computes the surroundings of a packet, given with its eight neighbours, row by row. `compared` returns the pixels whose means count.
     #[inline(always)]
-    pub(super) fn of(packets: [[Option<&PixelPacket>; 3]; 3]) -> Self {
+    pub(super) fn of(
+        packets: [[Option<&PixelPacket>; 3]; 3],
+        compared: impl Fn(&PixelPacket) -> u32,
+    ) -> Self {
         // The packet with a border of one pixel: three planes of means, one of variances, and one that is 1 where a variance counts.
         let mut patch = [[[f32::NAN; WIDE]; WIDE]; 5];
         let columns = [(0, 0..1, SIDE - 1..SIDE), (1, 1..WIDE - 1, 0..SIDE), (2, WIDE - 1..WIDE, 0..1)];
@@ -486,8 +517,15 @@ impl Surroundings {
                 let Some(packet) = packets[down / SIDE][*right] else { continue };
                 let first = down % SIDE * SIDE;
                 let (places, lanes) = (places.clone(), first + lanes.start..first + lanes.end);
+                let compared = compared(packet);
                 for (plane, mean) in patch.iter_mut().zip(&packet.mean) {
-                    plane[row][places.clone()].copy_from_slice(&mean[lanes.clone()]);
+                    if compared == WHOLE {
+                        plane[row][places.clone()].copy_from_slice(&mean[lanes.clone()]);
+                        continue;
+                    }
+                    for (place, lane) in places.clone().zip(lanes.clone()) {
+                        plane[row][place] = if compared >> lane & 1 == 1 { mean[lane] } else { f32::NAN };
+                    }
                 }
                 for (place, lane) in places.zip(lanes) {
                     let counts = packet.featured() >> lane & 1 == 1 && packet.taken[lane] > 1;
@@ -496,7 +534,7 @@ impl Surroundings {
                 }
             }
         }
-        // Comparisons with NaN are false: pixels beyond the film are ignored.
+        // Comparisons with NaN are false: pixels that do not count, or lie beyond the film, are ignored.
         let least = |least: f32, number: f32| if number < least { number } else { least };
         let most = |most: f32, number: f32| if number > most { number } else { most };
         let sum = |sum: f32, number: f32| if number > 0.0 { sum + number } else { sum };

@@ -10,21 +10,23 @@
 //! ```
 //!
 //! Each frame is sampled independently: the result does not depend on threads, tiles or other frames. Estimates from a pixel's own samples
-//! are biased if the same samples decide which pixels get more: pixels whose samples agree by chance would stop too early. Five measures
+//! are biased if the same samples decide which pixels get more: pixels whose samples agree by chance would stop too early. Six measures
 //! counter this bias:
 //!
 //! 1. **Geometry** finds the pixels in which more than one surface can show, or the image of a small shape in a mirror, or a small highlight
 //!    ([`visibility`](super::visibility)). Their error estimate is at least the error possible for their contrast and the size of the
 //!    smallest feature, even if all samples agree (`evidence`).
-//! 2. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
+//! 2. **Neighbours**: where the means of two plain pixels differ, the edge of a shadow, or of an image in a mirror or in glass, lies in one
+//!    of them. Their estimate is at least that of an edge of this contrast.
+//! 3. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
 //!    well-distributed samples often agree at an edge, single samples on both sides never do.
-//! 3. **Pooled first samples** measure the errors at edges (`scale`), and the brightness of small features, which geometry only bounds
+//! 4. **Pooled first samples** measure the errors at edges (`scale`), and the brightness of small features, which geometry only bounds
 //!    (`feature_light`). In one pixel they agree by chance; in the sum over many pixels they do not.
-//! 4. **Pooled changes of the mean** measure how errors fall with the sample count. If e² is the squared error of the mean of n samples and
+//! 5. **Pooled changes of the mean** measure how errors fall with the sample count. If e² is the squared error of the mean of n samples and
 //!    q e² of 2 n samples, the squared difference between the mean of all samples and that of either half is (1 - q) e² on average. Half the
 //!    difference between the halves is as large, but not where outputs are clipped: there, a bright spark in one half would be clipped twice.
 //!    Summed over all pixels of a class, which were not selected by this change, it corrects the scale of the class's estimates.
-//! 5. **An audit** samples some plain pixels that no estimate selects: one in each 4 by 4 block at first, others in every round. Their
+//! 6. **An audit** samples some plain pixels that no estimate selects: one in each 4 by 4 block at first, others in every round. Their
 //!    variance represents their neighbourhood. It finds reflections, penumbrae and fireflies that no other sample has hit, and enters the
 //!    error of the picture.
 //!
@@ -37,6 +39,7 @@ mod hidden_images;
 mod instants;
 mod needs;
 mod output_curve;
+mod pixel_memory;
 pub(crate) mod round_policy;
 mod scale;
 
@@ -52,13 +55,14 @@ use crate::trace::rays::ShapeId;
 use crate::trace::render::visibility::{CoverPacket, Feature, Images, TileFeatures, UNCOVERED};
 use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
-use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, Surroundings, next_goal, single};
-pub(crate) use evidence::{PacketSums, PixelMemory};
+pub(crate) use evidence::PacketSums;
+use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, next_goal, single};
 use feature_light::FeatureLight;
 use hidden_images::HiddenImages;
 pub(crate) use instants::{InstantOrder, block};
 use needs::{Gain, SquaresByGain, beyond};
 use output_curve::OutputCurve;
+pub(crate) use pixel_memory::PixelMemory;
 pub use round_policy::{Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 use scale::{ClassSums, Scale};
 
@@ -368,7 +372,7 @@ impl Adaptive {
     /// Estimates the squared errors of all pixels, and corrects the scale of each class.
     fn estimate(&mut self, alpha: bool) {
         let edges = self.target.convergence == Convergence::Edges;
-        let model = ErrorModel { curve: self.curve, edges, alpha };
+        let model = ErrorModel { curve: self.curve, edges, alpha, target: single(self.target.error) };
         let (audited, is_first) = (self.audited_variance(), self.round == 0);
         let mut errors = std::mem::take(&mut self.errors);
         errors.resize(self.packets.len(), [0.0; LANES]);
@@ -381,7 +385,7 @@ impl Adaptive {
                 dispatch!(SimdLevel::best().level(), _simd => {
                     for (packet, errors) in (tile * PACKETS..).zip(errors) {
                         let pixels = &self.packets[packet];
-                        *errors = pixels.errors(model, audited, || Surroundings::of(self.around(packet)));
+                        *errors = pixels.errors(model, audited, self.around(packet));
                         for (class, sums) in pixels.classes.iter().zip(&mut sums) {
                             lanes(class & pixels.doubled).for_each(|lane| sums.add_doubled(pixels, lane, errors));
                         }
@@ -504,7 +508,7 @@ impl Adaptive {
         let of_tile = |packets: &[PixelPacket]| {
             let (mut sum, mut count) = (0.0, 0.0);
             for pixels in packets {
-                for lane in lanes(pixels.audited & pixels.classes[Class::Plain as usize]) {
+                for lane in lanes(pixels.audited & pixels.plain()) {
                     if pixels.taken[lane] >= FEWEST {
                         (sum, count) = (sum + f64::from(pixels.variance[lane]), count + 1.0);
                     }

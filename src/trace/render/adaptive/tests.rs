@@ -145,6 +145,34 @@ fn audits_find_noise_that_geometry_does_not_know() {
     }
 }
 
+/// A small round shadow on a plain surface. Geometry does not know its edge, and most audits miss it.
+#[test]
+fn edges_between_plain_pixels_are_found() {
+    /// Points per pixel and direction of the exact means.
+    const POINTS: u32 = 32;
+    for (seed, goal) in (0..16).flat_map(|seed| [4.0, 2.0].map(|goal| (seed, goal))) {
+        let center = [20.0 + 0.7 * seed as f64, 15.0 + 0.3 * seed as f64];
+        let light = |pixel: usize, [x, y]: [f64; 2]| {
+            let (column, row) = (pixel % SIZE.0 as usize, pixel / SIZE.0 as usize);
+            let distance = (column as f64 + x - center[0]).hypot(row as f64 + y - center[1]);
+            f64::from(u8::from(distance > 2.8))
+        };
+        let lit = |pixel: usize, index: u32| {
+            let samples = PixelSamples::new(seed, u32::try_from(pixel).unwrap(), 0);
+            light(pixel, samples.pair(Dimension::Pixel, index))
+        };
+        let truth = |pixel: usize| {
+            let at = |index: u32| (f64::from(index) + 0.5) / f64::from(POINTS);
+            let of_point = |point: u32| light(pixel, [at(point % POINTS), at(point / POINTS)]);
+            (0..POINTS * POINTS).map(of_point).sum::<f64>() / f64::from(POINTS * POINTS)
+        };
+        let with = (target(goal, Convergence::Edges), 65_536);
+        let (pixels, _, adaptive) = rendered(PixelMemory::default(), with, |_| false, lit);
+        let (error, estimate) = (rms(&pixels, truth), adaptive.error().unwrap().value);
+        assert!(estimate <= goal && error <= goal, "{seed}, {goal}: {error}, {estimate}");
+    }
+}
+
 #[test]
 fn flat_pictures_take_one_sample_and_an_audit() {
     let with = (target(0.01, Convergence::Edges), 65_536);
