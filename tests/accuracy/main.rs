@@ -52,7 +52,7 @@ fn errors(engine: &mut Engine, alpha: bool, reference: &Film, target: f32) -> (f
 }
 
 #[test]
-fn error_targets_are_met_on_detail_that_geometry_finds() {
+fn error_targets_are_met() {
     let named = |name: &str| hard_scenes().into_iter().find(|scene| scene.name == name).unwrap();
     for name in [
         "stars",

@@ -40,7 +40,7 @@ pub(super) struct PixelPacket {
     pub(super) goal: [u32; LANES],
     /// Mean of the samples, by channel; NaN beyond the film.
     mean: [[f32; LANES]; 3],
-    /// Least and greatest mean of the plain pixels, by channel.
+    /// Least and greatest mean of the plain pixels, by channel. Kept because each packet is compared with eight others.
     range: [[f32; 3]; 2],
     /// Fraction of the samples that the scene covers.
     alpha: [f32; LANES],
@@ -264,8 +264,8 @@ impl PixelPacket {
             errors[lane] = variance / count[lane];
         }
         let featured = self.featured();
-        // Errors below the target cannot raise the picture's error above it.
-        if self.plain() != 0 && Self::differ(&around, curve, target / MISSED) {
+        // Missed parts change no pixel by more than its difference from a neighbour: below the target, they alone cannot exceed it.
+        if self.plain() != 0 && Self::differ(&around, curve, target) {
             // The edge of a shadow or of an image may lie between the samples of two pixels.
             let missed = self.missed(curve, &Surroundings::of(around, Self::plain));
             for lane in 0..LANES {
@@ -276,19 +276,9 @@ impl PixelPacket {
             return errors;
         }
         let around = Surroundings::of(around, Self::inside);
-        let (missed, mut hidden) = (self.missed(curve, &around), [0.0_f32; LANES]);
+        let missed = self.missed(curve, &around);
         let has_small = self.classes[Class::Small as usize] != 0;
-        for mean in self.mean.iter().filter(|_| has_small) {
-            for lane in 0..LANES {
-                // The missed feature may be brighter or darker than the mean.
-                let (mean, radiance) = (mean[lane], self.radiance[lane]);
-                let part = missed_part(self.area[lane], count[lane]);
-                let brighter = curve.value(mean + part * (radiance - mean)) - curve.value(mean);
-                let darker = curve.value(mean) - curve.value(mean * (1.0 - part));
-                let change = if brighter > darker { brighter } else { darker };
-                hidden[lane] += change * change / 3.0;
-            }
-        }
+        let hidden = if has_small { self.hidden(curve) } else { [0.0; LANES] };
         for lane in 0..LANES {
             let (count, area, radiance) = (count[lane], self.area[lane], self.radiance[lane]);
             let variance = 0.5 * (self.variance[lane] + around.variance[lane]);
@@ -327,6 +317,23 @@ impl PixelPacket {
             }
         }
         missed
+    }
+
+    /// Returns the squared errors of pixels if their samples missed the feature, which may be brighter or darker than the mean.
+    #[inline(always)]
+    fn hidden(&self, curve: OutputCurve) -> [f32; LANES] {
+        let mut hidden = [0.0_f32; LANES];
+        for mean in &self.mean {
+            for lane in 0..LANES {
+                let (mean, count) = (mean[lane], single(f64::from(self.taken[lane])));
+                let (part, radiance) = (missed_part(self.area[lane], count), self.radiance[lane]);
+                let brighter = curve.value(mean + part * (radiance - mean)) - curve.value(mean);
+                let darker = curve.value(mean) - curve.value(mean * (1.0 - part));
+                let change = if brighter > darker { brighter } else { darker };
+                hidden[lane] += change * change / 3.0;
+            }
+        }
+        hidden
     }
 
     /// Returns the squared error that the samples of a featured pixel show in their mean, given the variance of one sample.

@@ -23,9 +23,9 @@
 //! 4. **Pooled first samples** measure the errors at edges (`scale`), and the brightness of small features, which geometry only bounds
 //!    (`feature_light`). In one pixel they agree by chance; in the sum over many pixels they do not.
 //! 5. **Pooled changes of the mean** measure how errors fall with the sample count. If e² is the squared error of the mean of n samples and
-//!    q e² of 2 n samples, the squared difference between the mean of all samples and that of either half is (1 - q) e² on average. Half the
-//!    difference between the halves is as large, but not where outputs are clipped: there, a bright spark in one half would be clipped twice.
-//!    Summed over all pixels of a class, which were not selected by this change, it corrects the scale of the class's estimates.
+//!    q e² of 2 n samples, the squared difference between the mean of all samples and that of either half is (1 - q) e² on average. (Half the
+//!    difference between the halves would be at most half of white, however bright a spark in one of them is.) Summed over all pixels of a
+//!    class, which were not selected by this change, it corrects the scale of the class's estimates.
 //! 6. **An audit** samples some plain pixels that no estimate selects: one in each 4 by 4 block at first, others in every round. Their
 //!    variance represents their neighbourhood. It finds reflections, penumbrae and fireflies that no other sample has hit, and enters the
 //!    error of the picture.

@@ -21,7 +21,7 @@ pub(super) struct Scale {
 pub(super) struct ClassSums {
     /// Number of pixels, by their [weights](PixelPacket::met).
     pixels: f64,
-    /// Squared errors by the model, as first samples show them, and the squared changes of the means.
+    /// Squared errors by the model, as first samples show them, and the sum of `PixelPacket::moved`.
     model: f64,
     shown: f64,
     moved: f64,

@@ -157,7 +157,7 @@ fn edges_between_plain_pixels_are_found() {
             let distance = (column as f64 + x - center[0]).hypot(row as f64 + y - center[1]);
             f64::from(u8::from(distance > 2.8))
         };
-        let lit = |pixel: usize, index: u32| {
+        let sample = |pixel: usize, index: u32| {
             let samples = PixelSamples::new(seed, u32::try_from(pixel).unwrap(), 0);
             light(pixel, samples.pair(Dimension::Pixel, index))
         };
@@ -167,7 +167,7 @@ fn edges_between_plain_pixels_are_found() {
             (0..POINTS * POINTS).map(of_point).sum::<f64>() / f64::from(POINTS * POINTS)
         };
         let with = (target(goal, Convergence::Edges), 65_536);
-        let (pixels, _, adaptive) = rendered(PixelMemory::default(), with, |_| false, lit);
+        let (pixels, _, adaptive) = rendered(PixelMemory::default(), with, |_| false, sample);
         let (error, estimate) = (rms(&pixels, truth), adaptive.error().unwrap().value);
         assert!(estimate <= goal && error <= goal, "{seed}, {goal}: {error}, {estimate}");
     }
