@@ -157,6 +157,8 @@ fn values_that_are_tried_are_not_stored() {
     assert!(files(&stage) == before);
     until_all_are_kept(&stage, 1);
     attempt(&stage, &["entities.ball.shape.radius=0.5"]).unwrap();
+    until_all_are_kept(&stage, 2);
+    // Now nothing is traced: the pictures of the values that were tried become those of the file.
     edit(&stage, SceneEdit::Keep).unwrap();
     let kept = until_all_are_kept(&stage, 3);
     assert!(kept.iter().zip(&tried).all(|(kept, tried)| kept == tried));
