@@ -260,8 +260,6 @@ impl Renderer {
         match picture.or_else(|| self.load_stored(state.frame)) {
             Some(picture) => {
                 self.publisher.publish_cached(&state, picture);
-                // The picture may be that of values that were only tried so far, or of a scene whose edit is undone.
-                self.store(state.frame);
                 JobOutcome::Done
             }
             None if is_unknown => JobOutcome::Interrupted,

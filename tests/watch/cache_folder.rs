@@ -158,12 +158,27 @@ fn values_that_are_tried_are_not_stored() {
     until_all_are_kept(&stage, 1);
     attempt(&stage, &["entities.ball.shape.radius=0.5"]).unwrap();
     until_all_are_kept(&stage, 2);
-    // Now nothing is traced: the pictures of the values that were tried become those of the file.
+    // All pictures are finished before their values are in the file.
     edit(&stage, SceneEdit::Keep).unwrap();
     let kept = until_all_are_kept(&stage, 3);
     assert!(kept.iter().zip(&tried).all(|(kept, tried)| kept == tried));
     stage.end();
     assert!(files(&stage).iter().zip(&before).all(|(after, before)| after != before));
+    assert_eq!(render(&stage).kept, FRAMES as usize);
+}
+
+#[test]
+fn undone_edits_are_undone_in_the_folder() {
+    let original = resting(1.0);
+    let edited = original.replace("radius: 1.0", "radius: 0.5");
+    assert_ne!(edited, original);
+    let mut stage = storing(Some(&original));
+    until_all_are_kept(&stage, 1);
+    stage.save(&edited);
+    until_all_are_kept(&stage, 2);
+    stage.save(&original);
+    until_all_are_kept(&stage, 3);
+    stage.end();
     assert_eq!(render(&stage).kept, FRAMES as usize);
 }
 

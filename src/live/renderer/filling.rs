@@ -27,7 +27,8 @@ impl Renderer {
         published.publish_cached_frames(false);
     }
 
-    /// Finds the fingerprint of a frame at the requested quality, unless it is known. It stays unknown if the search is cancelled.
+    /// Finds the fingerprint of a frame at the requested quality, unless it is known, and stores the picture that the cache may have of it.
+    /// The fingerprint stays unknown if the search is cancelled.
     pub(super) fn find_key(&mut self, frame: u32, signals: Signals<'_>) {
         let published = self.publisher.published();
         if published.cache().key(frame) != FrameKey::Unknown {
@@ -42,6 +43,8 @@ impl Renderer {
             Err(_) => FrameKey::Failed,
         };
         self.publisher.published().cache().set_key(frame, key);
+        // An equal picture may exist: of another frame, of tried values that are now kept, or from before an edit that is undone.
+        self.store(frame);
     }
 
     /// Returns whether a picture can be added to the cache. An export comes first.
@@ -69,8 +72,6 @@ impl Renderer {
         if published.cache().key(frame) == FrameKey::Unknown {
             let commands = Arc::clone(&self.commands);
             self.find_key(frame, Signals { cancelled: commands.urgent(), ..Signals::none() });
-            // An equal frame may have a picture.
-            self.store(frame);
             return self.report_cache();
         }
         if filling.job.is_none() && self.load_stored(frame).is_some() {
