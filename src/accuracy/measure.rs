@@ -43,6 +43,8 @@ pub struct Request {
     pub frames: Vec<u32>,
     /// The amount of work.
     pub preset: Preset,
+    /// The parameters to vary, as far as they affect the frames.
+    pub parameters: Vec<Parameter>,
     /// Other sizes of the film to compare, in columns and rows.
     pub sizes: Vec<(u32, u32)>,
     /// True if the rows keep the film of the first frame.
@@ -60,7 +62,8 @@ pub trait Observer {
     }
 }
 
-/// Measures the cost of accuracy in a scene. Returns `None` if cancelled. The variants override the engine's settings, which are kept.
+/// Measures the cost of accuracy in a scene. The variants override the engine's settings, which are kept. A measurement that is cancelled
+/// after at least two rounds returns what these have measured, any other `None`.
 ///
 /// # Errors
 ///
@@ -137,11 +140,11 @@ impl Measurer<'_> {
             light_samples: samples.min(16),
             depth: own.quality.depth + 4,
         };
-        let rows = sweep(&plan, own, range, &request.sizes);
+        let rows = sweep(&plan, own, range, &request.parameters, &request.sizes);
         self.estimate(&rows, own, rounds, range.most.saturating_mul(pictures));
         let reference = self.reference(own, range.most, pictures)?;
         let mut rows = self.rows(rows, &reference, own, range)?;
-        self.time(&mut rows, rounds)?;
+        let rounds = self.time(&mut rows, rounds)?;
         let mut report = Report {
             frames: request.frames.clone(),
             size: reference.films.first().map_or((0, 0), |film| (film.width(), film.height())),
@@ -326,29 +329,24 @@ impl Measurer<'_> {
     }
 
     /// Measures the time of every row, as a multiple of the time of the scene's own settings right before and after. Rows take turns, so
-    /// that a temporarily slow machine does not affect only one of them. Rows that trace the same rays as another row get its time.
-    fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<(), EngineError> {
-        const OWN: Option<Subject> = Some(Subject::Own);
+    /// that a temporarily slow machine does not affect only one of them. Rows that trace the same rays as another row get its time. Returns
+    /// the number of complete rounds.
+    fn time(&mut self, rows: &mut [Row], rounds: u32) -> Result<u32, EngineError> {
         let (distinct, same): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|row| rows[*row].same_as.is_none());
         let unmeasured = same.iter().map(|row| samples(&rows[*row].settings, self.work.own)).sum::<f64>();
         self.work.all -= unmeasured * f64::from(rounds);
         let (mut measured, mut own_seconds) = (vec![Vec::new(); distinct.len()], Vec::new());
-        for _ in 0..rounds {
-            let mut before = self.seconds(&RenderSettings::default(), OWN)?;
-            for (chunk, measured) in distinct.chunks(BETWEEN).zip(measured.chunks_mut(BETWEEN)) {
-                let mut seconds = Vec::new();
-                for row in chunk {
-                    let Row { subject, settings, .. } = &rows[*row];
-                    let (settings, subject) = (*settings, Some(*subject));
-                    seconds.push(self.seconds(&settings, subject)?);
-                }
-                let after = self.seconds(&RenderSettings::default(), OWN)?;
-                let around = f64::midpoint(before, after).max(f64::MIN_POSITIVE);
-                own_seconds.push(around);
-                before = after;
-                measured.iter_mut().zip(seconds).for_each(|(all, seconds)| all.push(seconds / around));
-            }
+        let mut complete = 0;
+        while complete < rounds {
+            let (relative, own) = match self.round(rows, &distinct) {
+                // The scatter of times is known from the second round on.
+                Err(EngineError::Cancelled) if complete >= 2 => break,
+                round => round?,
+            };
+            measured.iter_mut().zip(relative).for_each(|(all, one)| all.push(one));
+            own_seconds.extend(own);
+            complete += 1;
         }
         let own_seconds = MedianRange::of(&own_seconds).median;
         for (row, measured) in distinct.into_iter().zip(measured) {
@@ -358,7 +356,26 @@ impl Measurer<'_> {
             let relative = rows[rows[row].same_as.unwrap_or(row)].relative;
             (rows[row].relative, rows[row].seconds) = (relative, relative.times(own_seconds));
         }
-        Ok(())
+        Ok(complete)
+    }
+
+    /// Measures the time of `distinct` rows once. Returns them as multiples of the times of the scene's own settings, and these in seconds.
+    fn round(&mut self, rows: &[Row], distinct: &[usize]) -> Result<(Vec<f64>, Vec<f64>), EngineError> {
+        const OWN: Option<Subject> = Some(Subject::Own);
+        let (mut relative, mut own_seconds) = (Vec::new(), Vec::new());
+        let mut before = self.seconds(&RenderSettings::default(), OWN)?;
+        for chunk in distinct.chunks(BETWEEN) {
+            let mut seconds = Vec::new();
+            for row in chunk {
+                seconds.push(self.seconds(&rows[*row].settings, Some(rows[*row].subject))?);
+            }
+            let after = self.seconds(&RenderSettings::default(), OWN)?;
+            let around = f64::midpoint(before, after).max(f64::MIN_POSITIVE);
+            own_seconds.push(around);
+            before = after;
+            relative.extend(seconds.into_iter().map(|seconds| seconds / around));
+        }
+        Ok((relative, own_seconds))
     }
 
     /// Measures the seconds of a frame. A quick frame is rendered several times, for the minimum: the first one after a frame with other

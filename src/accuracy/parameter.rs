@@ -25,11 +25,13 @@ pub enum Parameter {
     Precision,
     /// The film's columns and rows.
     Size,
+    /// The effects, disabled one by one.
+    Effects,
 }
 
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Samples,
         Self::MaxError,
         Self::LightSamples,
@@ -38,6 +40,7 @@ impl Parameter {
         Self::Cutoff,
         Self::Precision,
         Self::Size,
+        Self::Effects,
     ];
 
     /// Returns the name in words, as "max error".
@@ -52,6 +55,18 @@ impl Parameter {
             Self::Cutoff => "cutoff",
             Self::Precision => "precision",
             Self::Size => "size",
+            Self::Effects => "effects",
+        }
+    }
+
+    /// Returns whether this parameter affects pictures that need these effects.
+    #[must_use]
+    pub fn affects(self, plan: &Plan) -> bool {
+        match self {
+            Self::Samples | Self::MaxError | Self::Precision | Self::Size | Self::Effects => true,
+            Self::LightSamples => plan.needs(Effect::AreaLights) || plan.needs(Effect::AmbientOcclusion),
+            Self::Instants => plan.needs(Effect::MotionBlur),
+            Self::Depth | Self::Cutoff => plan.needs(Effect::Reflection) || plan.needs(Effect::Refraction),
         }
     }
 
@@ -85,7 +100,8 @@ impl Subject {
             Self::Parameter(parameter, _) => Some(*parameter),
             Self::Precision(_) => Some(Parameter::Precision),
             Self::Size(..) => Some(Parameter::Size),
-            Self::Own | Self::Without(_) => None,
+            Self::Without(_) => Some(Parameter::Effects),
+            Self::Own => None,
         }
     }
 }
@@ -117,17 +133,19 @@ pub(super) struct SweepRange {
     pub(super) depth: u32,
 }
 
-/// Returns the variants worth comparing for the effects of a plan. The scene's own settings are the first. `sizes` are other sizes of the
-/// film to include.
+/// Returns the variants of `parameters` that affect pictures with the effects of a plan, after the scene's own settings. `sizes` are other
+/// sizes of the film to include.
 pub(super) fn sweep(
     plan: &Plan,
     own: EffectiveSettings,
     range: SweepRange,
+    parameters: &[Parameter],
     sizes: &[(u32, u32)],
 ) -> Vec<(Subject, RenderSettings)> {
     let own_settings = RenderSettings::default();
+    let is_varied = |parameter: &Parameter| parameters.contains(parameter) && parameter.affects(plan);
     let mut rows = vec![(Subject::Own, own_settings)];
-    for parameter in Parameter::ALL.into_iter().filter(|parameter| is_called_for(*parameter, plan)) {
+    for parameter in Parameter::ALL.into_iter().filter(is_varied) {
         let turned = values(parameter, own, range).into_iter().map(|value| {
             let mut settings = turned(parameter, value);
             if parameter == Parameter::MaxError {
@@ -138,30 +156,22 @@ pub(super) fn sweep(
         });
         rows.extend(turned);
     }
-    rows.extend([Precision::NaiveF64, Precision::NaiveF32].map(|precision| {
-        (Subject::Precision(precision), RenderSettings { precision: Some(precision), ..own_settings })
-    }));
+    if is_varied(&Parameter::Precision) {
+        rows.extend([Precision::NaiveF64, Precision::NaiveF32].map(|precision| {
+            (Subject::Precision(precision), RenderSettings { precision: Some(precision), ..own_settings })
+        }));
+    }
     rows.extend(sizes.iter().map(|(width, height)| {
         let settings = RenderSettings { size: Some((*width, *height)), ..own_settings };
         (Subject::Size(*width, *height), settings)
     }));
-    let without = plan.needed().filter(|effect| *effect != Effect::Ambient || plan.needed().count() > 1);
-    rows.extend(without.map(|effect| {
-        (Subject::Without(effect), RenderSettings { without: [effect].into(), ..own_settings })
-    }));
-    rows
-}
-
-/// Returns whether a parameter affects pictures that need these effects.
-fn is_called_for(parameter: Parameter, plan: &Plan) -> bool {
-    match parameter {
-        Parameter::Samples | Parameter::MaxError | Parameter::Precision | Parameter::Size => true,
-        Parameter::LightSamples => plan.needs(Effect::AreaLights) || plan.needs(Effect::AmbientOcclusion),
-        Parameter::Instants => plan.needs(Effect::MotionBlur),
-        Parameter::Depth | Parameter::Cutoff => {
-            plan.needs(Effect::Reflection) || plan.needs(Effect::Refraction)
-        }
+    if is_varied(&Parameter::Effects) {
+        let without = plan.needed().filter(|effect| *effect != Effect::Ambient || plan.needed().count() > 1);
+        rows.extend(without.map(|effect| {
+            (Subject::Without(effect), RenderSettings { without: [effect].into(), ..own_settings })
+        }));
     }
+    rows
 }
 
 /// Returns the values of a parameter, ascending, without the scene's own value.
@@ -187,7 +197,7 @@ fn values(
         }
         Parameter::Cutoff => (vec![0.0, 0.25, 1.0, 4.0, 16.0], quality.cutoff.into()),
         // Their values are not numbers.
-        Parameter::Precision | Parameter::Size => (Vec::new(), 0.0),
+        Parameter::Precision | Parameter::Size | Parameter::Effects => (Vec::new(), 0.0),
     };
     values.retain(|value| *value != own);
     values
@@ -207,6 +217,6 @@ pub(super) fn turned(parameter: Parameter, value: f64) -> RenderSettings {
         Parameter::Instants => RenderSettings { instants: Some(count), ..settings },
         Parameter::Depth => RenderSettings { depth: Some(count), ..settings },
         Parameter::Cutoff => RenderSettings { cutoff: Some(number), ..settings },
-        Parameter::Precision | Parameter::Size => settings,
+        Parameter::Precision | Parameter::Size | Parameter::Effects => settings,
     }
 }

@@ -25,7 +25,7 @@ pub struct Report {
     pub resolution: Resolution,
     /// The orders of convergence of parameters.
     pub orders: Vec<(Parameter, PowerLaw)>,
-    /// The number of times that each variant was rendered.
+    /// The number of times that each variant was rendered to measure its cost: fewer than requested if the measurement was cancelled.
     pub rounds: u32,
     /// Samples per pixel of the scene's own settings; 0 if the number differs between pixels.
     pub own_samples: u32,
@@ -135,14 +135,9 @@ impl Report {
         &self.rows[0]
     }
 
-    /// Returns the rows that change a parameter, ascending.
+    /// Returns the rows that change a parameter, ascending, or disable an effect.
     pub fn of_parameter(&self, parameter: Parameter) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(move |row| row.subject.parameter() == Some(parameter))
-    }
-
-    /// Returns the rows that disable an effect.
-    pub fn without(&self) -> impl Iterator<Item = &Row> {
-        self.rows.iter().filter(|row| matches!(row.subject, Subject::Without(_)))
     }
 
     /// Returns the range of a row's true RMS error. The measured error includes the error of the reference, and the remaining uncertainty

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use rayreel::Effect;
+use rayreel::accuracy::Parameter;
 use rayreel::components::{FilmSettings, Quality, Sampling};
 use rayreel::output::{MovieFormat, Sheet, UnknownMovieFormat};
 use rayreel::scene::{Override, OverrideError, SceneWarning, nearest};
@@ -94,7 +95,7 @@ const EFFECT_WORDS: [(&str, Effect); 21] = [
 
 /// Parses the name of an effect, or another word for it.
 pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
-    let named = text.trim().to_lowercase().replace([' ', '_'], "-");
+    let named = argument_name(text.trim());
     let names = Effect::ALL.map(effect_name);
     let by_name = Effect::ALL.into_iter().find(|effect| effect_name(*effect) == named);
     let by_word = || EFFECT_WORDS.into_iter().find(|(word, _)| *word == named).map(|(_, effect)| effect);
@@ -102,6 +103,18 @@ pub(super) fn parse_effect(text: &str) -> Result<Effect, String> {
     by_name.or_else(by_word).ok_or_else(|| match nearest(&named, words()) {
         Some(name) => format!("did you mean `{name}`?"),
         None => format!("the effects are {}", names.join(", ")),
+    })
+}
+
+/// Parses the name of a parameter of `accuracy`. The sizes have an option of their own.
+pub(super) fn parse_parameter(text: &str) -> Result<Parameter, String> {
+    let named = argument_name(text.trim());
+    let mut parameters = Parameter::ALL.into_iter().filter(|parameter| *parameter != Parameter::Size);
+    let names: Vec<String> = parameters.clone().map(|parameter| argument_name(parameter.name())).collect();
+    let found = parameters.find(|parameter| argument_name(parameter.name()) == named);
+    found.ok_or_else(|| match nearest(&named, names.iter().map(String::as_str)) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => format!("the parameters are {}", names.join(", ")),
     })
 }
 
@@ -116,7 +129,12 @@ pub(super) fn parse_warning(text: &str) -> Result<&'static str, String> {
 
 /// Returns the name of an effect in arguments.
 pub(super) fn effect_name(effect: Effect) -> String {
-    effect.name().to_lowercase().replace(' ', "-")
+    argument_name(effect.name())
+}
+
+/// Returns a name as it is written in arguments, as `max-error`.
+pub(super) fn argument_name(name: &str) -> String {
+    name.to_lowercase().replace([' ', '_'], "-")
 }
 
 /// Parses two integers separated by one of the given characters.

@@ -75,12 +75,35 @@ fn overrides_and_disabled_effects_apply_to_all_rows() {
     let folder = tempfile::tempdir().unwrap();
     let report = measured(
         folder.path(),
-        &["--without", "shadows", "--samples", "2", "--frames", "0,3", "--size", "16x9"],
+        &[
+            &["--without", "shadows", "--samples", "2", "--frames", "0,3", "--size", "16x9"][..],
+            &["--vary", "Depth,effects", "--sizes", "8x5"],
+        ]
+        .concat(),
     );
     assert_eq!(report["frames"], serde_json::json!([0, 3]));
     assert_eq!(report["without"], serde_json::json!(["shadows"]));
     assert_eq!(report["rows"][0]["rays"]["camera"], 16 * 9 * 2);
     assert_eq!(report["rows"][0]["rays"]["shadow"], 0);
+    let varied: Vec<_> = report["rows"].as_array().unwrap().iter().skip(1).collect();
+    let of = |what: &str| varied.iter().filter(|row| !row[what].is_null()).count();
+    let (depths, effects) = (of_parameter(&report, "depth").len(), of("without"));
+    assert!(depths > 1 && effects > 3, "{depths} depths, {effects} effects");
+    assert_eq!(varied.len(), depths + effects + of("size"));
+}
+
+#[test]
+fn parameters_without_influence_are_not_varied() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.ron"), SCENE).unwrap();
+    for (name, answer) in [
+        ("instants", "error: --vary instants: it affects none of the measured frames; leave it out\n"),
+        ("max_eror", "did you mean `max-error`?"),
+        ("size", "the parameters are samples, max-error, light-samples, "),
+    ] {
+        let output = rayreel(folder.path(), ["accuracy", "a.ron", "--vary", name]);
+        assert!(text(&output.stderr).contains(answer), "{}", text(&output.stderr));
+    }
 }
 
 #[test]

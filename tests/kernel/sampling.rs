@@ -1,6 +1,6 @@
 //! Tests of pixels as means of samples, against closed forms and for their rate of convergence.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 
@@ -190,11 +190,46 @@ impl Observer for Counting {
     }
 }
 
+fn measurement(preset: Preset, parameters: &[Parameter]) -> Request {
+    let parameters = parameters.to_vec();
+    Request { frames: vec![0], preset, parameters, sizes: Vec::new(), keep_films: false }
+}
+
+/// Cancels a measurement once this share of its work is done.
+struct Cancelling<'a> {
+    share: f64,
+    cancelled: &'a AtomicBool,
+}
+
+impl Observer for Cancelling<'_> {
+    fn at(&mut self, _: Option<Subject>, share: f64) {
+        self.cancelled.fetch_or(share >= self.share, Ordering::Relaxed);
+    }
+}
+
+#[test]
+fn cancelled_measurements_keep_complete_rounds() {
+    let (mut engine, _) = edge();
+    let preset = Preset { rounds: 10, samples: 4, pictures: 2, factor: 1 };
+    let request = measurement(preset, &[Parameter::Samples]);
+    let mut rounds = |share: f64| {
+        let cancelled = AtomicBool::new(false);
+        let mut observer = Cancelling { share, cancelled: &cancelled };
+        let report = measure(&mut engine, &request, &cancelled, &mut observer).unwrap()?;
+        // The scene's own 16 samples, and 1, 2, 4 and 8.
+        assert_eq!(report.rows.len(), 5);
+        assert!(report.rows.iter().all(|row| row.seconds.low > 0.0));
+        Some(report.rounds)
+    };
+    let found = [0.0, 0.2, 0.35, 0.75, 2.0].map(&mut rounds);
+    assert!(matches!(found, [None, None, Some(2..=3), Some(6..=8), Some(10)]), "{found:?}");
+}
+
 #[test]
 fn a_measurement_finds_the_order_of_convergence() {
     let (mut engine, _) = edge();
     let preset = Preset { rounds: 1, samples: 64, pictures: 4, factor: 16 };
-    let request = Request { frames: vec![0], preset, sizes: Vec::new(), keep_films: false };
+    let request = measurement(preset, &Parameter::ALL);
     let mut observer = Counting::default();
     let report = measure(&mut engine, &request, &AtomicBool::new(false), &mut observer).unwrap().unwrap();
     let (knob, law) = report.orders[0];

@@ -40,6 +40,7 @@ pub(super) fn json(measured: &Measured) -> Value {
 fn row(row: &Row, report: &Report) -> Value {
     let (parameter, value) = match row.subject {
         Subject::Parameter(parameter, value) => (Some(parameter.name()), Some(value)),
+        Subject::Without(_) => (None, None),
         subject => (subject.parameter().map(Parameter::name), None),
     };
     let size = match row.subject {

@@ -136,7 +136,8 @@ fn overview(report: &Report) -> Chart<'_> {
         marks: marks(&mut std::iter::once(report.own())),
         joined: false,
     };
-    let parameters = Parameter::ALL.into_iter().map(|parameter| Series {
+    let settings = Parameter::ALL.into_iter().filter(|parameter| *parameter != Parameter::Effects);
+    let parameters = settings.map(|parameter| Series {
         name: parameter.name().to_owned(),
         marks: marks(&mut report.of_parameter(parameter)),
         joined: parameter != Parameter::Precision,
@@ -181,7 +182,7 @@ fn table(measured: &Measured) -> String {
     let precisions: Vec<String> =
         report.of_parameter(Parameter::Precision).map(|row| describe_precision(row, report)).collect();
     let _ = writeln!(table, "</table></div>\n<p>{}</p>", escaped(&precisions.join(" ")));
-    for line in notes(report, measured.is_quick) {
+    for line in notes(report, measured.preset) {
         let _ = writeln!(table, "<p class=\"dim\">{}</p>", escaped(&line.replacen('*', "★", 1)));
     }
     table
@@ -190,7 +191,7 @@ fn table(measured: &Measured) -> String {
 
 /// Returns the section on the cost and the worth of each effect.
 fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
-    if report.without().next().is_none() {
+    if report.of_parameter(Parameter::Effects).next().is_none() {
         return Ok(String::new());
     }
     let own = report.own();
@@ -200,7 +201,7 @@ fn effects(report: &Report, transfer: Transfer) -> anyhow::Result<String> {
                     <th>without it: max</th><th>rms</th><th>off &gt; 1</th></tr>\n"
             .to_owned();
     let mut figures = String::new();
-    for row in report.without() {
+    for row in report.of_parameter(Parameter::Effects) {
         let Subject::Without(effect) = row.subject else { continue };
         let share = row.share();
         // A clamped share of 0 means that the effect takes less time than measurements scatter.
@@ -245,7 +246,7 @@ const CLAMPED: &str =
 
 /// Returns the section with a chart of the error for each parameter.
 fn parameter_charts(report: &Report) -> String {
-    let mut text = "<h2>Parameters</h2>\n<div class=\"charts\">\n".to_owned();
+    let mut text = String::new();
     for parameter in Parameter::ALL.into_iter().filter(|parameter| *parameter != Parameter::Precision) {
         let marks: Vec<ChartMark> = report
             .of_parameter(parameter)
@@ -296,7 +297,12 @@ fn parameter_charts(report: &Report) -> String {
             parameter.name()
         );
     }
-    text + "</div>\n<p class=\"dim\">No error at all is drawn as 1e-4.</p>\n"
+    if text.is_empty() {
+        return text;
+    }
+    format!(
+        "<h2>Parameters</h2>\n<div class=\"charts\">\n{text}</div>\n<p class=\"dim\">No error at all is drawn as 1e-4.</p>\n"
+    )
 }
 
 fn method(page: &mut String, measured: &Measured) {

@@ -11,9 +11,9 @@ mod table;
 
 use std::sync::atomic::Ordering;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 
-use rayreel::accuracy::{OutputValues, Preset, Report, Request, measure};
+use rayreel::accuracy::{OutputValues, Parameter, Preset, Report, Request, measure};
 use rayreel::components::FilmSettings;
 use rayreel::time::FrameList;
 use rayreel::trace::Signals;
@@ -27,6 +27,7 @@ use super::measure_progress::MeasureProgress;
 use super::overrides::{Changed, load};
 use super::print;
 use super::settings::require_frame;
+use super::values::argument_name;
 use super::write_file::{ensure_not_the_scene, write_file};
 use machine::Machine;
 
@@ -38,7 +39,7 @@ struct Measured {
     scene: String,
     changed: Changed,
     machine: Machine,
-    is_quick: bool,
+    preset: Preset,
     /// Number of chosen frames, if not all of them were measured.
     spread_over: Option<usize>,
     report: Report,
@@ -59,25 +60,21 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         .build()
         .context("cannot start the rendering threads")?;
     let first = engine.timeline.time_of(frames.first().copied().unwrap_or(0));
+    let preset = if arguments.quick { Preset::QUICK } else { Preset::THOROUGH };
+    let parameters = varied(arguments, &mut engine, &frames)?;
     let request = Request {
         frames,
-        preset: if arguments.quick { Preset::QUICK } else { Preset::THOROUGH },
+        preset,
+        parameters,
         sizes: arguments.sizes.clone(),
         keep_films: arguments.html.is_some() || arguments.error_map.is_some(),
     };
     let cancelled = interruption.deferred();
     let report = pool.install(|| measure(&mut engine, &request, cancelled, &mut progress));
-    if let (Some(file), Ok(Some(_))) = (&arguments.sample_map, &report) {
-        let signals = Signals::unless(cancelled);
-        let request = || RenderRequest { sample_counts: true, signals, ..RenderRequest::at(first) };
-        match pool.install(|| engine.render(request())) {
-            Err(EngineError::Cancelled) => return Err(interruption.failure()),
-            image => write_file(file, &sample_map(&engine, image?.sample_counts)?)?,
-        }
-    }
     drop(progress);
     let Some(report) = report? else {
         return Err(if cancelled.load(Ordering::Relaxed) {
+            print::error_line("interrupted before every setting was timed twice: there is no table yet");
             interruption.failure()
         } else {
             anyhow::anyhow!("there is nothing to measure").into()
@@ -87,11 +84,20 @@ pub(super) fn run(arguments: &AccuracyArguments, interruption: &Interruption) ->
         scene: arguments.scene.display().to_string(),
         changed: Changed::new(&arguments.overrides),
         machine: Machine::this(pool.current_num_threads()),
-        is_quick: arguments.quick,
+        preset,
         spread_over,
         report,
     };
-    print(&measured, arguments, &engine)
+    print(&measured, arguments, &engine)?;
+    if let Some(file) = &arguments.sample_map {
+        let signals = Signals::unless(cancelled);
+        let request = || RenderRequest { sample_counts: true, signals, ..RenderRequest::at(first) };
+        match pool.install(|| engine.render(request())) {
+            Err(EngineError::Cancelled) => {}
+            image => write_file(file, &sample_map(&engine, image?.sample_counts)?)?,
+        }
+    }
+    if cancelled.load(Ordering::Relaxed) { Err(interruption.failure()) } else { Ok(()) }
 }
 
 /// Returns a PNG heat map of a picture's samples per pixel, on a logarithmic scale.
@@ -103,6 +109,31 @@ fn sample_map(engine: &Engine, counts: Option<Film<u32>>) -> anyhow::Result<Vec<
     let powers: Vec<f64> =
         counts.into_iter().map(|count| 1.0 + libm::log2(f64::from(count.max(1)))).collect();
     heat_map((width, height), &powers)
+}
+
+/// Returns the parameters to vary. One that affects none of the frames is an error, before the measurement takes its time.
+fn varied(
+    arguments: &AccuracyArguments,
+    engine: &mut Engine,
+    frames: &[u32],
+) -> anyhow::Result<Vec<Parameter>> {
+    if arguments.vary.is_empty() {
+        return Ok(Parameter::ALL.to_vec());
+    }
+    let mut plans = Vec::new();
+    for frame in frames {
+        let time = engine.timeline.time_of(*frame);
+        let request = RenderRequest { fingerprint: false, ..RenderRequest::at(time) };
+        plans.extend(engine.plan(request)?.plan.clone());
+    }
+    let affects = |parameter: &Parameter| plans.iter().any(|plan| parameter.affects(plan));
+    match arguments.vary.iter().find(|parameter| !affects(parameter)) {
+        Some(parameter) => {
+            let name = argument_name(parameter.name());
+            bail!("--vary {name}: it affects none of the measured frames; leave it out")
+        }
+        None => Ok(arguments.vary.clone()),
+    }
 }
 
 /// Returns the frames to measure, by default the middle one. Also returns the number of chosen frames, if not all of them are measured.

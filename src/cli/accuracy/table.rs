@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use rayreel::accuracy::{MedianRange, Parameter, Report, Row, Subject};
+use rayreel::accuracy::{MedianRange, Parameter, Preset, Report, Row};
 use rayreel::scene::Printable;
 
 use super::super::report::in_millions;
@@ -23,8 +23,7 @@ pub(super) fn draw(measured: &Measured) -> String {
     let _ = writeln!(text, "{}", measured.machine.describe());
     let _ = writeln!(text, "{}\n", describe_reference(report));
     text += &rows(report);
-    let _ =
-        writeln!(text, "\n{}\nErrors are in steps of 8 bits.", notes(report, measured.is_quick).join("\n"));
+    let _ = writeln!(text, "\n{}\nErrors are in steps of 8 bits.", notes(report, measured.preset).join("\n"));
     for (parameter, law) in &report.orders {
         let _ = writeln!(
             text,
@@ -41,7 +40,7 @@ pub(super) fn draw(measured: &Measured) -> String {
 }
 
 /// Returns the notes that explain the marks of settings.
-pub(super) fn notes(report: &Report, is_quick: bool) -> Vec<String> {
+pub(super) fn notes(report: &Report, preset: Preset) -> Vec<String> {
     let resolution = report.resolution;
     let mut notes = vec![format!(
         "* Pareto front: no other setting is cheaper and at least as good, or better and at least as cheap. Errors within {} rms count as \
@@ -62,7 +61,13 @@ pub(super) fn notes(report: &Report, is_quick: bool) -> Vec<String> {
         notes.push(format!(
             "^ Capped at {samples} samples per pixel, too few for the target, and so not on the front: {}.{}",
             missed.collect::<Vec<_>>().join(", "),
-            if is_quick { " Without --quick pixels get more." } else { "" }
+            if preset == Preset::QUICK { " Without --quick pixels get more." } else { "" }
+        ));
+    }
+    if report.rounds < preset.rounds {
+        notes.push(format!(
+            "Interrupted: times are medians of {} rounds instead of {}.",
+            report.rounds, preset.rounds
         ));
     }
     notes
@@ -120,7 +125,8 @@ fn rows(report: &Report) -> String {
     let mut cells: Vec<Vec<String>> = vec![heads.iter().map(|head| (*head).to_owned()).collect()];
     let mut group = None;
     for row in &report.rows {
-        if group.replace(kind(row)).is_some_and(|before| before != kind(row)) {
+        let parameter = row.subject.parameter();
+        if group.replace(parameter).is_some_and(|before| before != parameter) {
             cells.push(Vec::new());
         }
         cells.push(heads.iter().map(|head| cell(row, head)).collect());
@@ -142,11 +148,6 @@ fn rows(report: &Report) -> String {
         text.push('\n');
     }
     text
-}
-
-/// Returns the kind of a row. Rows of different kinds are separated by an empty line.
-fn kind(row: &Row) -> (Option<Parameter>, bool) {
-    (row.subject.parameter(), matches!(row.subject, Subject::Without(_)))
 }
 
 /// Formats the cell of a row in the column with this heading.
@@ -209,7 +210,7 @@ mod tests {
 
     use super::*;
     use rayreel::RenderSettings;
-    use rayreel::accuracy::{FilmError, ReferenceInfo, Resolution};
+    use rayreel::accuracy::{FilmError, ReferenceInfo, Resolution, Subject};
     use rayreel::trace::{EstimatedError, Film, RayCounts};
 
     fn row(subject: Subject, error: f64, samples: u64) -> Row {
@@ -276,7 +277,9 @@ mod tests {
             "=  max error 0.5      0.500   1.00   ±0.50  32 k  25.00  2.50  2.50 ±0.12  40.2  0.9900  25.00 %",
         ];
         assert_eq!(rows(&report).lines().collect::<Vec<_>>(), expected);
-        let [front, same, capped] = &notes(&report, true)[..] else { panic!("three marks are explained") };
+        let [front, same, capped] = &notes(&report, Preset::QUICK)[..] else {
+            panic!("three marks are explained")
+        };
         assert_eq!(
             front,
             "* Pareto front: no other setting is cheaper and at least as good, or better and at least as cheap. \
@@ -290,6 +293,10 @@ mod tests {
             "^ Capped at 32 samples per pixel, too few for the target, and so not on the front: \
              max error 0.25 (estimated 2.50), max error 0.5 (estimated 2.50). Without --quick pixels get more."
         );
-        assert!(notes(&report, false)[2].ends_with("max error 0.5 (estimated 2.50)."));
+        let [_, _, capped, interrupted] = &notes(&report, Preset::THOROUGH)[..] else {
+            panic!("one is added")
+        };
+        assert!(capped.ends_with("max error 0.5 (estimated 2.50)."));
+        assert_eq!(interrupted, "Interrupted: times are medians of 4 rounds instead of 5.");
     }
 }

@@ -4,24 +4,26 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use rayreel::accuracy::Parameter;
 use rayreel::color::Transfer;
 use rayreel::time::FrameList;
 
 use super::overrides::OverrideArguments;
-use crate::cli::values::{parse_size, parse_threads, parse_tolerance};
+use crate::cli::values::{parse_parameter, parse_size, parse_threads, parse_tolerance};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   rayreel accuracy scenes/first_light.ron --quick
   rayreel accuracy scenes/chess_morning.ron --html report.html
   rayreel accuracy scenes/first_light.ron --frames 0,40,80 --json > report.json
-  rayreel accuracy scenes/first_light.ron --sizes 480x270,320x180
+  rayreel accuracy scenes/first_light.ron --vary effects --sizes 480x270,320x180
 
 Varies every setting that affects the scene: samples, error target, samples per light, instants,
 depth, cutoff and precision; and renders without each effect. Each picture is compared with a
 reference of many samples, whose own uncertainty is printed; its time is measured in alternation with
-the scene's own settings. Takes minutes, and --quick less, with less certainty; begin with a small --size.
-Ctrl-C discards the measurement.
+the scene's own settings. Takes minutes, and --quick less, with less certainty; begin with a small --size,
+or --vary few parameters. Ctrl-C ends the measurement; after the first two of its rounds, the table
+is printed nevertheless.
 
 A star marks the Pareto front: no other setting is cheaper and at least as accurate, or more accurate
 and at least as cheap. Differences within the uncertainty of errors and the scatter of times are
@@ -43,6 +45,10 @@ pub(in crate::cli) struct AccuracyArguments {
     /// Also vary the film size: pictures of these sizes are scaled to the scene's size and compared, as in 480x270,320x180
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size, allow_hyphen_values = true)]
     pub(in crate::cli) sizes: Vec<(u32, u32)>,
+    /// Vary only these parameters: samples, max-error, light-samples, instants, depth, cutoff, precision, effects [default: all that
+    /// affect the scene]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_parameter)]
+    pub(in crate::cli) vary: Vec<Parameter>,
     /// Use fewer samples and fewer rounds: less certain, in a fraction of the time
     #[arg(long)]
     pub(in crate::cli) quick: bool,
