@@ -197,6 +197,12 @@ pub(crate) fn lanes(mask: u32) -> impl Iterator<Item = usize> {
     set_bits(mask).map(|lane| lane % LANES)
 }
 
+/// Returns the bit mask of the lanes where `is` holds.
+#[inline(always)]
+pub(crate) fn lanes_where(is: impl Fn(usize) -> bool) -> u32 {
+    (0..LANES).fold(0, |mask, lane| mask | u32::from(is(lane)) << lane)
+}
+
 /// Iterates over the indices of the set bits.
 #[inline(always)]
 pub(crate) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {

@@ -33,7 +33,7 @@ pub(crate) use elementary::{exp, pow};
 pub(crate) use exact::{Exact, Exact3, ExactRoot};
 pub(crate) use lanes::{
     Colors, F64s, F64s3, HALF, LANES, Mask, Numbers, Scaled, Vectors, WHOLE, bits, bits8, bits16, finite3,
-    half_lanes, half_of, lanes, mask, mask16, scaled_lanes, set_bits, splat, splat3,
+    half_lanes, half_of, lanes, lanes_where, mask, mask16, scaled_lanes, set_bits, splat, splat3,
 };
 pub(crate) use real::{
     Real, Truth, absolute, add, cross, dot, moderate, moderate3, negative, pick3, spread, subtract, times,

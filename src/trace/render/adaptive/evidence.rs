@@ -3,9 +3,10 @@
 
 use super::feature_light::FeatureLight;
 use super::needs::Gain;
+use super::neighbourhood::{Around, BorderedPacket, SIDE};
 use super::output_curve::OutputCurve;
 use crate::color::ErrorNorm;
-use crate::trace::math::{LANES, WHOLE, lanes};
+use crate::trace::math::{LANES, WHOLE, lanes, lanes_where};
 use crate::trace::render::visibility::Feature;
 use crate::trace::stages::TILE;
 
@@ -70,9 +71,6 @@ pub(super) enum Class {
 
 /// The number of classes.
 pub(super) const CLASSES: usize = 3;
-
-/// Pixels in a row of a packet.
-const SIDE: usize = crate::trace::scene::SIDE as usize;
 
 /// In every round after the first, one in `AUDITED` plain pixels of one in `AUDITED_TILES` tiles is audited: a few samples in a tile cost
 /// nearly as much as four times as many.
@@ -248,40 +246,47 @@ impl PixelPacket {
     }
 
     /// Returns the estimates of squared errors, before scaling. `audited` is the variance of one sample in the audited pixels nearby. The
-    /// variance of similar pixels nearby has half the weight, as the samples of one pixel may agree by chance.
+    /// variance of similar pixels nearby has half the weight, as the samples of one pixel may agree by chance. Plain pixels whose samples
+    /// vary no more than their neighbours differ are estimated as edges.
     #[inline(always)]
     pub(super) fn errors(
         &self,
         ErrorModel { curve, edges, alpha, target }: ErrorModel,
         audited: f32,
-        around: [[Option<&PixelPacket>; 3]; 3],
+        around: Around<'_, Self>,
     ) -> [f32; LANES] {
         let count: [f32; LANES] = std::array::from_fn(|lane| single(f64::from(self.taken[lane])));
-        let mut errors = [0.0; LANES];
-        for lane in 0..LANES {
-            let variance =
-                if self.taken[lane] < FEWEST { audited } else { 0.5 * (self.variance[lane] + audited) };
-            errors[lane] = variance / count[lane];
-        }
-        let featured = self.featured();
+        let (mut missed, mut apart) = ([0.0; LANES], [0.0; LANES]);
         // Missed parts change no pixel by more than its difference from a neighbour: below the target, they alone cannot exceed it.
         if self.plain() != 0 && Self::differ(&around, curve, target) {
             // The edge of a shadow or of an image may lie between the samples of two pixels.
-            let missed = self.missed(curve, &Surroundings::of(around, Self::plain));
-            for lane in 0..LANES {
-                errors[lane] = if missed[lane] > errors[lane] { missed[lane] } else { errors[lane] };
-            }
+            let ranges = Self::ranges(&around, Self::plain);
+            (missed, apart) = (self.missed(curve, &ranges), squared_widths(curve, &ranges));
         }
+        let mut errors = [0.0; LANES];
+        for lane in 0..LANES {
+            let (variance, nearby) = (self.variance[lane], audited / count[lane]);
+            let own = variance / count[lane];
+            let of_edge = if edges { edge_error(variance, count[lane]) } else { own };
+            let is_edge = variance <= apart[lane];
+            let shown = if is_edge { of_edge.max(0.5 * nearby) } else { 0.5 * (own + nearby) };
+            let shown = if self.taken[lane] < FEWEST { nearby } else { shown };
+            errors[lane] = if missed[lane] > shown { missed[lane] } else { shown };
+        }
+        let featured = self.featured();
         if featured == 0 {
             return errors;
         }
-        let around = Surroundings::of(around, Self::inside);
-        let missed = self.missed(curve, &around);
+        let missed = self.missed(curve, &Self::ranges(&around, Self::inside));
+        let sampled = |packet: &Self| packet.featured() & lanes_where(|lane| packet.taken[lane] > 1);
+        let [of_similar] =
+            BorderedPacket::of(&around, |packet| (std::array::from_ref(&packet.variance), sampled(packet)))
+                .means();
         let has_small = self.classes[Class::Small as usize] != 0;
         let hidden = if has_small { self.hidden(curve) } else { [0.0; LANES] };
         for lane in 0..LANES {
             let (count, area, radiance) = (count[lane], self.area[lane], self.radiance[lane]);
-            let variance = 0.5 * (self.variance[lane] + around.variance[lane]);
+            let variance = 0.5 * (self.variance[lane] + of_similar[lane]);
             let shown = self.shown_error(lane, variance, edges);
             let small = shown + hidden[lane].max(missed[lane]);
             let error = if radiance > 0.0 { small } else { shown.max(missed[lane]) };
@@ -293,7 +298,7 @@ impl PixelPacket {
 
     /// Returns whether the plain pixels of a packet and its neighbours differ by more than `least`, in output values of any channel.
     #[inline(always)]
-    fn differ(packets: &[[Option<&Self>; 3]; 3], curve: OutputCurve, least: f32) -> bool {
+    fn differ(packets: &Around<'_, Self>, curve: OutputCurve, least: f32) -> bool {
         let [mut darkest, mut brightest] = EMPTY_RANGE;
         for packet in packets.iter().flatten().flatten() {
             for channel in 0..3 {
@@ -306,9 +311,9 @@ impl PixelPacket {
 
     /// Returns the squared errors of pixels if their samples missed a part that has the colour of the neighbour that differs most.
     #[inline(always)]
-    fn missed(&self, curve: OutputCurve, around: &Surroundings) -> [f32; LANES] {
+    fn missed(&self, curve: OutputCurve, ranges: &[[[f32; LANES]; 2]; 3]) -> [f32; LANES] {
         let mut missed = [0.0_f32; LANES];
-        for ((mean, least), most) in self.mean.iter().zip(&around.least).zip(&around.most) {
+        for (mean, [least, most]) in self.mean.iter().zip(ranges) {
             for lane in 0..LANES {
                 let (mean, count) = (mean[lane], single(f64::from(self.taken[lane])));
                 let farther = if most[lane] - mean > mean - least[lane] { most[lane] } else { least[lane] };
@@ -317,6 +322,31 @@ impl PixelPacket {
             }
         }
         missed
+    }
+
+    /// Returns the least and the greatest mean in the neighbourhood of each pixel, by channel. `compared` returns the pixels that count.
+    #[inline(always)]
+    fn ranges(around: &Around<'_, Self>, compared: impl Fn(&Self) -> u32) -> [[[f32; LANES]; 2]; 3] {
+        BorderedPacket::of(around, |packet| (&packet.mean, compared(packet))).ranges()
+    }
+
+    /// Returns the sum of the variances of audited plain pixels, and their number. A pixel whose samples vary no more than its neighbours
+    /// differ is left out: it shows an edge or noise that its neighbours show, too, and tells nothing about others.
+    pub(super) fn audit<'a>(
+        &self,
+        ErrorModel { curve, target, .. }: ErrorModel,
+        around: impl FnOnce() -> Around<'a, Self>,
+    ) -> (f64, f64) {
+        let audited = self.audited & self.plain() & lanes_where(|lane| self.taken[lane] >= FEWEST);
+        let varied = audited & lanes_where(|lane| self.variance[lane] > target * target);
+        let shown = if varied == 0 {
+            0
+        } else {
+            let apart = squared_widths(curve, &Self::ranges(&around(), Self::plain));
+            varied & lanes_where(|lane| self.variance[lane] <= apart[lane])
+        };
+        let add = |(sum, count), lane: usize| (sum + f64::from(self.variance[lane]), count + 1.0);
+        lanes(audited & !shown).fold((0.0, 0.0), add)
     }
 
     /// Returns the squared errors of pixels if their samples missed the feature, which may be brighter or darker than the mean.
@@ -340,7 +370,7 @@ impl PixelPacket {
     #[inline(always)]
     pub(super) fn shown_error(&self, lane: usize, variance: f32, edges: bool) -> f32 {
         let (count, area) = (single(f64::from(self.taken[lane])), self.area[lane]);
-        let edge = variance / if edges { count * count.sqrt() / EDGES } else { count };
+        let edge = if edges { edge_error(variance, count) } else { variance / count };
         // Until samples hit the feature, they behave like independent samples. A feature may straddle the corner of four pixels, hence the
         // quarter.
         let met = if edges { (0.25 * area * count).max(1.0) } else { 1.0 };
@@ -424,8 +454,8 @@ impl PixelPacket {
     pub(super) fn alike(&self) -> u32 {
         let first = (!self.audited & WHOLE).trailing_zeros() as usize % LANES;
         let (square, taken) = (self.square[first].to_bits(), self.taken[first]);
-        let is_alike = |lane: usize| (self.square[lane].to_bits() == square) & (self.taken[lane] == taken);
-        self.inside() & (0..LANES).fold(0, |alike, lane| alike | u32::from(is_alike(lane)) << lane)
+        self.inside()
+            & lanes_where(|lane| (self.square[lane].to_bits() == square) & (self.taken[lane] == taken))
     }
 
     /// Returns the gains of sampling the pixels further. The column and row of the first pixel determine their random parts.
@@ -447,8 +477,7 @@ impl PixelPacket {
     /// Returns the pixels that more samples can improve.
     #[inline(always)]
     pub(super) fn unfinished(&self, most: u32) -> u32 {
-        let is = |lane: usize| self.taken[lane] < most && self.square[lane] > 0.0;
-        (0..LANES).fold(0, |pixels, lane| pixels | u32::from(is(lane)) << lane)
+        lanes_where(|lane| self.taken[lane] < most && self.square[lane] > 0.0)
     }
 
     /// Chooses the pixels to sample in the next round: those with sufficient gain, and some plain pixels that were not audited yet. Returns
@@ -462,16 +491,11 @@ impl PixelPacket {
         most: u32,
     ) -> bool {
         let gains = self.gains(first, norm);
-        let enough = (0..LANES).fold(0, |pixels, lane| pixels | u32::from(gains[lane] >= least) << lane);
-        let enough = enough & self.unfinished(most);
+        let enough = self.unfinished(most) & lanes_where(|lane| gains[lane] >= least);
         let block = mixed(mixed_place((first.0 / SIDE, first.1 / SIDE)) ^ round);
         let tile = mixed(mixed_place((first.0 / TILE as usize, first.1 / TILE as usize)) ^ round);
-        let audits = if !tile.is_multiple_of(AUDITED_TILES) {
-            0
-        } else {
-            let is = |pixel: u32| mixed(block ^ pixel).is_multiple_of(AUDITED);
-            (0..LANES).map(|lane| 1 << lane).filter(|pixel| is(*pixel)).fold(0, |all, pixel| all | pixel)
-        };
+        let is = |lane: usize| mixed(block ^ 1 << lane).is_multiple_of(AUDITED);
+        let audits = if tile.is_multiple_of(AUDITED_TILES) { lanes_where(is) } else { 0 };
         let audits = audits & self.plain() & !self.audited & !enough;
         self.active = enough | audits;
         for lane in 0..LANES {
@@ -492,6 +516,25 @@ pub(super) fn next_goal(taken: u32, most: u32) -> u32 {
     taken.saturating_mul(2).max(FEWEST).min(most)
 }
 
+/// Returns the squared error of the mean of `count` samples at an edge, given the variance of one sample.
+#[inline(always)]
+fn edge_error(variance: f32, count: f32) -> f32 {
+    EDGES * variance / (count * count.sqrt())
+}
+
+/// Returns the squared widths of ranges of means, in output values: the largest variance between two sides of an edge.
+#[inline(always)]
+fn squared_widths(curve: OutputCurve, ranges: &[[[f32; LANES]; 2]; 3]) -> [f32; LANES] {
+    let mut squares = [0.0_f32; LANES];
+    for [least, most] in ranges {
+        for lane in 0..LANES {
+            let width = curve.value(most[lane]) - curve.value(least[lane]);
+            squares[lane] += width * width / 3.0;
+        }
+    }
+    squares
+}
+
 /// Returns the RMS fraction of a pixel covered by a feature that all `count` samples miss, for a fraction uniformly distributed up to
 /// `area`. With z = area count, the mean square is area² (2 - exp(-z) (z² + 2 z + 2)) / z³; the root is approximated within 5 %.
 #[inline(always)]
@@ -499,75 +542,6 @@ fn missed_part(area: f32, count: f32) -> f32 {
     let z = area * count;
     area / (3.0 + z * (2.25 + 0.5 * z * z)).sqrt()
 }
-
-/// The 3 by 3 neighbourhood of each pixel of a packet, including itself: the least and the greatest mean, by channel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Surroundings {
-    least: [[f32; LANES]; 3],
-    most: [[f32; LANES]; 3],
-    /// Mean variance of one sample over the pixels in which more than one surface may show.
-    variance: [f32; LANES],
-}
-
-impl Surroundings {
-    /// Computes the surroundings of a packet, given with its eight neighbours, row by row. `compared` returns the pixels whose means count.
-    #[inline(always)]
-    pub(super) fn of(
-        packets: [[Option<&PixelPacket>; 3]; 3],
-        compared: impl Fn(&PixelPacket) -> u32,
-    ) -> Self {
-        // The packet with a border of one pixel: three planes of means, one of variances, and one that is 1 where a variance counts.
-        let mut patch = [[[f32::NAN; WIDE]; WIDE]; 5];
-        let columns = [(0, 0..1, SIDE - 1..SIDE), (1, 1..WIDE - 1, 0..SIDE), (2, WIDE - 1..WIDE, 0..1)];
-        for (row, down) in (0..WIDE).map(|row| (row, row + SIDE - 1)) {
-            for (right, places, lanes) in &columns {
-                let Some(packet) = packets[down / SIDE][*right] else { continue };
-                let first = down % SIDE * SIDE;
-                let (places, lanes) = (places.clone(), first + lanes.start..first + lanes.end);
-                let compared = compared(packet);
-                for (plane, mean) in patch.iter_mut().zip(&packet.mean) {
-                    if compared == WHOLE {
-                        plane[row][places.clone()].copy_from_slice(&mean[lanes.clone()]);
-                        continue;
-                    }
-                    for (place, lane) in places.clone().zip(lanes.clone()) {
-                        plane[row][place] = if compared >> lane & 1 == 1 { mean[lane] } else { f32::NAN };
-                    }
-                }
-                for (place, lane) in places.zip(lanes) {
-                    let counts = packet.featured() >> lane & 1 == 1 && packet.taken[lane] > 1;
-                    patch[3][row][place] = if counts { packet.variance[lane] } else { 0.0 };
-                    patch[4][row][place] = if counts { 1.0 } else { 0.0 };
-                }
-            }
-        }
-        // Comparisons with NaN are false: pixels that do not count, or lie beyond the film, are ignored.
-        let least = |least: f32, number: f32| if number < least { number } else { least };
-        let most = |most: f32, number: f32| if number > most { number } else { most };
-        let sum = |sum: f32, number: f32| if number > 0.0 { sum + number } else { sum };
-        let (sums, counts) = (folded(&patch[3], 0.0, sum), folded(&patch[4], 0.0, sum));
-        Self {
-            least: [0, 1, 2].map(|channel| folded(&patch[channel], f32::INFINITY, least)),
-            most: [0, 1, 2].map(|channel| folded(&patch[channel], f32::NEG_INFINITY, most)),
-            variance: std::array::from_fn(|lane| sums[lane] / f32::max(counts[lane], 1.0)),
-        }
-    }
-}
-
-/// Folds the values of each pixel and its eight neighbours.
-#[inline(always)]
-fn folded(patch: &[[f32; WIDE]; WIDE], first: f32, fold: impl Fn(f32, f32) -> f32) -> [f32; LANES] {
-    let mut found = [first; LANES];
-    for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
-        for (lane, found) in found.iter_mut().enumerate() {
-            *found = fold(*found, patch[lane / SIDE + row][lane % SIDE + column]);
-        }
-    }
-    found
-}
-
-/// Pixels in a row of a packet with its border.
-const WIDE: usize = SIDE + 2;
 
 /// Returns a uniformly distributed hash of a column and a row.
 #[inline(always)]

@@ -17,7 +17,7 @@
 //!    ([`visibility`](super::visibility)). Their error estimate is at least the error possible for their contrast and the size of the
 //!    smallest feature, even if all samples agree (`evidence`).
 //! 2. **Neighbours**: where the means of two plain pixels differ, the edge of a shadow, or of an image in a mirror or in glass, lies in one
-//!    of them. Their estimate is at least that of an edge of this contrast.
+//!    of them. Their estimate is at least that of an edge of this contrast, and what their samples show of it falls as at an edge.
 //! 3. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
 //!    well-distributed samples often agree at an edge, single samples on both sides never do.
 //! 4. **Pooled first samples** measure the errors at edges (`scale`), and the brightness of small features, which geometry only bounds
@@ -27,8 +27,8 @@
 //!    difference between the halves would be at most half of white, however bright a spark in one of them is.) Summed over all pixels of a
 //!    class, which were not selected by this change, it corrects the scale of the class's estimates.
 //! 6. **An audit** samples some plain pixels that no estimate selects: one in each 4 by 4 block at first, others in every round. Their
-//!    variance represents their neighbourhood. It finds reflections, penumbrae and fireflies that no other sample has hit, and enters the
-//!    error of the picture.
+//!    variance represents their neighbourhood, unless the differences of their neighbours show as much. It finds reflections, penumbrae and
+//!    fireflies that no other sample has hit, and enters the error of the picture.
 //!
 //! Pixels are stored packet by packet, like the sums of their samples, and loops run over the lanes of a packet. Compilers vectorize these
 //! loops, with identical results at every SIMD level.
@@ -38,6 +38,7 @@ mod feature_light;
 mod hidden_images;
 mod instants;
 mod needs;
+mod neighbourhood;
 mod output_curve;
 mod pixel_memory;
 pub(crate) mod round_policy;
@@ -50,10 +51,10 @@ use rayon::prelude::*;
 use fearless_simd::dispatch;
 
 use crate::color::{ErrorNorm, Transfer};
-use crate::trace::math::{LANES, SimdLevel, lanes};
+use crate::trace::math::{LANES, SimdLevel, lanes, lanes_where};
 use crate::trace::rays::ShapeId;
 use crate::trace::render::visibility::{CoverPacket, Feature, Images, TileFeatures, UNCOVERED};
-use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
+use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
 pub(crate) use evidence::PacketSums;
 use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, next_goal, single};
@@ -61,6 +62,7 @@ use feature_light::FeatureLight;
 use hidden_images::HiddenImages;
 pub(crate) use instants::{InstantOrder, block};
 use needs::{Gain, SquaresByGain, beyond};
+use neighbourhood::{Around, SIDE};
 use output_curve::OutputCurve;
 pub(crate) use pixel_memory::PixelMemory;
 pub use round_policy::{Outlook, Replay, RoundPolicy, SharedRoundPolicy};
@@ -187,7 +189,8 @@ impl Adaptive {
                 packets.push(PixelPacket::new(inside(packet % PACKETS), goal, most, place));
             }
         }
-        let falls = [0.5, target.convergence.of_doubling(), 0.5];
+        let of_doubling = target.convergence.of_doubling();
+        let falls = [of_doubling, of_doubling, 0.5];
         let covered = if order.count() > 1 { packets.len() } else { 0 };
         Self {
             target,
@@ -314,8 +317,7 @@ impl Adaptive {
             let Some(before) = covers.next() else { continue };
             // A shape that covers a pixel at one instant but not at the next moves through it.
             let differs = |lane: usize| (before.ids[lane] != cover.ids[lane]) & (before.ids[lane] != UNSEEN);
-            let moved = (0..LANES).fold(0, |moved, lane| moved | u32::from(differs(lane)) << lane);
-            for lane in lanes(moved & pixels.inside()) {
+            for lane in lanes(lanes_where(differs) & pixels.inside()) {
                 let radiance = before.radiance[lane].max(cover.radiance[lane]);
                 pixels.join(lane, Feature { area: 1.0, radiance }, most);
             }
@@ -373,7 +375,7 @@ impl Adaptive {
     fn estimate(&mut self, alpha: bool) {
         let edges = self.target.convergence == Convergence::Edges;
         let model = ErrorModel { curve: self.curve, edges, alpha, target: single(self.target.error) };
-        let (audited, is_first) = (self.audited_variance(), self.round == 0);
+        let (audited, is_first) = (self.audited_variance(model), self.round == 0);
         let mut errors = std::mem::take(&mut self.errors);
         errors.resize(self.packets.len(), [0.0; LANES]);
         let sums: Vec<[ClassSums; CLASSES]> = errors
@@ -502,29 +504,23 @@ impl Adaptive {
         Some(least)
     }
 
-    /// Returns the variance of one sample over the audited pixels around each tile, tile by tile.
-    fn audited_variance(&self) -> Vec<f32> {
+    /// Returns the variance of one sample over the [audited](PixelPacket::audit) pixels around each tile, tile by tile.
+    fn audited_variance(&self, model: ErrorModel) -> Vec<f32> {
         let (across, down) = self.tiles;
-        let of_tile = |packets: &[PixelPacket]| {
-            let (mut sum, mut count) = (0.0, 0.0);
-            for pixels in packets {
-                for lane in lanes(pixels.audited & pixels.plain()) {
-                    if pixels.taken[lane] >= FEWEST {
-                        (sum, count) = (sum + f64::from(pixels.variance[lane]), count + 1.0);
-                    }
-                }
-            }
-            (sum, count)
+        let add = |all: (f64, f64), some: (f64, f64)| (all.0 + some.0, all.1 + some.1);
+        let of_tile = |(tile, packets): (usize, &[PixelPacket])| {
+            let packets = (tile * PACKETS..).zip(packets);
+            packets.map(|(packet, pixels)| pixels.audit(model, || self.around(packet))).fold((0.0, 0.0), add)
         };
-        let tiles: Vec<(f64, f64)> = self.packets.par_chunks(PACKETS).map(of_tile).collect();
-        let all = tiles.iter().fold((0.0, 0.0), |all, tile| (all.0 + tile.0, all.1 + tile.1));
+        let tiles: Vec<(f64, f64)> = self.packets.par_chunks(PACKETS).enumerate().map(of_tile).collect();
+        let all = tiles.iter().copied().fold((0.0, 0.0), add);
         let mean = if all.1 > 0.0 { all.0 / all.1 } else { 0.0 };
         let around = |tile: usize| {
             let (i, j) = (tile % across, tile / across);
             let (mut sum, mut count) = (SHARED * mean, SHARED);
             for row in j.saturating_sub(1)..down.min(j + 2) {
                 for tile in &tiles[row * across..][i.saturating_sub(1)..across.min(i + 2)] {
-                    (sum, count) = (sum + tile.0, count + tile.1);
+                    (sum, count) = add((sum, count), *tile);
                 }
             }
             single(sum / count)
@@ -533,8 +529,7 @@ impl Adaptive {
     }
 
     /// Returns a packet and its eight neighbours, row by row.
-    fn around(&self, packet: usize) -> [[Option<&PixelPacket>; 3]; 3] {
-        let side = SIDE as usize;
+    fn around(&self, packet: usize) -> Around<'_, PixelPacket> {
         let (column, row) = first_pixel(packet, self.tiles.0);
         let of = |column: usize, row: usize| {
             // Indices below the first wrap to large ones, and fail the bounds check below.
@@ -543,7 +538,7 @@ impl Adaptive {
             (i < self.tiles.0 && j < self.tiles.1)
                 .then(|| &self.packets[(j * self.tiles.0 + i) * PACKETS + packet])
         };
-        let near = |place: usize| [place.wrapping_sub(side), place, place + side];
+        let near = |place: usize| [place.wrapping_sub(SIDE), place, place + SIDE];
         near(row).map(|row| near(column).map(|column| of(column, row)))
     }
 

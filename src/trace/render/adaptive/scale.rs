@@ -62,6 +62,10 @@ impl AddAssign for ClassSums {
     }
 }
 
+/// Weight of the assumed factor of doubling, in pixels. The squared changes of single pixels scatter so much that the ratio of two sums over
+/// 64 of them is uncertain by a third: as much as the factor differs between scenes, 0.2 to 0.5.
+const FALLS_PRIOR: f64 = 64.0;
+
 impl Scale {
     /// Creates the scale of estimates that fall by the factor `falls` with each doubling, before any measurement.
     pub(super) fn new(falls: f64) -> Self {
@@ -74,7 +78,7 @@ impl Scale {
             return;
         }
         if sums.earlier > 0.0 {
-            let prior = PRIOR * sums.earlier / sums.pixels;
+            let prior = FALLS_PRIOR * sums.earlier / sums.pixels;
             let measured = (sums.later + prior * self.falls) / (sums.earlier + prior);
             self.falls = measured.clamp(0.2, 0.5);
         }
