@@ -25,7 +25,11 @@ const EFFECTS: &[(&str, &[(&str, &str)])] = &[
     ("spot lights", &[("/* lights */", SPOTS)]),
     ("falloff", &[("/* lights */", FADING)]),
     ("area lights, 4 samples", &[("/* lights */", BALLS)]),
+    ("ambient occlusion, 1 sample", &[("/* scene */", "ambient_occlusion: (samples: 1, distance: 3),")]),
+    ("ambient occlusion, 4 samples", &[("/* scene */", "ambient_occlusion: (samples: 4, distance: 3),")]),
+    ("ambient occlusion, 16 samples", &[("/* scene */", "ambient_occlusion: (samples: 16, distance: 3),")]),
     ("mirrors", &[("/* metal */", "reflective: (k_r: 0.5),")]),
+    ("mirrors of metal", &[("/* metal */", "metallic: true, reflective: (k_r: 0.5),")]),
     ("transparent media", &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5),")]),
     ("transparent media, Fresnel", &[("/* metal */", "refractive: (k_t: 0.8, ior: 1.5, fresnel: true),")]),
     (
