@@ -97,7 +97,7 @@ fn error_targets_are_met() {
     }
 }
 
-/// Checks estimates that detect bright dots in glass, and far beyond white, only by audits.
+/// Checks scenes that may miss their target, if the estimate reports it: audits alone find their noise.
 #[test]
 fn errors_are_at_most_the_target_or_the_estimate() {
     for hard in named(&["glass", "beyond white"]) {

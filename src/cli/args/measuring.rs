@@ -22,8 +22,8 @@ Varies every setting that affects the scene: samples, error target, samples per 
 depth, cutoff and precision; and renders without each effect. Each picture is compared with a
 reference of many samples, whose own uncertainty is printed; its time is measured in alternation with
 the scene's own settings. Takes minutes, and --quick less, with less certainty; begin with a small --size,
-or --vary few parameters. Ctrl-C ends the measurement; after the first two of its rounds, the table
-is printed nevertheless.
+or --vary few parameters. Ctrl-C ends the measurement; once every setting has been timed twice, the
+table is then printed nevertheless.
 
 A star marks the Pareto front: no other setting is cheaper and at least as accurate, or more accurate
 and at least as cheap. Differences within the uncertainty of errors and the scatter of times are
