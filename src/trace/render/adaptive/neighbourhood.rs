@@ -19,15 +19,15 @@ impl<const PLANES: usize> BorderedPacket<PLANES> {
     /// Collects values. `of` returns those of a packet, and the pixels whose values count.
     #[inline(always)]
     pub(super) fn of<P>(around: &Around<'_, P>, of: impl Fn(&P) -> (&[[f32; LANES]; PLANES], u32)) -> Self {
-        let mut patch = [[[f32::NAN; WIDE]; WIDE]; PLANES];
+        let packets = around.map(|row| row.map(|packet| packet.map(&of)));
+        let mut planes = [[[f32::NAN; WIDE]; WIDE]; PLANES];
         let columns = [(0, 0..1, SIDE - 1..SIDE), (1, 1..WIDE - 1, 0..SIDE), (2, WIDE - 1..WIDE, 0..1)];
         for (row, down) in (0..WIDE).map(|row| (row, row + SIDE - 1)) {
             for (right, places, lanes) in &columns {
-                let Some(packet) = around[down / SIDE][*right] else { continue };
+                let Some((values, counting)) = packets[down / SIDE][*right] else { continue };
                 let first = down % SIDE * SIDE;
                 let (places, lanes) = (places.clone(), first + lanes.start..first + lanes.end);
-                let (values, counting) = of(packet);
-                for (plane, values) in patch.iter_mut().zip(values) {
+                for (plane, values) in planes.iter_mut().zip(values) {
                     if counting == WHOLE {
                         plane[row][places.clone()].copy_from_slice(&values[lanes.clone()]);
                         continue;
@@ -38,7 +38,7 @@ impl<const PLANES: usize> BorderedPacket<PLANES> {
                 }
             }
         }
-        Self(patch)
+        Self(planes)
     }
 
     /// Returns the least and the greatest value in each neighbourhood, plane by plane; infinities (least above greatest) without any value.
