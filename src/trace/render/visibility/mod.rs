@@ -37,7 +37,7 @@ use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
 use crate::trace::intersect::Scratch;
 use crate::trace::math::{LANES, Vectors, WHOLE, lanes};
 use crate::trace::rays::ShapeId;
-use crate::trace::scene::{PreparedCamera, PreparedScene, SIDE};
+use crate::trace::scene::{PatternDetail, PatternLayout, PreparedCamera, PreparedScene, SIDE};
 use crate::trace::shading::most_radiance;
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use images::{HiddenImage, Images, images};
@@ -345,8 +345,12 @@ fn resolve(
                 let visible = nearest.visible(cover) & square.lanes();
                 let first = visible & nearest.of(shape.id);
                 lanes(first).for_each(|lane| (whole.ids[lane], whole.radiance[lane]) = (shape.id, shape.radiance));
-                lanes(shape.patterned(scene, rays, first, place))
-                    .for_each(|lane| features[lane].join(Feature { area: 1.0, radiance: shape.radiance }));
+                if let Some(pattern) = scene.material(shape.id).pattern.as_deref() {
+                    for lane in lanes(first) {
+                        let detail = shape.pattern_detail(&pattern.layout, rays, place(lane));
+                        features[lane].join(shape.pattern_feature(detail, is_open));
+                    }
+                }
                 let edges = first & !cover.one_face | visible & !first & cover.whole;
                 lanes(edges).for_each(|lane| features[lane].join(Feature::EDGE));
                 let part = shape.feature(is_open);
@@ -427,21 +431,19 @@ impl SeenShape {
         }
     }
 
-    /// Returns the pixels in `pixels` in which the shape shows a border of its pattern.
-    fn patterned(
-        &self,
-        scene: &PreparedScene,
-        rays: &TileRays,
-        pixels: u32,
-        place: impl Fn(usize) -> DVec2,
-    ) -> u32 {
-        let Some(pattern) = scene.material(self.id).pattern.as_deref() else { return 0 };
+    /// Returns the detail of the shape's pattern in a pixel.
+    fn pattern_detail(&self, layout: &PatternLayout, rays: &TileRays, pixel: DVec2) -> PatternDetail {
         let places = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)].map(DVec2::from);
-        let is_smooth = |lane: usize| {
-            let point = |from: DVec2| self.outline.point(rays, place(lane) + from * self.half);
-            pattern.layout.is_smooth(places.map(point))
-        };
-        lanes(pixels).filter(|lane| !is_smooth(*lane)).fold(0, |mask, lane| mask | 1 << lane)
+        layout.detail(places.map(|from| self.outline.point(rays, pixel + from * self.half)))
+    }
+
+    /// Returns the feature of a pixel in which the shape's pattern shows some detail.
+    fn pattern_feature(&self, detail: PatternDetail, is_open: bool) -> Feature {
+        match detail {
+            PatternDetail::Smooth => Feature::NONE,
+            PatternDetail::Edge if !is_open => Feature::EDGE,
+            PatternDetail::Edge | PatternDetail::Small => Feature { area: 1.0, radiance: self.radiance },
+        }
     }
 }
 
