@@ -83,6 +83,9 @@ const EMPTY_RANGE: [[f32; 3]; 2] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
 /// Minimum sample count for a usable variance.
 pub(super) const FEWEST: u32 = 4;
 
+/// Minimum variance of samples that differ visibly: a difference of one 8-bit level.
+const VISIBLE: f32 = 1.0;
+
 /// RMS fraction of a pixel beyond an edge that samples on one side may miss, times the sample count. For one sample and a uniformly placed
 /// edge, a part p is missed with mean square p (1 - p), on average 1/6 = 0.41²; for more samples it shrinks with the gaps between them.
 const MISSED: f32 = 0.41;
@@ -406,8 +409,10 @@ impl PixelPacket {
     /// Replaces the upper bounds of the radiance of small features by what was measured.
     pub(super) fn dim(&mut self, light: &FeatureLight) {
         for lane in lanes(self.classes[Class::Small as usize]) {
+            // Samples of one colour may have missed the feature, however large it is.
+            let is_met = self.met(lane) >= 1.0 && self.variance[lane] > VISIBLE;
             let radiance = self.radiance[lane];
-            self.radiance[lane] = single(f64::from(radiance) * light.radiance_fraction(radiance));
+            self.radiance[lane] = single(f64::from(radiance) * light.radiance_fraction(radiance, is_met));
         }
     }
 

@@ -13,7 +13,8 @@ pub(super) struct FeatureLight(BTreeMap<u32, LightSums>);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct LightSums {
-    met: f64,
+    /// Number of pixels, by their weights.
+    pixels: f64,
     bound: f64,
     seen: f64,
 }
@@ -21,7 +22,7 @@ struct LightSums {
 impl FeatureLight {
     /// Adds a pixel with the bound of its feature's radiance, its [weight](super::evidence::PixelPacket::met), and the variances.
     pub(super) fn add(&mut self, radiance: f32, met: f64, bound: f64, seen: f64) {
-        *self.0.entry(Self::key(radiance)).or_default() += LightSums { met, bound, seen };
+        *self.0.entry(Self::key(radiance)).or_default() += LightSums { pixels: met, bound, seen };
     }
 
     /// Adds the pixels of another part of the picture.
@@ -30,15 +31,15 @@ impl FeatureLight {
         self
     }
 
-    /// Returns the measured radiance of features as a fraction of the bound.
-    pub(super) fn radiance_fraction(&self, radiance: f32) -> f64 {
-        /// Lower limit, lest a few bright features among many dark ones be taken for dark.
+    /// Returns the measured radiance of features as a fraction of the bound. `is_met` is true if samples have met the pixel's feature.
+    pub(super) fn radiance_fraction(&self, radiance: f32, is_met: bool) -> f64 {
+        /// Lower limit for other features, lest a few bright ones among many dark ones be taken for dark.
         const DARKEST: f64 = 0.25;
-        let Some(LightSums { met, bound, seen }) = self.0.get(&Self::key(radiance)) else { return 1.0 };
-        let prior = PRIOR * bound / met;
+        let Some(LightSums { pixels, bound, seen }) = self.0.get(&Self::key(radiance)) else { return 1.0 };
+        let prior = PRIOR * bound / pixels;
         let share = (seen + prior) / (bound + prior);
         // Bounds can be 0 or infinite.
-        if share.is_finite() { share.sqrt().clamp(DARKEST, 1.0) } else { 1.0 }
+        if share.is_finite() { share.sqrt().clamp(if is_met { 0.0 } else { DARKEST }, 1.0) } else { 1.0 }
     }
 
     /// Returns eight keys per power of two.
@@ -49,7 +50,7 @@ impl FeatureLight {
 
 impl AddAssign for LightSums {
     fn add_assign(&mut self, other: Self) {
-        self.met += other.met;
+        self.pixels += other.pixels;
         self.bound += other.bound;
         self.seen += other.seen;
     }
@@ -71,10 +72,17 @@ mod tests {
         light.add(f32::INFINITY, 1.0, f64::INFINITY, 1.0);
         light.add(0.0, 0.0, 0.0, 0.0);
         let merged = light.merge(FeatureLight::default());
-        let fractions =
-            [1.0, 2.0, 4.0, 8.0, f32::INFINITY, 0.0, 3.0].map(|radiance| merged.radiance_fraction(radiance));
-        for (found, expected) in fractions.into_iter().zip([0.5, 0.25, 1.0, 0.9428, 1.0, 1.0, 1.0]) {
-            assert!((found - expected).abs() < 1e-3, "{fractions:?}");
+        let check = |radiance: f32, is_met: bool, expected: f64| {
+            let found = merged.radiance_fraction(radiance, is_met);
+            assert!((found - expected).abs() < 1e-3, "{radiance} {is_met}: {found} instead of {expected}");
+        };
+        for is_met in [false, true] {
+            check(1.0, is_met, 0.5);
+            check(8.0, is_met, 0.9428);
+            // Unknown, out of range, or brighter than the bound.
+            [0.0, 3.0, 4.0, f32::INFINITY].into_iter().for_each(|radiance| check(radiance, is_met, 1.0));
         }
+        check(2.0, false, 0.25);
+        check(2.0, true, 0.0089);
     }
 }
