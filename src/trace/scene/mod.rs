@@ -39,7 +39,7 @@ pub(crate) use light::{on_dome, on_rectangle, on_sphere};
 pub(crate) use material::PreparedPattern;
 pub use material::{Refraction, SurfaceMaterial};
 pub(crate) use material_table::{MaterialPalette, MaterialTable};
-pub(crate) use pattern::{PatternDetail, PatternLayout, PatternedSurface};
+pub(crate) use pattern::{PatternLayout, PatternedSurface};
 pub(crate) use pattern_function::PatternFunction;
 pub use precision::Precision;
 pub use prepared_scene::{BackgroundTerms, PreparedScene};

@@ -58,31 +58,6 @@ pub enum PatternedSurface {
     Box(DVec3),
 }
 
-/// The detail that a pattern shows in a small area of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PatternDetail {
-    /// No border, and blends that change by at most [`SMOOTH`].
-    Smooth,
-    /// Borders between parts that are at least `1 / LARGE_PART` times as wide as the area, or a steeper blend.
-    Edge,
-    /// Possibly borders of parts of any size.
-    Small,
-}
-
-impl PatternDetail {
-    fn of(is_smooth: bool, is_large: impl FnOnce() -> bool) -> Self {
-        match is_smooth {
-            true => Self::Smooth,
-            false if is_large() => Self::Edge,
-            false => Self::Small,
-        }
-    }
-}
-
-/// Maximum width of an area, relative to the parts of a pattern, for which they are large: a square part then covers 16 areas, the minimum
-/// size of large shapes in the search for features.
-const LARGE_PART: f64 = 0.25;
-
 /// The coordinate axis across a surface. [`SOLID`] if there is none.
 type Across = usize;
 const SOLID: Across = 3;
@@ -188,29 +163,28 @@ impl PatternLayout {
         f32::from(u8::from(is_second))
     }
 
-    /// Returns the detail that the surface shows between some points: those of the corners and of the middle of a small quadrangle in an
-    /// image of the surface. On planes and boxes, it is flat.
+    /// Returns the width of the pattern's narrowest part, relative to the area between some points: those of the corners and of the middle of a
+    /// small quadrangle in an image of the surface. On planes and boxes, it is flat. The width is 0 if it is not known, and infinite for
+    /// blends. `None` if the surface looks smooth: no border of the pattern lies between the points, and blends change by at most [`SMOOTH`].
     ///
-    /// A wrong `Smooth` would hide a border from the search for features, so that a pixel could be finished after samples on one side of it.
-    /// A wrong `Small` costs samples.
-    pub(crate) fn detail(&self, points: [DVec3; 5]) -> PatternDetail {
-        let Some(patch) = self.patch(points) else { return PatternDetail::Small };
+    /// A wrong `None` would hide a border from the search for features, so that a pixel could be finished after samples on one side of it.
+    /// Too small a width costs samples.
+    pub(crate) fn part_width(&self, points: [DVec3; 5]) -> Option<f64> {
+        let Some(patch) = self.patch(points) else { return Some(0.0) };
         let across = patch.across;
-        // `part` is the width of the pattern's narrowest part.
-        let is_narrow = |[least, most]: [f64; 2], part: f64| most - least <= LARGE_PART * part;
-        match self.function {
+        let (is_smooth, width) = match self.function {
             PatternFunction::Checker { size } => {
                 let place = |axis| move |own| self.cells(own, across)[axis] / size;
-                let spans = || axes(across).map(|axis| patch.bounds(place(axis), 1.0 / size));
-                let is_smooth = spans().all(|[least, most]| least.floor() == most.floor());
-                PatternDetail::of(is_smooth, || spans().all(|span| is_narrow(span, 1.0)))
+                let spans = axes(across).map(|axis| patch.bounds(place(axis), 1.0 / size));
+                spans.fold((true, f64::INFINITY), |(is_smooth, width), [least, most]| {
+                    (is_smooth && least.floor() == most.floor(), width.min(1.0 / (most - least)))
+                })
             }
             PatternFunction::Stripes { size, ratio, offset, .. } => {
-                let span = patch.bounds(|own| self.stripes(own, across, size, offset), 1.0 / size);
-                let [least, most] = span;
+                let [least, most] = patch.bounds(|own| self.stripes(own, across, size, offset), 1.0 / size);
                 let is_smooth =
                     least.floor() == most.floor() && in_stripe(least, ratio) == in_stripe(most, ratio);
-                PatternDetail::of(is_smooth, || is_narrow(span, ratio.min(1.0 - ratio)))
+                (is_smooth, ratio.min(1.0 - ratio) / (most - least))
             }
             PatternFunction::Bricks { size, mortar } => {
                 let span = |axis: usize, shift: f64| {
@@ -227,25 +201,27 @@ impl PatternLayout {
                 } else {
                     part(row, 0.0) == BrickPart::Joint
                 };
-                let narrowest = |axis| mortar.min(size[axis] - mortar) / size[axis];
-                PatternDetail::of(is_smooth, || {
-                    axes(across).all(|axis| is_narrow(span(axis, 0.0), narrowest(axis)))
-                })
+                let widths = axes(across).map(|axis| {
+                    let [least, most] = span(axis, 0.0);
+                    mortar.min(size[axis] - mortar) / size[axis] / (most - least)
+                });
+                (is_smooth, widths.fold(f64::INFINITY, f64::min))
             }
             PatternFunction::Gradient { size, offset, .. } => {
                 let [least, most] = patch.bounds(|own| self.gradient(own, across, size, offset), 1.0 / size);
-                PatternDetail::of(fraction(most) - fraction(least) <= SMOOTH, || true)
+                (fraction(most) - fraction(least) <= SMOOTH, f64::INFINITY)
             }
             PatternFunction::Noise { size, octaves, contrast } => {
                 let smallest = size / (f64::from(1_u32 << (octaves - 1)) * contrast.max(1.0));
                 if patch.ball().1 > SMALL_PART * smallest {
-                    return PatternDetail::Small;
+                    return Some(0.0);
                 }
                 let values = patch.points.map(|own| fraction(noise_blend(own / size, octaves, contrast)));
                 let [least, most] = bounds_of(values.map(f64::from));
-                PatternDetail::of(most - least <= SMOOTH.into(), || true)
+                (most - least <= SMOOTH.into(), f64::INFINITY)
             }
-        }
+        };
+        (!is_smooth).then_some(width)
     }
 
     /// Returns the part of the surface between some points. `None` if it is not known.
@@ -483,7 +459,7 @@ mod tests {
         for (corner, (x, y)) in corners.iter_mut().zip(CORNERS) {
             *corner = map.transform_point3(view.at(x, y)?.0);
         }
-        Some((values, layout.detail(corners) == PatternDetail::Smooth))
+        Some((values, layout.part_width(corners).is_none()))
     }
 
     proptest! {
@@ -499,34 +475,34 @@ mod tests {
     }
 
     #[test]
-    fn borders_are_edges_if_all_parts_are_four_times_as_wide_as_the_area() {
+    fn the_narrowest_part_is_measured_at_borders() {
         let checker = PatternFunction::Checker { size: 1.0 };
         let stripes = PatternFunction::Stripes { size: 1.0, ratio: 0.1, direction: DVec3::X, offset: 0.0 };
         let bricks = PatternFunction::Bricks { size: DVec3::ONE, mortar: 0.1 };
         let gradient = PatternFunction::Gradient { size: 1.0, direction: DVec3::X, offset: 0.0 };
         let noise = PatternFunction::Noise { size: 1.0, octaves: 1, contrast: 1.0 };
-        let cases = [
-            (checker, (0.5, 0.24), PatternDetail::Smooth),
-            (checker, (0.0, 0.24), PatternDetail::Edge),
-            (checker, (0.0, 0.26), PatternDetail::Small),
-            (stripes, (0.5, 0.024), PatternDetail::Smooth),
-            (stripes, (0.9, 0.024), PatternDetail::Edge),
-            (stripes, (0.9, 0.026), PatternDetail::Small),
-            (bricks, (0.5, 0.024), PatternDetail::Smooth),
-            (bricks, (0.05, 0.024), PatternDetail::Edge),
-            (bricks, (0.05, 0.026), PatternDetail::Small),
-            (gradient, (0.0, 0.01), PatternDetail::Smooth),
-            (gradient, (0.0, 0.5), PatternDetail::Edge),
-            (noise, (0.3, 0.08), PatternDetail::Edge),
-            (noise, (0.3, 0.2), PatternDetail::Small),
-        ];
-        for (function, (middle, width), expected) in cases {
+        for (function, (middle, width), expected) in [
+            (checker, (0.5, 0.25), None),
+            (checker, (0.0, 0.25), Some(4.0)),
+            (stripes, (0.5, 0.025), None),
+            (stripes, (0.9, 0.025), Some(4.0)),
+            (bricks, (0.5, 0.025), None),
+            (bricks, (0.05, 0.025), Some(4.0)),
+            (gradient, (0.0, 0.01), None),
+            (gradient, (0.0, 0.5), Some(f64::INFINITY)),
+            (noise, (0.3, 0.08), Some(f64::INFINITY)),
+            (noise, (0.3, 0.2), Some(0.0)),
+        ] {
             let surface = PatternedSurface::plane(DVec3::Y);
             let layout = PatternLayout::new(DAffine3::IDENTITY, surface, function).unwrap();
             let corner =
                 |(x, z): (f64, f64)| DVec3::new(middle + 0.5 * width * x, 0.0, 0.5 + 0.5 * width * z);
-            let found = layout.detail(CORNERS.map(corner));
-            assert_eq!(found, expected, "{function:?} at {middle}, {width} wide");
+            let found = layout.part_width(CORNERS.map(corner));
+            let is_close = match (found, expected) {
+                (Some(found), Some(expected)) => found == expected || (found - expected).abs() < 1e-9,
+                _ => found == expected,
+            };
+            assert!(is_close, "{function:?} at {middle}, {width} wide: {found:?}");
         }
     }
 

@@ -37,7 +37,7 @@ use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
 use crate::trace::intersect::Scratch;
 use crate::trace::math::{LANES, Vectors, WHOLE, lanes};
 use crate::trace::rays::ShapeId;
-use crate::trace::scene::{PatternDetail, PatternLayout, PreparedCamera, PreparedScene, SIDE};
+use crate::trace::scene::{PatternLayout, PreparedCamera, PreparedScene, SIDE};
 use crate::trace::shading::most_radiance;
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use images::{HiddenImage, Images, images};
@@ -296,7 +296,8 @@ fn visit<S: Simd>(
     true
 }
 
-/// Minimum area in pixels of a large shape. The first samples of some of its pixels hit it, and neighbouring pixels are compared with them.
+/// Minimum area in pixels of a large shape, or of a part of a pattern. The first samples of some of its pixels hit it, and neighbouring pixels
+/// are compared with them.
 const LARGE: f64 = 16.0;
 
 /// Half the side of a packet's square, between the centres of its outermost pixels.
@@ -347,13 +348,14 @@ fn resolve(
                 lanes(first).for_each(|lane| (whole.ids[lane], whole.radiance[lane]) = (shape.id, shape.radiance));
                 if let Some(pattern) = scene.material(shape.id).pattern.as_deref() {
                     for lane in lanes(first) {
-                        let detail = shape.pattern_detail(&pattern.layout, rays, place(lane));
-                        features[lane].join(shape.pattern_feature(detail, is_open));
+                        let Some(width) = shape.part_width(&pattern.layout, rays, place(lane)) else { continue };
+                        // Narrow parts are many, and fill the pixel together.
+                        features[lane].join(shape.feature(f64::max(width * width, 1.0), is_open));
                     }
                 }
                 let edges = first & !cover.one_face | visible & !first & cover.whole;
                 lanes(edges).for_each(|lane| features[lane].join(Feature::EDGE));
-                let part = shape.feature(is_open);
+                let part = shape.feature(shape.outline.area, is_open);
                 lanes(visible & !first & !cover.whole).for_each(|lane| features[lane].join(part));
             }
         }
@@ -422,28 +424,19 @@ impl SeenShape {
         self.outline.covers(&pixels.widened(self.half))
     }
 
-    /// Returns the feature of a pixel that the shape covers partially.
-    fn feature(&self, is_open: bool) -> Feature {
-        if is_open || self.outline.area < LARGE {
-            Feature { area: to_f32(self.outline.area.min(1.0)), radiance: self.radiance }
+    /// Returns the feature of a pixel at the border of the shape, or of a part of its pattern, with an area in pixels.
+    fn feature(&self, area: f64, is_open: bool) -> Feature {
+        if is_open || area < LARGE {
+            Feature { area: to_f32(area.min(1.0)), radiance: self.radiance }
         } else {
             Feature::EDGE
         }
     }
 
-    /// Returns the detail of the shape's pattern in a pixel.
-    fn pattern_detail(&self, layout: &PatternLayout, rays: &TileRays, pixel: DVec2) -> PatternDetail {
+    /// Returns the [width](PatternLayout::part_width) of the narrowest part of the shape's pattern, in pixels, if it shows a border.
+    fn part_width(&self, layout: &PatternLayout, rays: &TileRays, pixel: DVec2) -> Option<f64> {
         let places = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)].map(DVec2::from);
-        layout.detail(places.map(|from| self.outline.point(rays, pixel + from * self.half)))
-    }
-
-    /// Returns the feature of a pixel in which the shape's pattern shows some detail.
-    fn pattern_feature(&self, detail: PatternDetail, is_open: bool) -> Feature {
-        match detail {
-            PatternDetail::Smooth => Feature::NONE,
-            PatternDetail::Edge if !is_open => Feature::EDGE,
-            PatternDetail::Edge | PatternDetail::Small => Feature { area: 1.0, radiance: self.radiance },
-        }
+        layout.part_width(places.map(|from| self.outline.point(rays, pixel + from * self.half)))
     }
 }
 
