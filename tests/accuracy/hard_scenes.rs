@@ -105,9 +105,9 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
             "entities: [{entity}], animate: [(target: \"mover\", channel: Translation, track: Keys([{track}]))]"
         )
     };
-    let mover = |name, entity: &str, track: &str| {
-        let head = scene(&format!("{open}{AMBIENT}"), "", "");
-        HardScene { name, alpha: false, text: head.replace("entities: []", &moving(entity, track)) }
+    let mover = |name, (light, materials): (&str, &str), entities: &str, track: &str| {
+        let head = scene(&format!("{open}{light}"), materials, "");
+        HardScene { name, alpha: false, text: head.replace("entities: []", &moving(entities, track)) }
     };
     let glossy = "\"chrome\": (k_a: 0.000025, k_d: 0.1, color: (200, 200, 200), reflective: (k_r: 0.8)), \
                   \"floor\": (k_a: 0.00015, k_d: 0.7, color: (120, 130, 140)), \"spark\": (k_a: 0.1, color: (255, 255, 255)), \
@@ -195,13 +195,24 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
         with("mirrors", lit, glossy, &format!("{FLOOR}{chrome}{balls}{LAMP}")),
         mover(
             "fast ball",
+            (AMBIENT, ""),
             &format!("(name: \"mover\", shape: Sphere(radius: {PIXEL}), material: \"white\")"),
             "(0, (-15, 2, 0)), (0.5, (15, -3, 0))",
         ),
         mover(
             "fast bar",
+            (AMBIENT, ""),
             &format!("(name: \"mover\", shape: Box(size: ({}, 12, 1)), material: \"white\")", 2.0 * PIXEL),
             "(0, (-150, 0, 0)), (0.5, (150, 0, 0))",
+        ),
+        mover(
+            "belt",
+            (bright, &glossy.replace("size: 0.5", "size: 2")),
+            &format!(
+                "{}(name: \"mover\", shape: Box(size: (60, 8, 1)), material: \"tiles\")",
+                spheres(15, 40, 3.0 * PIXEL, "grey")
+            ),
+            "(0, (-5, -4, 2)), (0.5, (5, -4, 2))",
         ),
         HardScene {
             name: "black on black",

@@ -43,6 +43,7 @@ fn reference((scene, film): &'static (HardScene, OnceLock<Film>)) -> &'static Fi
         samples: Some(2048),
         max_error: Some(0.0),
         seed: Some(99),
+        instants: Some(256),
         ..RenderSettings::default()
     };
     film.get_or_init(|| render(&mut engine(scene), settings, scene.alpha))
@@ -83,6 +84,9 @@ fn error_targets_are_met() {
         "glints",
         "penumbrae",
         "mirrors",
+        "fast ball",
+        "fast bar",
+        "belt",
     ]) {
         let name = hard.0.name;
         for target in [4.0, 2.0] {

@@ -41,7 +41,6 @@ pub(crate) use real::{
 pub(crate) use sample_keys::SampleKeys;
 pub use sampling::PixelSampling;
 pub(crate) use sampling::on_disc;
-pub(crate) use sampling::stratum;
 pub(crate) use sampling::{Dimension, PixelSamples, disc};
 pub(crate) use sampling::{mixed, uniform};
 pub(crate) use scaling::scaled;

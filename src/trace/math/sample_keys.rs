@@ -39,11 +39,24 @@ impl SampleKeys {
         }
     }
 
-    /// Returns point `indices[lane]` of each lane's sequence: two numbers in 0..1.
+    /// Returns point `indices[lane]` of each lane's sequence of positions in the pixel: two numbers in 0..1.
+    #[inline(always)]
+    pub(crate) fn positions<S: Simd>(&self, simd: S, indices: &[u32; LANES]) -> [Numbers; 2] {
+        let index = u32x16::load_array_ref(simd, indices);
+        let digit = u32x16::splat(simd, 0xf);
+        let [low, high] = [(index >> 8) & digit, (index >> 12) & digit];
+        self.points(simd, index ^ (low << 4) ^ low ^ high)
+    }
+
+    /// Returns point `indices[lane]` of each lane's sequence of another dimension: two numbers in 0..1.
     #[inline(always)]
     pub(crate) fn pairs<S: Simd>(&self, simd: S, indices: &[u32; LANES]) -> [Numbers; 2] {
         let digits = reversed(simd, u32x16::load_array_ref(simd, indices));
-        let index = reversed(simd, self.order.scrambled(simd, digits));
+        self.points(simd, reversed(simd, self.order.scrambled(simd, digits)))
+    }
+
+    #[inline(always)]
+    fn points<S: Simd>(&self, simd: S, index: u32x16<S>) -> [Numbers; 2] {
         let second = pascal(simd, index);
         [units(simd, self.first.scrambled(simd, index)), units(simd, self.second.scrambled(simd, second))]
     }
@@ -108,10 +121,9 @@ mod tests {
     fn lanes_have_the_numbers_of_their_pixels() {
         for (name, level) in SimdLevel::all() {
             for index in (0..40).chain([1 << 20, 0x8000_0001, u32::MAX]) {
-                let mut keys = SampleKeys::NONE;
-                let dimension = |lane: u32| match lane % 3 {
-                    0 => Dimension::Pixel,
-                    1 => Dimension::Lens,
+                let (mut keys, mut on_screen) = (SampleKeys::NONE, SampleKeys::NONE);
+                let dimension = |lane: u32| match lane % 2 {
+                    0 => Dimension::Lens,
                     _ => Dimension::Light { light: lane, path: u64::from(lane) * 7 },
                 };
                 let indices =
@@ -119,16 +131,19 @@ mod tests {
                 let samples = |lane: u32| PixelSamples::new(u64::from(index) * 3, lane * 5, index % 77);
                 for (lane, number) in (0..LANES).zip(0..) {
                     keys.set(lane, &samples(number), dimension(number));
+                    on_screen.set(lane, &samples(number), Dimension::Pixel);
                 }
                 let [first, second] = dispatch!(level.level(), simd => keys.pairs(simd, &indices));
+                let [x, y] = dispatch!(level.level(), simd => on_screen.positions(simd, &indices));
                 for (lane, number) in (0..LANES).zip(0..) {
                     let index = indices[lane];
-                    let found = [first.get(lane), second.get(lane)];
-                    assert_eq!(
-                        found,
-                        samples(number).pair(dimension(number), index),
-                        "{name}, {index}, {lane}"
-                    );
+                    for (dimension, found) in
+                        [(dimension(number), [&first, &second]), (Dimension::Pixel, [&x, &y])]
+                    {
+                        let found = found.map(|numbers| numbers.get(lane));
+                        let expected = samples(number).pair(dimension, index);
+                        assert_eq!(found, expected, "{name}, {dimension:?}, {index}, {lane}");
+                    }
                 }
             }
         }

@@ -6,6 +6,9 @@
 //! property and make the sequences of different dimensions and pixels independent. The error of a mean falls as n^-3/2 for smooth functions
 //! and as n^-3/4 across a straight edge; independent points would give n^-1/2.
 //!
+//! Only positions in the pixel are not shuffled: the instants of an open shutter, which all pixels share, are the third dimension of the
+//! same sequence (`render::adaptive::instants`). Its points are taken in an order in which the instants repeat every 256 samples.
+//!
 //! Scrambling is hash-based (Burley, "Practical Hash-based Owen Scrambling", Journal of Computer Graphics Techniques 9(4), 2020). The hash
 //! is Laine and Karras's ("Stratified Sampling for Stochastic Transparency", 2011) with one more keyed step.
 //!
@@ -85,7 +88,10 @@ impl PixelSamples {
     #[must_use]
     pub(crate) fn pair(&self, dimension: Dimension, index: u32) -> [f64; 2] {
         let ScramblingKeys { order, first, second } = self.keys(dimension);
-        let index = order.scrambled(index.reverse_bits()).reverse_bits();
+        let index = match dimension {
+            Dimension::Pixel => position_index(index),
+            Dimension::Lens | Dimension::Light { .. } => order.scrambled(index.reverse_bits()).reverse_bits(),
+        };
         // Scrambling takes the digits reversed, with the most significant digit in the lowest bit.
         [unit(first.scrambled(index)), unit(second.scrambled(pascal(index)))]
     }
@@ -108,6 +114,13 @@ impl PixelSamples {
     pub(crate) fn number(&self, dimension: Dimension, index: u32) -> f64 {
         self.pair(dimension, index)[0]
     }
+}
+
+/// Returns the index in Sobol's sequence of the position of a sample. The first eight digits of the third dimension at this index are those
+/// at the sample's number modulo 256, for all numbers below 65536.
+fn position_index(sample: u32) -> u32 {
+    let [low, high] = [8, 12].map(|bits| sample >> bits & 0xf);
+    sample ^ low << 4 ^ low ^ high
 }
 
 /// Scrambling keys of a dimension: one for the order of its points, one for each coordinate.
@@ -144,17 +157,6 @@ impl ScrambleKey {
         let digits = digits.wrapping_mul(self.factor());
         folded(folded(digits, 0xc7af_e638), 0x8d22_f6e6)
     }
-}
-
-/// Returns the stratum, out of 2^`bits`, of point `index` of a one-dimensional sequence that all pixels share. Any 2^m points that start at
-/// a multiple of 2^m, for m up to `bits`, have exactly one in each of 2^m equal ranges of strata. The sequence repeats after 2^`bits`
-/// points.
-#[must_use]
-pub(crate) fn stratum(index: u32, bits: u32) -> u32 {
-    // The index holds the point's digits reversed: van der Corput's sequence.
-    let repeated = index & ((1 << bits) - 1);
-    let digits = ScrambleKey(mixed(0, 3)).scrambled(repeated).reverse_bits();
-    if bits == 0 { 0 } else { digits >> (32 - bits) }
 }
 
 /// Maps the unit square to the unit disc around 0. The map preserves relative areas and neighbourhoods: it is the concentric map of Shirley
@@ -276,6 +278,35 @@ mod tests {
     }
 
     #[test]
+    fn the_third_dimension_repeats_every_256_samples() {
+        let mut numbers = vec![1, 3];
+        (2..32)
+            .for_each(|bit| numbers.push((2 * numbers[bit - 1]) ^ (4 * numbers[bit - 2]) ^ numbers[bit - 2]));
+        let first_digits = |index: u32| {
+            let set = (0..32).filter(|bit| index >> bit & 1 == 1);
+            set.fold(0_u32, |digits, bit| digits ^ numbers[bit] << (31 - bit)) >> 24
+        };
+        for sample in 0..65_536 {
+            assert_eq!(first_digits(position_index(sample)), first_digits(sample % 256), "{sample}");
+        }
+    }
+
+    #[test]
+    fn positions_at_an_instant_are_spread_evenly() {
+        let samples = PixelSamples::new(3, 5, 7);
+        for first in [0, 77, 255] {
+            for (columns, rows) in [(16.0, 1.0), (4.0, 4.0), (1.0, 16.0)] {
+                let mut cells: Vec<u32> = (0..16)
+                    .map(|repetition| samples.pair(Dimension::Pixel, first + 256 * repetition))
+                    .map(|[x, y]| (y * rows) as u32 * columns as u32 + (x * columns) as u32)
+                    .collect();
+                cells.sort_unstable();
+                assert!(cells.into_iter().eq(0..16), "{first}");
+            }
+        }
+    }
+
+    #[test]
     fn first_points_are_uniform_over_pixels_and_independent_between_dimensions() {
         let count = 256.0 * 256.0;
         let mut cells = [0.0; 64];
@@ -340,9 +371,9 @@ mod tests {
 
     /// Expected points in units of 2^-32.
     const FROZEN: [[u32; 2]; 12] = [
-        [0x3143_61dd, 0x7a85_0699],
-        [0xf387_794a, 0x876a_b27d],
-        [0x5117_9056, 0xef5b_9ce4],
+        [0x85d9_0609, 0xd8f4_0cde],
+        [0x79cd_68fa, 0x0766_a676],
+        [0xc1bb_21eb, 0x68c5_0bea],
         [0x3928_98e3, 0xd162_4b68],
         [0xabc6_b9b3, 0x79d0_9d22],
         [0xb46e_8adf, 0x4db5_a1be],

@@ -19,10 +19,10 @@ use crate::trace::scene::{PreparedCamera, PreparedScene};
 
 /// The version of the semantics of prepared numbers. A change after which the same numbers give another picture must increment it: frames
 /// written before are then stale.
-pub const SEMANTICS: u32 = 2;
+pub const SEMANTICS: u32 = 3;
 
 /// The version of the choice of samples for an error target. It affects only frames that have a target.
-const ADAPTIVE_SEMANTICS: u32 = 8;
+const ADAPTIVE_SEMANTICS: u32 = 9;
 
 /// The fingerprint of a picture: pictures with equal fingerprints have equal pixels.
 ///

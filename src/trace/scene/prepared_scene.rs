@@ -331,6 +331,12 @@ impl PreparedScene {
         })
     }
 
+    /// Writes the bytes of a shape and its material.
+    pub(crate) fn write_shape(&self, id: ShapeId, bytes: &mut Bytes) {
+        self.geometry.write(id, bytes);
+        self.material(id).write(bytes);
+    }
+
     /// Writes the bytes of everything else that pictures depend on, except the camera. Fingerprints and the reuse of tiles rely on it.
     pub(crate) fn write_surroundings(&self, bytes: &mut Bytes) {
         bytes.count(self.lights.len() as u64);

@@ -100,6 +100,8 @@ pub(super) struct ErrorModel {
     pub(super) curve: OutputCurve,
     /// True if errors fall as in `Convergence::Edges`.
     pub(super) edges: bool,
+    /// Least fraction of a small feature's area in a pixel, or 0 (`Convergence::least_part`).
+    pub(super) least_part: f32,
     /// True if the error of alpha counts.
     pub(super) alpha: bool,
     /// The target error in output values.
@@ -252,12 +254,8 @@ impl PixelPacket {
     /// variance of similar pixels nearby has half the weight, as the samples of one pixel may agree by chance. Plain pixels whose samples
     /// vary no more than their neighbours differ are estimated as edges.
     #[inline(always)]
-    pub(super) fn errors(
-        &self,
-        ErrorModel { curve, edges, alpha, target }: ErrorModel,
-        audited: f32,
-        around: Around<'_, Self>,
-    ) -> [f32; LANES] {
+    pub(super) fn errors(&self, model: ErrorModel, audited: f32, around: Around<'_, Self>) -> [f32; LANES] {
+        let ErrorModel { curve, edges, alpha, target, .. } = model;
         let count: [f32; LANES] = std::array::from_fn(|lane| single(f64::from(self.taken[lane])));
         let (mut missed, mut apart) = ([0.0; LANES], [0.0; LANES]);
         // Missed parts change no pixel by more than its difference from a neighbour: below the target, they alone cannot exceed it.
@@ -290,7 +288,7 @@ impl PixelPacket {
         for lane in 0..LANES {
             let (count, area, radiance) = (count[lane], self.area[lane], self.radiance[lane]);
             let variance = 0.5 * (self.variance[lane] + of_similar[lane]);
-            let shown = self.shown_error(lane, variance, edges);
+            let shown = self.shown_error(lane, variance, model);
             let small = shown + hidden[lane].max(missed[lane]);
             let error = if radiance > 0.0 { small } else { shown.max(missed[lane]) };
             let part = if alpha { 255.0 * missed_part(area, count) } else { 0.0 };
@@ -371,12 +369,11 @@ impl PixelPacket {
 
     /// Returns the squared error that the samples of a featured pixel show in their mean, given the variance of one sample.
     #[inline(always)]
-    pub(super) fn shown_error(&self, lane: usize, variance: f32, edges: bool) -> f32 {
+    pub(super) fn shown_error(&self, lane: usize, variance: f32, model: ErrorModel) -> f32 {
         let (count, area) = (single(f64::from(self.taken[lane])), self.area[lane]);
-        let edge = if edges { edge_error(variance, count) } else { variance / count };
-        // Until samples hit the feature, they behave like independent samples. A feature may straddle the corner of four pixels, hence the
-        // quarter.
-        let met = if edges { (0.25 * area * count).max(1.0) } else { 1.0 };
+        let edge = if model.edges { edge_error(variance, count) } else { variance / count };
+        // Until samples hit the feature, they behave like independent samples.
+        let met = (model.least_part * area * count).max(1.0);
         if self.radiance[lane] > 0.0 { variance / (count * met.sqrt()) } else { edge }
     }
 

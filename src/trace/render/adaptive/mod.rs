@@ -33,6 +33,7 @@
 //! Pixels are stored packet by packet, like the sums of their samples, and loops run over the lanes of a packet. Compilers vectorize these
 //! loops, with identical results at every SIMD level.
 
+mod convergence;
 mod evidence;
 mod feature_light;
 mod hidden_images;
@@ -54,8 +55,8 @@ use crate::color::{ErrorNorm, Transfer};
 use crate::trace::math::{LANES, SimdLevel, lanes, lanes_where};
 use crate::trace::rays::ShapeId;
 use crate::trace::render::visibility::{CoverPacket, Feature, Images, TileFeatures, UNCOVERED};
-use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
+pub(crate) use convergence::Convergence;
 pub(crate) use evidence::PacketSums;
 use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, next_goal, single};
 use feature_light::FeatureLight;
@@ -79,30 +80,6 @@ pub(crate) struct ErrorTarget {
     /// The transfer function from light to output values.
     pub(crate) transfer: Transfer,
     pub(crate) convergence: Convergence,
-}
-
-/// The assumed decrease of errors with the sample count n, until it is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Convergence {
-    /// Errors fall as n^-3/4.
-    Edges,
-    /// Errors fall as n^-1/2.
-    Effects,
-}
-
-impl Convergence {
-    /// Returns the convergence for a camera's view of a scene; `is_open` is true if the shutter is open.
-    pub(crate) fn of(scene: &PreparedScene, camera: &PreparedCamera, is_open: bool) -> Self {
-        if is_open || camera.has_lens() || scene.samples_light() { Self::Effects } else { Self::Edges }
-    }
-
-    /// Returns the factor of a squared error when the sample count is doubled.
-    fn of_doubling(self) -> f64 {
-        match self {
-            Self::Edges => 0.353_553_390_593_273_8,
-            Self::Effects => 0.5,
-        }
-    }
 }
 
 /// The estimate of a picture's error, in output values.
@@ -315,8 +292,11 @@ impl Adaptive {
             let is = |lane: &usize| features[*lane] != Feature::NONE;
             lanes(pixels.inside()).filter(is).for_each(|lane| pixels.join(lane, features[lane], most));
             let Some(before) = covers.next() else { continue };
-            // A shape that covers a pixel at one instant but not at the next moves through it.
-            let differs = |lane: usize| (before.ids[lane] != cover.ids[lane]) & (before.ids[lane] != UNSEEN);
+            // A large shape that covers a pixel at one instant but not at the next, or has its border elsewhere, moves through it.
+            let changes = |lane: usize| {
+                (before.ids[lane] != cover.ids[lane]) | (before.borders[lane] != cover.borders[lane])
+            };
+            let differs = |lane: usize| changes(lane) & (before.ids[lane] != UNSEEN);
             for lane in lanes(lanes_where(differs) & pixels.inside()) {
                 let radiance = before.radiance[lane].max(cover.radiance[lane]);
                 pixels.join(lane, Feature { area: 1.0, radiance }, most);
@@ -374,7 +354,9 @@ impl Adaptive {
     /// Estimates the squared errors of all pixels, and corrects the scale of each class.
     fn estimate(&mut self, alpha: bool) {
         let edges = self.target.convergence == Convergence::Edges;
-        let model = ErrorModel { curve: self.curve, edges, alpha, target: single(self.target.error) };
+        let least_part = self.target.convergence.least_part();
+        let model =
+            ErrorModel { curve: self.curve, edges, least_part, alpha, target: single(self.target.error) };
         let (audited, is_first) = (self.audited_variance(model), self.round == 0);
         let mut errors = std::mem::take(&mut self.errors);
         errors.resize(self.packets.len(), [0.0; LANES]);
@@ -394,7 +376,7 @@ impl Adaptive {
                         let edge = Class::Edge as usize;
                         let first = if is_first { pixels.classes[edge] } else { 0 };
                         for lane in lanes(first).filter(|lane| pixels.taken[*lane] >= FEWEST) {
-                            let shown = pixels.shown_error(lane, pixels.variance[lane], edges);
+                            let shown = pixels.shown_error(lane, pixels.variance[lane], model);
                             sums[edge].add_first(errors[lane], shown);
                         }
                     }

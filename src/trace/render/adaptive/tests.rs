@@ -2,8 +2,15 @@
 
 use std::array::from_fn;
 
+use glam::{DAffine3, DVec3};
+
 use super::*;
+use crate::color::Rgb;
 use crate::trace::math::{Dimension, PixelSamples};
+use crate::trace::render::visibility::reference_features;
+use crate::trace::scene::{PatternLayout, PatternedSurface, PreparedCamera, PreparedPattern, PreparedScene};
+use crate::trace::shapes::{Plane, Sphere};
+use crate::trace::{Geometry, PatternFunction, PreparedShape, SurfaceMaterial};
 
 const SIZE: (u32, u32) = (64, 48);
 const COUNT: usize = (SIZE.0 * SIZE.1) as usize;
@@ -282,4 +289,65 @@ fn every_pixel_gets_the_fewest_samples() {
     assert!(counts.iter().all(|count| *count >= 7));
     let (_, counts, _) = rendered(PixelMemory::default(), (with.0, 5), |_| false, |_, _| 0.5);
     assert!(counts.iter().all(|count| *count == 5));
+}
+
+/// What a picture shows at an instant of an open shutter.
+#[derive(Clone, Copy, Default)]
+struct Instant {
+    eye: f64,
+    ball: f64,
+    stripes: f64,
+}
+
+impl Instant {
+    /// Creates two balls, the second of which can move, before a wall with wide stripes.
+    fn scene(self) -> PreparedScene {
+        let ball = |x: f64| PreparedShape::Sphere(Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 0.5 });
+        let wall = PreparedShape::Plane(Plane::new(DVec3::Z, DVec3::Z).unwrap());
+        let mut geometry = Geometry::default();
+        [ball(-1.0), ball(1.0 + self.ball), wall].into_iter().for_each(|shape| _ = geometry.push(shape));
+        let function =
+            PatternFunction::Stripes { size: 4.0, ratio: 0.5, direction: DVec3::Y, offset: self.stripes };
+        let layout = PatternLayout::new(DAffine3::IDENTITY, PatternedSurface::plane(DVec3::Z), function);
+        let pattern = PreparedPattern { ambient: Rgb::ZERO, diffuse: Rgb::ZERO, layout: layout.unwrap() };
+        let plain = SurfaceMaterial { emission: Rgb::ONE, ..SurfaceMaterial::default() };
+        let striped = SurfaceMaterial { pattern: Some(Box::new(pattern)), ..plain.clone() };
+        PreparedScene::new(geometry, vec![plain.clone(), plain, striped])
+    }
+
+    fn camera(self) -> PreparedCamera {
+        PreparedCamera::new(DVec3::new(self.eye, 0.0, -5.0), DVec3::Z, DVec3::Y, 1.0, (1.0, 0.75), SIZE)
+    }
+}
+
+/// Checks that with an open shutter, borders of large shapes and of wide stripes are small features where they move, and edges elsewhere.
+#[test]
+fn only_borders_that_move_can_be_missed() {
+    let small_features = |second: Instant| {
+        let order = InstantOrder::new(true);
+        let target = target(1.0, Convergence::Effects);
+        let mut adaptive = Adaptive::new(SIZE, (64, order, false), target, PixelMemory::default());
+        for instant in [Instant::default(), second] {
+            let (scene, camera) = (instant.scene(), instant.camera());
+            for tile in Tile::all(SIZE) {
+                adaptive.record_features(&tile, &reference_features(&scene, &camera, &tile, true));
+            }
+        }
+        let count = |class: Class| {
+            let of = |pixels: &PixelPacket| pixels.classes[class as usize].count_ones();
+            adaptive.packets.iter().map(of).sum::<u32>()
+        };
+        (count(Class::Small), count(Class::Edge))
+    };
+    let (small, edges) = small_features(Instant::default());
+    assert!(small == 0 && edges > 100, "nothing moves: {small}, {edges}");
+    let moved = [
+        Instant { ball: 1e-9, ..Instant::default() },
+        Instant { stripes: 1e-9, ..Instant::default() },
+        Instant { eye: 1e-9, ..Instant::default() },
+    ];
+    let [ball, stripes, eye] = moved.map(small_features);
+    assert!(ball.0 > 20 && ball.1 > 20 && ball.0 + ball.1 == edges, "{ball:?}");
+    assert!(stripes.0 > 20 && stripes.1 > 20 && stripes.0 + stripes.1 == edges, "{stripes:?}");
+    assert!(eye == (edges, 0), "{eye:?}");
 }

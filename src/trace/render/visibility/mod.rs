@@ -35,7 +35,7 @@ use glam::{DVec2, DVec3};
 use crate::color::to_f32;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
 use crate::trace::intersect::Scratch;
-use crate::trace::math::{LANES, Vectors, WHOLE, lanes};
+use crate::trace::math::{Bytes, LANES, Vectors, WHOLE, lanes};
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::{PatternLayout, PreparedCamera, PreparedScene, SIDE};
 use crate::trace::shading::most_radiance;
@@ -77,17 +77,30 @@ pub(crate) struct TileFeatures {
     covers: [CoverPacket; PACKETS],
 }
 
-/// The shapes that fully cover the pixels of a packet ([`UNCOVERED`] if none does), and upper bounds of their radiance.
+/// The large shapes in the pixels of a packet, by which instants of an open shutter are compared.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CoverPacket {
+    /// The shapes that fully cover the pixels; [`UNCOVERED`] if none does.
     pub(crate) ids: [ShapeId; LANES],
+    /// With an open shutter: sums of the digests of shapes with a border in the pixel, and of the camera's view of them.
+    pub(crate) borders: [u64; LANES],
+    /// Upper bounds of the radiance of these shapes.
     pub(crate) radiance: [f32; LANES],
 }
 
 impl CoverPacket {
-    /// Creates the same cover in all pixels, without radiance.
+    /// Creates the same cover in all pixels, without borders and radiance.
     pub(crate) const fn all(id: ShapeId) -> Self {
-        Self { ids: [id; LANES], radiance: [0.0; LANES] }
+        Self { ids: [id; LANES], borders: [0; LANES], radiance: [0.0; LANES] }
+    }
+
+    /// Adds a shape that has a border in some pixels.
+    #[inline(always)]
+    fn add_border(&mut self, pixels: u32, shape: &SeenShape, digest: u64) {
+        for lane in lanes(pixels) {
+            self.borders[lane] = self.borders[lane].wrapping_add(digest);
+            self.radiance[lane] = self.radiance[lane].max(shape.radiance);
+        }
     }
 }
 
@@ -129,8 +142,8 @@ struct SeenShape {
 /// Maximum number of shapes for a linear scan if the tree cannot be traversed.
 const FEW: usize = 4096;
 
-/// Finds the features of a tile's pixels at an instant, by traversing the tree. With an open shutter (`is_open`), even large shapes may
-/// pass between samples.
+/// Finds the features of a tile's pixels at an instant, by traversing the tree; with an open shutter (`is_open`), also what distinguishes
+/// their large shapes from those of other instants.
 pub(crate) fn features(
     scene: &PreparedScene,
     camera: &PreparedCamera,
@@ -332,31 +345,41 @@ fn resolve(
         let mut covers = Vec::with_capacity(seen.len());
         let mut nearest = NearestCovers::<PACKETS>::new();
         seen.iter().for_each(|shape| nearest.update(shape, &shape.blocks));
-        let in_sight: Vec<u32> = seen.iter().map(|shape| nearest.visible(&shape.blocks)).collect();
+        let in_sight = seen.iter().map(|shape| {
+            let is_large = shape.outline.area >= LARGE || scene.material(shape.id).pattern.is_some();
+            let digest = if is_open && is_large { shape.digest(scene, rays) } else { 0 };
+            (nearest.visible(&shape.blocks), digest)
+        });
+        let in_sight: Vec<(u32, u64)> = in_sight.collect();
         for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
             let pixels = pixels(packet);
-            let shapes = seen.iter().zip(&in_sight).filter(|(_, packets)| *packets >> packet & 1 == 1);
+            let shapes = seen.iter().zip(&in_sight).filter(|(_, (packets, _))| *packets >> packet & 1 == 1);
             covers.clear();
-            covers.extend(shapes.map(|(shape, _)| (shape, shape.covers(packet, &pixels))));
+            covers.extend(shapes.map(|(shape, (_, digest))| (shape, *digest, shape.covers(packet, &pixels))));
             let mut nearest = NearestCovers::<LANES>::new();
-            covers.iter().for_each(|(shape, cover)| nearest.update(shape, cover));
+            covers.iter().for_each(|(shape, _, cover)| nearest.update(shape, cover));
             let place = |lane: usize| DVec2::new(pixels.x[lane], pixels.y[lane]);
             let (features, whole) = (&mut found.features[packet * LANES..], &mut found.covers[packet]);
-            for (shape, cover) in &covers {
+            for (shape, digest, cover) in &covers {
                 let visible = nearest.visible(cover) & square.lanes();
                 let first = visible & nearest.of(shape.id);
-                lanes(first).for_each(|lane| (whole.ids[lane], whole.radiance[lane]) = (shape.id, shape.radiance));
+                lanes(first).for_each(|lane| whole.ids[lane] = shape.id);
+                whole.add_border(first, shape, 0);
                 if let Some(pattern) = scene.material(shape.id).pattern.as_deref() {
                     for lane in lanes(first) {
                         let Some(width) = shape.part_width(&pattern.layout, rays, place(lane)) else { continue };
                         // Narrow parts are many, and fill the pixel together.
-                        features[lane].join(shape.feature(f64::max(width * width, 1.0), is_open));
+                        features[lane].join(shape.feature(f64::max(width * width, 1.0)));
+                        whole.add_border(1 << lane, shape, *digest);
                     }
                 }
                 let edges = first & !cover.one_face | visible & !first & cover.whole;
                 lanes(edges).for_each(|lane| features[lane].join(Feature::EDGE));
-                let part = shape.feature(shape.outline.area, is_open);
-                lanes(visible & !first & !cover.whole).for_each(|lane| features[lane].join(part));
+                let (parts, feature) = (visible & !first & !cover.whole, shape.feature(shape.outline.area));
+                lanes(parts).for_each(|lane| features[lane].join(feature));
+                if feature == Feature::EDGE {
+                    whole.add_border(parts, shape, *digest);
+                }
             }
         }
     });
@@ -424,9 +447,18 @@ impl SeenShape {
         self.outline.covers(&pixels.widened(self.half))
     }
 
+    /// Returns a digest of all that determines the shape's image: the shape, its material, and the view of it.
+    fn digest(&self, scene: &PreparedScene, rays: &TileRays) -> u64 {
+        let mut bytes = Bytes::default();
+        bytes.vectors([rays.eye, rays.middle, rays.steps[0], rays.steps[1]]);
+        bytes.number(self.half);
+        scene.write_shape(self.id, &mut bytes);
+        bytes.finish().first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
+    }
+
     /// Returns the feature of a pixel at the border of the shape, or of a part of its pattern, with an area in pixels.
-    fn feature(&self, area: f64, is_open: bool) -> Feature {
-        if is_open || area < LARGE {
+    fn feature(&self, area: f64) -> Feature {
+        if area < LARGE {
             Feature { area: to_f32(area.min(1.0)), radiance: self.radiance }
         } else {
             Feature::EDGE

@@ -181,7 +181,7 @@ impl PreparedCamera {
         if active == 0 {
             return;
         }
-        let on_screen = keys.on_screen.pairs(simd, indices);
+        let on_screen = keys.on_screen.positions(simd, indices);
         let on_lens = self.lens.map(|_| keys.on_lens.pairs(simd, indices));
         let mut escalated = 0;
         for half in 0..2 {
