@@ -343,10 +343,12 @@ impl<E: Encoding> RenderJob<E> {
             .map_init(
                 || (FeatureScratch::default(), Scratch::new(cancelled, None)),
                 |(features, search), progress| {
-                    let tile = (&progress.tile, adaptive.is_open());
-                    (progress.tile, Box::new(visibility::features(scene, camera, tile, (features, search))))
+                    let tile = (&progress.tile, adaptive.digest(&progress.tile));
+                    let found = visibility::features(scene, camera, tile, (features, search))?;
+                    Some((progress.tile, Box::new(found)))
                 },
             )
+            .flatten()
             .collect();
         if !cancelled.load(Ordering::Relaxed) {
             found.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));

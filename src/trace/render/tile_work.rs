@@ -130,10 +130,11 @@ impl TileWork<'_> {
         buffers.record_coverage(light.asks_for_coverage());
         if let Some(adaptive) = adaptive {
             let searches = self.finds_features && progress.batches == 0;
-            let tile_features = searches.then(|| {
-                let with = (&tile, adaptive.is_open());
+            let find = || {
+                let with = (&tile, adaptive.digest(&tile));
                 visibility::features(context.scene, context.camera, with, (features, buffers.search()))
-            });
+            };
+            let tile_features = searches.then(find).flatten();
             adaptive.portions(&tile, self.instant, tile_features.as_ref(), portions);
             if let Some(tile_features) = tile_features {
                 // With an open shutter, the covers of consecutive instants are compared even without features.

@@ -133,8 +133,9 @@ pub(crate) struct Adaptive {
     packets: Vec<PixelPacket>,
     /// Estimates of squared errors, before scaling.
     errors: Vec<[f32; LANES]>,
-    /// With an open shutter: the shapes that fully covered each pixel at the last searched instant.
+    /// With an open shutter: the large shapes in each pixel at the last searched instant, and the digest of each tile's features.
     covers: Vec<CoverPacket>,
+    digests: Vec<u64>,
     /// Correction of the estimates of each class.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
@@ -181,6 +182,7 @@ impl Adaptive {
             packets,
             errors,
             covers: vec![CoverPacket::all(UNSEEN); covered],
+            digests: vec![0; covered / PACKETS],
             first_samples: order.first_samples(),
             scales: falls.map(Scale::new),
             error: None,
@@ -252,6 +254,11 @@ impl Adaptive {
         self.order.count() > 1
     }
 
+    /// Returns the digest of a tile's features at the last searched instant, if the shutter is open.
+    pub(crate) fn digest(&self, tile: &Tile) -> Option<u64> {
+        self.digests.get(self.first_packet(tile) / PACKETS).copied()
+    }
+
     /// Returns the instants of this round's samples in chronological order.
     pub(crate) fn instants(&self) -> Vec<u32> {
         self.order.instants(self.range.clone())
@@ -286,6 +293,9 @@ impl Adaptive {
     /// Stores the features of a tile's pixels at an instant.
     pub(crate) fn record_features(&mut self, tile: &Tile, found: &TileFeatures) {
         let (first, most) = (self.first_packet(tile), self.most);
+        if let Some(digest) = self.digests.get_mut(first / PACKETS) {
+            *digest = found.digest;
+        }
         let mut covers = self.covers.get_mut(first..).unwrap_or_default().iter_mut();
         for (packet, pixels) in self.packets[first..][..PACKETS].iter_mut().enumerate() {
             let (features, cover) = found.of(packet);

@@ -75,6 +75,8 @@ pub(crate) struct TileFeatures {
     /// Features by pixel index in the tile.
     features: [Feature; TILE_PIXELS],
     covers: [CoverPacket; PACKETS],
+    /// With an open shutter: a digest of all that determines them.
+    pub(crate) digest: u64,
 }
 
 /// The large shapes in the pixels of a packet, by which instants of an open shutter are compared.
@@ -94,11 +96,20 @@ impl CoverPacket {
         Self { ids: [id; LANES], borders: [0; LANES], radiance: [0.0; LANES] }
     }
 
+    /// Adds a shape that covers some pixels.
+    #[inline(always)]
+    fn add_cover(&mut self, pixels: u32, shape: &SeenShape) {
+        for lane in lanes(pixels) {
+            self.ids[lane] = shape.id;
+            self.radiance[lane] = self.radiance[lane].max(shape.radiance);
+        }
+    }
+
     /// Adds a shape that has a border in some pixels.
     #[inline(always)]
-    fn add_border(&mut self, pixels: u32, shape: &SeenShape, digest: u64) {
+    fn add_border(&mut self, pixels: u32, shape: &SeenShape) {
         for lane in lanes(pixels) {
-            self.borders[lane] = self.borders[lane].wrapping_add(digest);
+            self.borders[lane] = self.borders[lane].wrapping_add(shape.digest);
             self.radiance[lane] = self.radiance[lane].max(shape.radiance);
         }
     }
@@ -137,21 +148,23 @@ struct SeenShape {
     radiance: f32,
     /// Coverage of the squares of the tile's packets.
     blocks: Covers<PACKETS>,
+    /// With an open shutter: a digest of all that determines the shape's image.
+    digest: u64,
 }
 
 /// Maximum number of shapes for a linear scan if the tree cannot be traversed.
 const FEW: usize = 4096;
 
-/// Finds the features of a tile's pixels at an instant, by traversing the tree; with an open shutter (`is_open`), also what distinguishes
-/// their large shapes from those of other instants.
+/// Finds the features of a tile's pixels at an instant, by traversing the tree. With an open shutter, `before` is the digest of another
+/// instant's features; the result is `None` if they are the same.
 pub(crate) fn features(
     scene: &PreparedScene,
     camera: &PreparedCamera,
-    (tile, is_open): (&Tile, bool),
+    (tile, before): (&Tile, Option<u64>),
     (scratch, search): (&mut FeatureScratch, &mut Scratch<'_>),
-) -> TileFeatures {
-    let add_sky = |found| add_sky(scene, camera, tile, found);
-    let Some(rays) = tile_rays(camera, tile) else { return unknown() };
+) -> Option<TileFeatures> {
+    let add_sky = |found| Some(add_sky(scene, camera, tile, found));
+    let Some(rays) = tile_rays(camera, tile) else { return Some(unknown()) };
     scratch.seen.clear();
     let Scratch { stack, cancelled, .. } = search;
     let ids = scene.unbounded.iter().copied();
@@ -172,10 +185,17 @@ pub(crate) fn features(
         known &=
             ids.map(|id| see(scene, camera, &rays, id, &mut scratch.seen)).fold(true, |all, one| all & one);
     }
-    add_sky(if known { resolve(scene, &rays, (tile, is_open), &scratch.seen) } else { unknown() })
+    if !known {
+        return add_sky(unknown());
+    }
+    let digest = if before.is_some() { digest_of(scene, &rays, &mut scratch.seen) } else { 0 };
+    if before == Some(digest) {
+        return None;
+    }
+    add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &scratch.seen) })
 }
 
-/// Finds the features of a tile's pixels by a linear scan of all shapes.
+/// Finds the features of a tile's pixels by a linear scan of all shapes. `is_open` is true if the shutter is open.
 pub(crate) fn reference_features(
     scene: &PreparedScene,
     camera: &PreparedCamera,
@@ -189,12 +209,41 @@ pub(crate) fn reference_features(
         return add_sky(unknown());
     }
     let known = ids.map(|id| see(scene, camera, &rays, id, &mut seen)).fold(true, |all, one| all & one);
-    add_sky(if known { resolve(scene, &rays, (tile, is_open), &seen) } else { unknown() })
+    if !known {
+        return add_sky(unknown());
+    }
+    let digest = if is_open { digest_of(scene, &rays, &mut seen) } else { 0 };
+    add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &seen) })
+}
+
+/// Computes the digests of the shapes seen through a tile, and returns one of all that determines the tile's features.
+fn digest_of(scene: &PreparedScene, rays: &TileRays, seen: &mut [SeenShape]) -> u64 {
+    let first_bytes =
+        |bytes: &Bytes| bytes.finish().first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
+    let view = |half: f64| {
+        let mut bytes = Bytes::default();
+        bytes.vectors([rays.eye, rays.middle, rays.steps[0], rays.steps[1]]);
+        bytes.number(half);
+        bytes
+    };
+    for shape in seen.iter_mut() {
+        let mut bytes = view(shape.half);
+        scene.write_shape(shape.id, &mut bytes);
+        shape.digest = first_bytes(&bytes);
+    }
+    let mut around = view(0.0);
+    scene.write_surroundings(&mut around);
+    // A sum does not depend on the order of shapes.
+    seen.iter().fold(first_bytes(&around), |sum, shape| sum.wrapping_add(shape.digest))
 }
 
 /// Returns an edge in every pixel: any number of surfaces may show.
 fn unknown() -> TileFeatures {
-    TileFeatures { features: [Feature::EDGE; TILE_PIXELS], covers: [CoverPacket::all(UNCOVERED); PACKETS] }
+    TileFeatures {
+        features: [Feature::EDGE; TILE_PIXELS],
+        covers: [CoverPacket::all(UNCOVERED); PACKETS],
+        digest: 0,
+    }
 }
 
 /// Returns the rays of a tile; `None` if they are not finite, or parallel, since outlines are perspective images.
@@ -241,7 +290,7 @@ fn see(
         let blocks = dispatch!(scene.simd.level(), _simd => outline.covers(&BLOCKS.widened(half)));
         if blocks.seen != 0 {
             let radiance = most_radiance(scene, scene.material(id));
-            seen.push(SeenShape { id, outline, half, radiance, blocks });
+            seen.push(SeenShape { id, outline, half, radiance, blocks, digest: 0 });
         }
     }
     true
@@ -331,46 +380,32 @@ const BLOCKS: Squares<PACKETS> = {
 
 /// Determines the features of each pixel from the shapes that are seen through the tile. First resolves squares of four by four pixels:
 /// shapes behind a shape that covers a square fully are skipped in its pixels.
-fn resolve(
-    scene: &PreparedScene,
-    rays: &TileRays,
-    (tile, is_open): (&Tile, bool),
-    seen: &[SeenShape],
-) -> TileFeatures {
-    let mut found = TileFeatures {
-        features: [Feature::NONE; TILE_PIXELS],
-        covers: [CoverPacket::all(UNCOVERED); PACKETS],
-    };
+fn resolve(scene: &PreparedScene, rays: &TileRays, tile: &Tile, seen: &[SeenShape]) -> TileFeatures {
+    let mut found = TileFeatures { features: [Feature::NONE; TILE_PIXELS], ..unknown() };
     dispatch!(scene.simd.level(), _simd => {
         let mut covers = Vec::with_capacity(seen.len());
         let mut nearest = NearestCovers::<PACKETS>::new();
         seen.iter().for_each(|shape| nearest.update(shape, &shape.blocks));
-        let in_sight = seen.iter().map(|shape| {
-            let is_large = shape.outline.area >= LARGE || scene.material(shape.id).pattern.is_some();
-            let digest = if is_open && is_large { shape.digest(scene, rays) } else { 0 };
-            (nearest.visible(&shape.blocks), digest)
-        });
-        let in_sight: Vec<(u32, u64)> = in_sight.collect();
+        let in_sight: Vec<u32> = seen.iter().map(|shape| nearest.visible(&shape.blocks)).collect();
         for (packet, square) in (0..PACKETS).filter_map(|packet| Some((packet, tile.square(packet)?))) {
             let pixels = pixels(packet);
-            let shapes = seen.iter().zip(&in_sight).filter(|(_, (packets, _))| *packets >> packet & 1 == 1);
+            let shapes = seen.iter().zip(&in_sight).filter(|(_, packets)| *packets >> packet & 1 == 1);
             covers.clear();
-            covers.extend(shapes.map(|(shape, (_, digest))| (shape, *digest, shape.covers(packet, &pixels))));
+            covers.extend(shapes.map(|(shape, _)| (shape, shape.covers(packet, &pixels))));
             let mut nearest = NearestCovers::<LANES>::new();
-            covers.iter().for_each(|(shape, _, cover)| nearest.update(shape, cover));
+            covers.iter().for_each(|(shape, cover)| nearest.update(shape, cover));
             let place = |lane: usize| DVec2::new(pixels.x[lane], pixels.y[lane]);
             let (features, whole) = (&mut found.features[packet * LANES..], &mut found.covers[packet]);
-            for (shape, digest, cover) in &covers {
+            for (shape, cover) in &covers {
                 let visible = nearest.visible(cover) & square.lanes();
                 let first = visible & nearest.of(shape.id);
-                lanes(first).for_each(|lane| whole.ids[lane] = shape.id);
-                whole.add_border(first, shape, 0);
+                whole.add_cover(first, shape);
                 if let Some(pattern) = scene.material(shape.id).pattern.as_deref() {
                     for lane in lanes(first) {
                         let Some(width) = shape.part_width(&pattern.layout, rays, place(lane)) else { continue };
                         // Narrow parts are many, and fill the pixel together.
                         features[lane].join(shape.feature(f64::max(width * width, 1.0)));
-                        whole.add_border(1 << lane, shape, *digest);
+                        whole.add_border(1 << lane, shape);
                     }
                 }
                 let edges = first & !cover.one_face | visible & !first & cover.whole;
@@ -378,7 +413,7 @@ fn resolve(
                 let (parts, feature) = (visible & !first & !cover.whole, shape.feature(shape.outline.area));
                 lanes(parts).for_each(|lane| features[lane].join(feature));
                 if feature == Feature::EDGE {
-                    whole.add_border(parts, shape, *digest);
+                    whole.add_border(parts, shape);
                 }
             }
         }
@@ -447,15 +482,6 @@ impl SeenShape {
         self.outline.covers(&pixels.widened(self.half))
     }
 
-    /// Returns a digest of all that determines the shape's image: the shape, its material, and the view of it.
-    fn digest(&self, scene: &PreparedScene, rays: &TileRays) -> u64 {
-        let mut bytes = Bytes::default();
-        bytes.vectors([rays.eye, rays.middle, rays.steps[0], rays.steps[1]]);
-        bytes.number(self.half);
-        scene.write_shape(self.id, &mut bytes);
-        bytes.finish().first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
-    }
-
     /// Returns the feature of a pixel at the border of the shape, or of a part of its pattern, with an area in pixels.
     fn feature(&self, area: f64) -> Feature {
         if area < LARGE {
@@ -468,7 +494,7 @@ impl SeenShape {
     /// Returns the [width](PatternLayout::part_width) of the narrowest part of the shape's pattern, in pixels, if it shows a border.
     fn part_width(&self, layout: &PatternLayout, rays: &TileRays, pixel: DVec2) -> Option<f64> {
         let places = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)].map(DVec2::from);
-        layout.part_width(places.map(|from| self.outline.point(rays, pixel + from * self.half)))
+        layout.part_width(self.outline.points(rays, places.map(|from| pixel + from * self.half)))
     }
 }
 

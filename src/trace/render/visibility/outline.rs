@@ -343,11 +343,15 @@ impl Outline {
         Covers { seen: seen & !which(&depth[1], |most| most <= 0.0), whole, one_face, depth }
     }
 
-    /// Returns the point at which the ray through a position hits the shape.
-    pub(super) fn point(&self, rays: &TileRays, DVec2 { x, y }: DVec2) -> DVec3 {
-        let direction = rays.middle + rays.steps[0] * x + rays.steps[1] * y;
-        let ([[depth], _], _) = self.depth.bounds(&Squares { x: [x], y: [y], half: 0.0 });
-        rays.eye + direction / depth
+    /// Returns the points at which the rays through some positions hit the shape.
+    #[inline(always)]
+    pub(super) fn points<const N: usize>(&self, rays: &TileRays, places: [DVec2; N]) -> [DVec3; N] {
+        let squares = Squares { x: places.map(|place| place.x), y: places.map(|place| place.y), half: 0.0 };
+        let ([depth, _], _) = self.depth.bounds(&squares);
+        std::array::from_fn(|index| {
+            let DVec2 { x, y } = places[index];
+            rays.eye + (rays.middle + rays.steps[0] * x + rays.steps[1] * y) / depth[index]
+        })
     }
 }
 

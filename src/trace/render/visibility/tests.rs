@@ -45,8 +45,8 @@ fn missed(scene: &PreparedScene, camera: &PreparedCamera, samples: u32) -> (Vec<
     for j in (0..rows).step_by(TILE as usize) {
         for i in (0..columns).step_by(TILE as usize) {
             let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
-            let found =
-                features(scene, camera, (&tile, false), (&mut FeatureScratch::default(), &mut search));
+            let scratch = (&mut FeatureScratch::default(), &mut search);
+            let found = features(scene, camera, (&tile, None), scratch).unwrap();
             let expected = reference_features(scene, camera, &tile, false);
             let differing: Vec<_> =
                 found.features.iter().zip(&expected.features).filter(|(one, other)| one != other).collect();
@@ -161,6 +161,27 @@ fn plain_pixels_have_no_feature_and_tiny_shapes_have() {
         !small.is_empty() && small.len() <= 4 && small.iter().all(|area| (0.005..0.02).contains(area)),
         "{small:?}"
     );
+}
+
+/// Checks that features are not found again while nothing changes, and that any change is noticed.
+#[test]
+fn features_of_the_same_view_are_found_once() {
+    let tile = Tile { i: 32, j: 32, width: 16, height: 16 };
+    let find = |ball: f64, eye: f64, ambient: f32, before: Option<u64>| {
+        let sphere = Sphere { center: DVec3::new(ball, 0.0, 0.0), radius: 0.2 };
+        let mut scene = scene_of(&[PreparedShape::Sphere(sphere)]);
+        scene.ambient = Rgb::splat(ambient);
+        let eye = DVec3::new(eye, 0.0, -5.0);
+        let camera = PreparedCamera::new(eye, DVec3::Z, DVec3::Y, 1.0, (1.0, 1.0), (80, 80));
+        features(&scene, &camera, (&tile, before), (&mut FeatureScratch::default(), &mut Scratch::default()))
+    };
+    assert_eq!(find(0.0, 0.0, 0.0, None).unwrap().digest, 0);
+    let digest = find(0.0, 0.0, 0.0, Some(0)).unwrap().digest;
+    assert!(digest != 0 && find(0.0, 0.0, 0.0, Some(digest)).is_none());
+    for (ball, eye, ambient) in [(1e-9, 0.0, 0.0), (0.0, 1e-9, 0.0), (0.0, 0.0, 0.1)] {
+        let changed = find(ball, eye, ambient, Some(digest)).unwrap();
+        assert_ne!(changed.digest, digest, "{ball}, {eye}, {ambient}");
+    }
 }
 
 fn mirror() -> impl Strategy<Value = PreparedShape> {
