@@ -1,4 +1,4 @@
-//! How fast errors fall while samples are added.
+//! Convergence: the decrease of errors while samples are added.
 
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 

@@ -291,7 +291,7 @@ fn every_pixel_gets_the_fewest_samples() {
     assert!(counts.iter().all(|count| *count == 5));
 }
 
-/// What a picture shows at an instant of an open shutter.
+/// The contents of a picture at an instant of an open shutter.
 #[derive(Clone, Copy, Default)]
 struct Instant {
     eye: f64,
