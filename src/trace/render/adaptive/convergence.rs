@@ -34,7 +34,8 @@ impl Convergence {
     }
 
     /// Returns the fraction of a small feature's area that a pixel shows at least, on average over the exposure. A feature may straddle the
-    /// corner of four pixels, and pass through the pixel at a single instant. 0 if samples stay independent after they have met it.
+    /// corner of four pixels, and pass through the pixel at a single one of 256 instants. 0 if samples stay independent after they have
+    /// met it.
     pub(super) fn least_part(self) -> f32 {
         match self {
             Self::Edges => 0.25,

@@ -188,7 +188,7 @@ pub(crate) fn features(
     if !known {
         return add_sky(unknown());
     }
-    let digest = if before.is_some() { digest_of(scene, &rays, &mut scratch.seen) } else { 0 };
+    let digest = if before.is_some() { digest_of(scene, camera, &mut scratch.seen) } else { 0 };
     if before == Some(digest) {
         return None;
     }
@@ -212,29 +212,30 @@ pub(crate) fn reference_features(
     if !known {
         return add_sky(unknown());
     }
-    let digest = if is_open { digest_of(scene, &rays, &mut seen) } else { 0 };
+    let digest = if is_open { digest_of(scene, camera, &mut seen) } else { 0 };
     add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &seen) })
 }
 
 /// Computes the digests of the shapes seen through a tile, and returns one of all that determines the tile's features.
-fn digest_of(scene: &PreparedScene, rays: &TileRays, seen: &mut [SeenShape]) -> u64 {
-    let first_bytes =
-        |bytes: &Bytes| bytes.finish().first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
-    let view = |half: f64| {
+fn digest_of(scene: &PreparedScene, camera: &PreparedCamera, seen: &mut [SeenShape]) -> u64 {
+    let digest = |write: &dyn Fn(&mut Bytes)| {
         let mut bytes = Bytes::default();
-        bytes.vectors([rays.eye, rays.middle, rays.steps[0], rays.steps[1]]);
-        bytes.number(half);
-        bytes
+        write(&mut bytes);
+        bytes.finish().first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
     };
+    let view = digest(&|bytes| camera.write(bytes));
     for shape in seen.iter_mut() {
-        let mut bytes = view(shape.half);
-        scene.write_shape(shape.id, &mut bytes);
-        shape.digest = first_bytes(&bytes);
+        shape.digest = digest(&|bytes| {
+            bytes.count(view);
+            scene.write_shape(shape.id, bytes);
+        });
     }
-    let mut around = view(0.0);
-    scene.write_surroundings(&mut around);
+    let around = digest(&|bytes| {
+        bytes.count(view);
+        scene.write_surroundings(bytes);
+    });
     // A sum does not depend on the order of shapes.
-    seen.iter().fold(first_bytes(&around), |sum, shape| sum.wrapping_add(shape.digest))
+    seen.iter().fold(around, |sum, shape| sum.wrapping_add(shape.digest))
 }
 
 /// Returns an edge in every pixel: any number of surfaces may show.
