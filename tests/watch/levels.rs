@@ -112,22 +112,20 @@ fn seeking_interrupts_rendering_at_once() {
     }
 }
 
-/// The film of the slow scene, so large that even a fast machine needs several levels between the first picture and its full width.
+/// The film of the slow scene.
 const SLOW: (u32, u32) = (2560, 1440);
 
-/// Returns a scene that takes some seconds.
-fn slow() -> String {
+/// Returns a scene that takes about a second for each 16 samples.
+fn slow(samples: u32) -> String {
     let film = format!("width: {}, height: {}", SLOW.0, SLOW.1);
-    scene(1.0, "").replace("width: 64, height: 36", &film).replacen(
-        "Scene(",
-        "Scene(sampling: (samples: 16),",
-        1,
-    )
+    let sampling = format!("Scene(sampling: (samples: {samples}),");
+    scene(1.0, "").replace("width: 64, height: 36", &film).replacen("Scene(", &sampling, 1)
 }
 
 #[test]
 fn pictures_get_finer_up_to_the_full_one() {
-    let stage = Stage::new(Some(&slow()));
+    // A fast machine needs that many for a full picture after the first unfinished one.
+    let stage = Stage::new(Some(&slow(64)));
     let (first, _) = first_picture(&stage);
     let mut seen = vec![first];
     let start = Instant::now();
@@ -171,7 +169,7 @@ fn pictures_get_finer_up_to_the_full_one() {
 
 #[test]
 fn stopped_preview_resumes_with_its_samples() {
-    let stage = Stage::new(Some(&slow()));
+    let stage = Stage::new(Some(&slow(16)));
     first_picture(&stage);
     let start = Instant::now();
     let mut progress = vec![0.0];
@@ -192,9 +190,9 @@ fn stopped_preview_resumes_with_its_samples() {
 
 #[test]
 fn edits_during_playback_get_a_full_picture() {
-    let stage = Stage::with(Some(&slow()), true);
+    let stage = Stage::with(Some(&slow(16)), true);
     stage.matches_a_cold_start();
-    stage.save(&slow().replace("255, 120, 60", "60, 120, 255"));
+    stage.save(&slow(16).replace("255, 120, 60", "60, 120, 255"));
     let start = Instant::now();
     let mut frame = 0;
     let full = 'playing: loop {
