@@ -10,7 +10,7 @@ use rayreel::{Engine, Scene};
 use serde_json::json;
 
 use crate::browser::Browser;
-use crate::{Preview, SCENE, open, until};
+use crate::{Preview, SCENE, open, settle, until};
 
 const CAMERA: &str = "camera: (position: (0, 0, -5), target: (0, 0, 0))";
 const ANIMATE: &str = "animate: [";
@@ -67,7 +67,7 @@ fn view_of_an_animated_camera_becomes_keys() {
     let scene = SCENE.replace(ANIMATE, tracks).replace("fps: 10", "fps: 24");
     let preview = Preview::of(&scene);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
 
     // A frame with a key of the position: its value changes. The target gets a key.
     seek(&browser, 24);
@@ -128,7 +128,7 @@ fn cameras_with_few_tracks_and_ties() {
     let scene = animated("cameras: { \"side\": (position: (0, 0, -5), view: (0, 0, 2)) }", keys);
     let preview = Preview::of(&scene);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     seek(&browser, 10);
     browser.drag("#film", (0, -60));
     keep(&browser);
@@ -190,7 +190,7 @@ fn look_is_the_picture_of_a_camera_there() {
     let scene = SCENE.replace(CAMERA, &free.replace("fov: 40", "fov: 40, follow: \"ball\""));
     let preview = Preview::of(&scene);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     seek(&browser, 12);
     browser.drag("#film", (50, 20));
     until(
@@ -284,7 +284,7 @@ fn panned_point_stays_under_the_pointer() {
         let scene = SCENE.replace(CAMERA, camera).replace("entities: [", &format!("entities: [{floor}"));
         let preview = Preview::of(&scene);
         let Some(browser) = open(&preview) else { return };
-        until(&browser, "shown !== null && shown.full");
+        settle(&browser);
         pan_keeps_the_point(&browser, [20, 84], [25, -7]);
         pan_keeps_the_point(&browser, [84, 60], [-30, 12]);
         assert_eq!(browser.console(), json!([]), "{camera}");
@@ -295,7 +295,7 @@ fn panned_point_stays_under_the_pointer() {
 fn keys_focus_and_look_from_the_sides() {
     let preview = Preview::of(&SCENE.replace(CAMERA, "camera: (position: (1, 2, -9), target: (3, 2, 0))"));
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     let read = |name: &str| vector_after(&file(&preview), &format!("{name}: "));
     let finds = "(() => { for (let i = 0; i < 160; i++) for (let j = 0; j < 90; j++) if (pixel(i / 160, j / 90) !== pixel(0, 0)) return [i + 2, j + 2]; })()";
     browser.evaluate(crate::PIXEL);
@@ -391,7 +391,7 @@ fn sides_are_those_of_the_space() {
     let camera = "space: RightHanded, camera: (position: (3, -4, 2), target: (0, 0, 0), up: (0, 0, 1), orthographic: 4)";
     let preview = Preview::of(&SCENE.replace(CAMERA, camera));
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     let read = |name: &str| vector_after(&file(&preview), &format!("{name}: "));
     let apart = 29.0_f64.sqrt();
     // In front, x is to the right and z is up; from above, y is up.
@@ -418,7 +418,7 @@ fn sides_are_those_of_the_space() {
 fn camera_flies_by_keys_and_pointer() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     let read = |name: &str| vector_after(&file(&preview), &format!("{name}: "));
     let hold = |key: char, milliseconds: u64| {
         browser.hold(key, true);

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::{Preview, SCENE, open, until};
+use crate::{Preview, SCENE, open, settle, until};
 
 #[test]
 fn dialog_renders_a_range_cancels_and_offers_a_movie() {
@@ -18,7 +18,7 @@ fn dialog_renders_a_range_cancels_and_offers_a_movie() {
     let ends = |end: &str| {
         until(&browser, &format!("state.export?.end === '{end}' && !at('export').hidden"));
     };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     browser.evaluate("(setRange('first', 3), setRange('last', 5), true)");
     render("made");
     ends("complete");
@@ -56,7 +56,7 @@ fn dialog_renders_a_range_cancels_and_offers_a_movie() {
 fn dialog_describes_the_files_before_they_are_made() {
     let preview = Preview::of(&SCENE.replace("width: 160", "width: 161"));
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     let facts = || browser.evaluate("at('export-facts').innerText").as_str().unwrap().to_owned();
     browser.evaluate("(setRange('first', 3), setRange('last', 5), true)");
     browser.press('R');

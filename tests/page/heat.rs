@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::{Preview, SCENE, open, until};
+use crate::{Preview, SCENE, open, settle, until};
 
 /// The page's map of rays has the same number of rays as its list of times.
 const SUMS: &str = "heat !== null && RAY_KINDS.flatMap(kind => heat[kind]).reduce((sum, count) => sum + count, 0) === state.rays";
@@ -123,7 +123,7 @@ fn heat_map_shows_samples_and_errors() {
             "(at('heat-kind').value = '{kind}', at('heat-kind').onchange({{ target: at('heat-kind') }}), true)"
         ));
     };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     browser.press('h');
     until(&browser, "heat !== null");
     // The space bar plays although the pointer has left the focus on a button; a button that was reached by keys is pressed.

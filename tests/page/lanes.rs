@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use crate::browser::Browser;
-use crate::{AT_MOST, Preview, SCENE, open, until};
+use crate::{AT_MOST, Preview, SCENE, open, page_state, until};
 
 #[test]
 fn keys_are_dragged_eased_added_and_removed() {
@@ -18,7 +18,7 @@ fn keys_are_dragged_eased_added_and_removed() {
         let wanted = SCENE.replace("(0, (0, 0, 0)), (2, (0, 0.5, 0))", keys);
         let start = Instant::now();
         while file() != wanted {
-            assert!(start.elapsed() < AT_MOST, "{keys}: {}", file());
+            assert!(start.elapsed() < AT_MOST, "{keys}: {}\n{}", file(), page_state(&browser));
             sleep(Duration::from_millis(10));
         }
         until(&browser, "trying === null && moving === null && state.edits.tried.length === 0");
@@ -32,7 +32,7 @@ fn keys_are_dragged_eased_added_and_removed() {
     browser.drag(".key", (serde_json::from_value(right).unwrap(), 0));
     becomes("(0.8, (0, 0, 0)), (2, (0, 0.5, 0))");
     // The key that was dragged is in the panel, and its entity is selected.
-    until(&browser, "document.querySelector('#key input').value === '0.8'");
+    until(&browser, "document.querySelector('#key input')?.value === '0.8'");
     until(&browser, "JSON.stringify(view.selected) === JSON.stringify({ entity: 'ball' })");
     run(
         "const easing = document.querySelector('#key select'); easing.value = 'EaseInOut'; easing.onchange()",
@@ -129,7 +129,7 @@ fn dragged_keys_show_their_time_and_new_keys_are_selected() {
     browser.point(&[there, press.clone(), release.clone(), press, release]);
     until(&browser, "picked?.index === 1 && tracks.tracks[0].keys.length === 3 && view.frame === 4");
     until(&browser, "document.activeElement.dataset.key === 'animate.0.track.0.1'");
-    until(&browser, "document.querySelector('#key input').value === '0.4'");
+    until(&browser, "document.querySelector('#key input')?.value === '0.4'");
     // A selected key comes into view in a panel that is too small for all.
     let below = "(panel => (panel.style.height = '200px', panel.scrollTop = 0, at('key').getBoundingClientRect().top > panel.getBoundingClientRect().bottom))(at('key').parentElement)";
     assert_eq!(browser.evaluate(below), json!(true));

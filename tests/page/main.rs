@@ -129,9 +129,20 @@ fn open_at(port: u16) -> Option<Browser> {
 fn until(browser: &Browser, expression: &str) {
     let start = Instant::now();
     while browser.evaluate(expression) != json!(true) {
-        assert!(start.elapsed() < AT_MOST, "{expression}\n{}", browser.evaluate("document.body.innerText"));
+        assert!(start.elapsed() < AT_MOST, "{expression}\n{}", page_state(browser));
         sleep(Duration::from_millis(10));
     }
+}
+
+/// Waits until a picture is finished and, because they take space from it, the lanes of keys are there.
+fn settle(browser: &Browser) {
+    until(browser, "shown !== null && shown.full && (tracks !== null || !state.edits.possible)");
+}
+
+/// Returns what the page shows and what it waits for.
+fn page_state(browser: &Browser) -> String {
+    let variables = "JSON.stringify({ edits: state?.edits, reloads: state?.reloads, trying, changing, moving, unsaved, shown, view })";
+    format!("{}\n{}", browser.evaluate("document.body.innerText"), browser.evaluate(variables))
 }
 
 #[test]
@@ -176,7 +187,7 @@ fn values_and_views_are_changed_by_hand() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
     let file = || fs::read_to_string(preview.folder.path().join("ball.ron")).unwrap();
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
 
     // A drag turns the camera, and `Keep` writes the view.
     browser.drag("#film", (60, 25));
@@ -238,7 +249,7 @@ fn values_and_views_are_changed_by_hand() {
 fn values_of_included_files_are_not_changed() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     let list = "(async () => { await probe([80, 45]); await new Promise(done => setTimeout(done, 300)); return at('values').innerText; })()";
     let text = browser.evaluate(list);
     assert!(text.as_str().unwrap().contains("entity ball"), "{text}");
@@ -379,7 +390,7 @@ fn many_pages_share_one_event_stream() {
     for kind in ["tab", "window"] {
         let preview = Preview::new();
         let Some(browser) = open(&preview) else { return };
-        until(&browser, "shown !== null && shown.full");
+        settle(&browser);
         let mut pages = Vec::new();
         for _ in 0..9 {
             pages.push(browser.open_another(kind));
@@ -418,7 +429,7 @@ fn panels_are_empty_before_the_first_picture() {
 fn keys_do_not_hide_a_lost_server() {
     let mut preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     preview.server = None;
     until(&browser, "at('status').textContent === 'the server is away'");
     for key in ['w', 'b', 'l', 'f', '1', ' ', '\u{e014}', '\u{e012}', 'r', 'm', '.', ' '] {
@@ -434,7 +445,7 @@ fn keys_do_not_hide_a_lost_server() {
 fn another_scene_begins_with_its_own_frame() {
     let mut preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     browser.evaluate("(seek(7), probe([80, 45]), true)");
     until(&browser, "shown.full && shown.frame === 7 && view.spot !== null");
     // Restarting the same scene keeps the frame.
@@ -466,7 +477,7 @@ fn another_scene_begins_with_its_own_frame() {
 fn pictures_keep_their_aspect_ratio() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     for (index, (width, height)) in [(90, 160), (200, 50), (60, 60), (60, 60)].into_iter().enumerate() {
         preview.save(
             &SCENE
@@ -495,7 +506,7 @@ fn pictures_keep_their_aspect_ratio() {
 fn pixel_panel_describes_the_picture() {
     let preview = Preview::of(&SCENE.replacen("Scene(", "Scene(sampling: (samples: 16),", 1));
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     browser.evaluate(PIXEL);
     // Across the ball's edge, where samples differ.
     for i in (20..140).step_by(3) {
@@ -539,7 +550,7 @@ fn slow_pictures_show_their_progress() {
 fn page_fits_phones_and_dark_mode_and_keeps_its_view() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     let background = || browser.evaluate("getComputedStyle(document.body).backgroundColor");
     let light = background();
     browser.emulate(

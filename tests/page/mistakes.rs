@@ -2,13 +2,13 @@
 
 use serde_json::json;
 
-use crate::{Preview, SCENE, open, until};
+use crate::{Preview, SCENE, open, settle, until};
 
 #[test]
 fn strip_shows_the_first_mistake_and_expands() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     let shows = |text: &str| {
         let before = browser.evaluate("wrongText");
         preview.save(text);

@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
-use crate::{Preview, open, until};
+use crate::{Preview, open, settle, until};
 
 const ESCAPE: char = '\u{e00c}';
 const RIGHT: char = '\u{e014}';
@@ -172,7 +172,7 @@ fn outline_and_handles_are_where_the_entity_is_for_all_cameras() {
         let preview =
             Preview::of(&YARD.replace("camera: (position: (0, 3, -5), target: (0, 0.2, 0))", camera));
         let Some(browser) = open(&preview) else { return };
-        until(&browser, "shown !== null && shown.full");
+        settle(&browser);
         for name in ["ball", "bar"] {
             select(&browser, name);
             // Probed points are drawn at their pixels.
@@ -227,7 +227,7 @@ fn moves_of_animated_entities_become_keys() {
     let scene = format!("{}{track}", YARD.strip_suffix(')').unwrap());
     let preview = Preview::of(&scene);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     select(&browser, "ball");
     let outline = browser.evaluate("document.querySelector('#selection .outlined').getAttribute('d')");
     // The outline follows the frame.
@@ -264,7 +264,7 @@ fn moves_below_a_parent_are_in_its_space() {
         .replace(BALL, "(0.25, 0, 0.45)");
     let preview = Preview::of(&scene);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     select(&browser, "ball");
     let before = position(&browser);
     drag(&browser, "x", [40, 0], "ball");
@@ -293,7 +293,7 @@ fn moves_below_a_parent_are_in_its_space() {
 fn escape_takes_a_move_back_and_keeps_what_else_is_tried() {
     let preview = Preview::of(YARD);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     select(&browser, "ball");
     // A view that is not written yet.
     browser.evaluate("(attempt(['camera.position=(0, 3.5, -5)']), true)");
@@ -319,7 +319,7 @@ fn escape_takes_a_move_back_and_keeps_what_else_is_tried() {
 fn arrow_keys_move_by_small_steps() {
     let preview = Preview::of(YARD);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     select(&browser, "ball");
     let label = "document.querySelector('.handle.x').getAttribute('aria-label')";
     assert_eq!(browser.evaluate(label), json!("Move ball along x"));
@@ -361,7 +361,7 @@ fn what_cannot_be_moved_says_why() {
     let part = r#"(entities: [(name: "pin", shape: Sphere(radius: 0.3), transform: (translation: (0, 0.3, 0)), color: (0, 0, 255))])"#;
     let preview = Preview::of(YARD);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     fs::write(preview.folder.path().join("part.ron"), part).unwrap();
     let orbit = "animate: [(target: \"ball\", channel: Translation, track: Orbit(center: (0, 0, 0), radius: 1, duration: 2))],\n";
     let spawn = "spawn: [Script(\"spawn(#{ name: \\\"made\\\", shape: sphere(0.2), translation: [1, 1, 0], material: \\\"clay\\\" });\")],\n";
@@ -407,7 +407,7 @@ fn large_shapes_are_moved_at_the_marked_point() {
     );
     let preview = Preview::of(&floor);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     // A plane whose position is far away, and a box around the camera.
     for (pixel, name) in [([20, 80], "floor"), ([3, 3], "room")] {
         browser.evaluate(&format!("(markPixel({}), true)", json!(pixel)));

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
-use crate::{Preview, SCENE, open, until};
+use crate::{Preview, SCENE, open, settle, until};
 
 const CAMERA: &str = "camera: (position: (0, 0, -5), target: (0, 0, 0))";
 
@@ -127,7 +127,7 @@ fn drawn_rays_are_those_of_the_space() {
     ] {
         let preview = Preview::of(&SCENE.replace(CAMERA, &format!("{space} {camera}")));
         let Some(browser) = open(&preview) else { return };
-        until(&browser, "shown !== null && shown.full");
+        settle(&browser);
         browser.evaluate("(at('rays').open = true)");
         rows(&browser, [80, 45]);
         let names = browser.evaluate("[...document.querySelectorAll('#ray-drawing text')].map(text => text.textContent).filter(text => text.includes(':'))");
@@ -156,7 +156,7 @@ fn many_rays_are_bounded() {
         .replace("entities: [", "entities: [(shape: Sphere(radius: 9), material: \"clay\"), (light: Point(intensity: (1, 1, 1)), transform: (translation: (-4, 2, -4))),");
     let preview = Preview::of(&scene);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     browser.evaluate("(at('rays').open = true)");
     let list = rows(&browser, [80, 45]);
     let notes = browser.evaluate("at('ray-notes').innerText");
@@ -176,7 +176,7 @@ fn many_rays_are_bounded() {
 fn drawing_is_magnified_and_moved() {
     let preview = Preview::new();
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     browser.evaluate("(at('rays').open = true, probe([80, 45]), true)");
     // What stands above the drawing, once it is there, moves it.
     until(&browser, "at('ray-drawing').querySelector('svg') !== null && at('values').childElementCount > 0");

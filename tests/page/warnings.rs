@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::http::request;
-use crate::{Preview, SCENE, open, until};
+use crate::{Preview, SCENE, open, settle, until};
 
 /// An expression that is true if no part of the warnings is over the picture, and no text is outside the page.
 const BESIDE: &str = "(() => {
@@ -70,7 +70,7 @@ fn allowed_warnings_are_not_shown() {
     let pale = SCENE.replace("(255, 120, 60)", "(1, 0.5, 0.25)");
     let preview = Preview::allowing(&pale, vec!["dark-color"]);
     let Some(browser) = open(&preview) else { return };
-    until(&browser, "shown !== null && shown.full");
+    settle(&browser);
     assert_eq!(browser.evaluate("at('warnings').hidden && at('warned').hidden"), json!(true));
 }
 
