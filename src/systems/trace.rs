@@ -112,7 +112,8 @@ fn trace<E: Encoding>(
             }
             let job = job.get_or_insert_with(|| start_job(instant));
             if is_fresh {
-                job.search(instant.data.scene(), instant.data.camera(), signals.cancelled);
+                let PreparedInstant { data, index, .. } = instant;
+                job.search((data.scene(), data.camera()), index, signals.cancelled);
             }
             NextInstants::Continue
         })?;
@@ -237,10 +238,16 @@ fn trace_reference<E: Encoding>(
     let (first, identifying) = (frame.first_instants(), frame.identifying_instants());
     let mut rest = first.len();
     if identifying != first {
-        simulation.visit(frame, identifying, report, cancelled, |PreparedInstant { data, .. }| {
-            reference(frame, data).search(sums.get_or_insert_with(|| start_sums(data)));
-            NextInstants::Continue
-        })?;
+        simulation.visit(
+            frame,
+            identifying,
+            report,
+            cancelled,
+            |PreparedInstant { data, index, .. }| {
+                reference(frame, data).search(sums.get_or_insert_with(|| start_sums(data)), index);
+                NextInstants::Continue
+            },
+        )?;
     }
     simulation.visit(frame, first, report, cancelled, |PreparedInstant { data, index, .. }| {
         overlay = data.overlay();

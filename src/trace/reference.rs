@@ -17,7 +17,7 @@ use crate::trace::render::adaptive::{
 use crate::trace::render::film::{self, Film};
 use crate::trace::render::image::RenderedImage;
 use crate::trace::render::job::SamplePlan;
-use crate::trace::render::visibility::{images, reference_features};
+use crate::trace::render::visibility::images;
 use crate::trace::scene::{
     Attenuation, PassageTerms, PreparedCamera, PreparedLight, PreparedScene, RayClass, SIDE,
 };
@@ -55,12 +55,8 @@ impl<'a> Reference<'a> {
         if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
             adaptive.record_images(&images(&self.context, adaptive.is_open()));
         }
+        self.search(sums, instant);
         for tile in Tile::all(resolution) {
-            if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_features()) {
-                let found =
-                    reference_features(self.context.scene, self.context.camera, &tile, adaptive.is_open());
-                adaptive.record_features(&tile, &found);
-            }
             sums.portions(&tile, instant, &mut portions);
             for portion in &portions {
                 let (column, row) = tile.pixel(portion.pixel);
@@ -75,14 +71,15 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Finds the features of all pixels at an instant.
-    pub(crate) fn search(&self, sums: &mut ReferenceSums) {
+    /// Finds the features of all pixels at an instant, unless they are known.
+    pub(crate) fn search(&self, sums: &mut ReferenceSums, instant: u32) {
         let Some(adaptive) = &mut sums.adaptive else { return };
-        for tile in Tile::all(self.context.camera.resolution()) {
-            let found =
-                reference_features(self.context.scene, self.context.camera, &tile, adaptive.is_open());
-            adaptive.record_features(&tile, &found);
+        let RenderContext { scene, camera, .. } = self.context;
+        let Some(search) = adaptive.search((scene, camera), instant) else { return };
+        for tile in Tile::all(camera.resolution()) {
+            adaptive.record_features(&tile, &search.reference_features(&tile));
         }
+        adaptive.end_search(instant);
     }
 
     /// Returns the rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera's position is not finite.

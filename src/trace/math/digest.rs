@@ -42,6 +42,13 @@ impl Bytes {
     pub(crate) fn finish(&self) -> Digest {
         *blake3::hash(&self.0).as_bytes()
     }
+
+    /// Returns the first 64 bits of the digest of the bytes, and removes the bytes.
+    pub(crate) fn short_digest(&mut self) -> u64 {
+        let digest = self.finish();
+        self.0.clear();
+        digest.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
+    }
 }
 
 /// A BLAKE3 digest.

@@ -306,6 +306,8 @@ impl<E: Encoding> RenderJob<E> {
         if let Some(adaptive) = self.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
             adaptive.record_images(&visibility::images(context, adaptive.is_open()));
         }
+        let of_instant = (context.scene, context.camera);
+        let search = self.adaptive.as_ref().and_then(|adaptive| adaptive.search(of_instant, self.instant));
         let work = TileWork {
             context,
             naive: naive.as_ref(),
@@ -313,7 +315,7 @@ impl<E: Encoding> RenderJob<E> {
             everywhere: block(samples, instants, self.instant),
             adaptive: self.adaptive.as_ref(),
             instant: self.instant,
-            finds_features: self.adaptive.as_ref().is_some_and(Adaptive::wants_features),
+            search,
         };
         let (stats, whole, features) = match &mut self.pixels {
             Pixels::Picture(film) => {
@@ -329,22 +331,31 @@ impl<E: Encoding> RenderJob<E> {
         self.stats += stats;
         if let Some(adaptive) = &mut self.adaptive {
             features.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));
+            if whole {
+                adaptive.end_search(self.instant);
+            }
         }
         whole
     }
 
     /// Searches for the features of all pixels at an instant, without sampling: with an open shutter, moving shapes may lie where no sample
     /// is taken.
-    pub(crate) fn search(&mut self, scene: &PreparedScene, camera: &PreparedCamera, cancelled: &AtomicBool) {
+    pub(crate) fn search(
+        &mut self,
+        of_instant: (&PreparedScene, &PreparedCamera),
+        instant: u32,
+        cancelled: &AtomicBool,
+    ) {
         let Some(adaptive) = &mut self.adaptive else { return };
+        let Some(search) = adaptive.search(of_instant, instant) else { return };
         let found: FoundFeatures = self
             .tiles
             .par_iter()
             .map_init(
                 || (FeatureScratch::default(), Scratch::new(cancelled, None)),
-                |(features, search), progress| {
+                |(features, scratch), progress| {
                     let tile = (&progress.tile, adaptive.digest(&progress.tile));
-                    let found = visibility::features(scene, camera, tile, (features, search))?;
+                    let found = search.features(tile, (features, scratch))?;
                     Some((progress.tile, Box::new(found)))
                 },
             )
@@ -352,6 +363,7 @@ impl<E: Encoding> RenderJob<E> {
             .collect();
         if !cancelled.load(Ordering::Relaxed) {
             found.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));
+            adaptive.end_search(instant);
         }
     }
 

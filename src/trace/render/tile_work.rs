@@ -10,7 +10,7 @@ use fearless_simd::dispatch;
 use super::accumulator::{TileAccumulator, TileSamples};
 use super::adaptive::Adaptive;
 use super::reuse::TileRecord;
-use super::visibility::{self, FeatureScratch, TileFeatures};
+use super::visibility::{FeatureScratch, FeatureSearch, TileFeatures};
 use super::work_queue::WorkQueue;
 use crate::trace::intersect::Naive;
 use crate::trace::render_stats::{RayCounts, RenderStats};
@@ -75,7 +75,8 @@ pub(in crate::trace) struct TileWork<'a> {
     pub(in crate::trace) everywhere: Range<u32>,
     pub(in crate::trace) adaptive: Option<&'a Adaptive>,
     pub(in crate::trace) instant: u32,
-    pub(in crate::trace) finds_features: bool,
+    /// The search for pixel features, if it is due.
+    pub(in crate::trace) search: Option<FeatureSearch<'a>>,
 }
 
 /// The features found, tile by tile.
@@ -125,16 +126,14 @@ impl TileWork<'_> {
         WorkMemory { buffers, slots, portions, features }: &mut WorkMemory<'_>,
         (stats, found): (&mut RenderStats, &mut FoundFeatures),
     ) -> bool {
-        let Self { context, adaptive, .. } = *self;
+        let adaptive = self.adaptive;
         let tile = progress.tile;
         buffers.record_coverage(light.asks_for_coverage());
         if let Some(adaptive) = adaptive {
-            let searches = self.finds_features && progress.batches == 0;
-            let find = || {
-                let with = (&tile, adaptive.digest(&tile));
-                visibility::features(context.scene, context.camera, with, (features, buffers.search()))
-            };
-            let tile_features = searches.then(find).flatten();
+            let search = self.search.filter(|_| progress.batches == 0);
+            let tile_features = search.and_then(|search| {
+                search.features((&tile, adaptive.digest(&tile)), (features, buffers.search()))
+            });
             adaptive.portions(&tile, self.instant, tile_features.as_ref(), portions);
             if let Some(tile_features) = tile_features {
                 // With an open shutter, the covers of consecutive instants are compared even without features.

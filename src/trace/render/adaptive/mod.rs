@@ -54,7 +54,10 @@ use fearless_simd::dispatch;
 use crate::color::{ErrorNorm, Transfer};
 use crate::trace::math::{LANES, SimdLevel, lanes, lanes_where};
 use crate::trace::rays::ShapeId;
-use crate::trace::render::visibility::{CoverPacket, Feature, Images, TileFeatures, UNCOVERED};
+use crate::trace::render::visibility::{
+    CoverPacket, Feature, FeatureSearch, Images, TileFeatures, UNCOVERED,
+};
+use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
 pub(crate) use convergence::Convergence;
 pub(crate) use evidence::PacketSums;
@@ -126,6 +129,8 @@ pub(crate) struct Adaptive {
     order: InstantOrder,
     /// First sample of each instant.
     first_samples: Vec<u32>,
+    /// The instants at which all tiles were searched for features.
+    searched: Vec<bool>,
     round: u32,
     /// Range that holds all samples of the current round.
     range: Range<u32>,
@@ -184,6 +189,7 @@ impl Adaptive {
             covers: vec![CoverPacket::all(UNSEEN); covered],
             digests: vec![0; covered / PACKETS],
             first_samples: order.first_samples(),
+            searched: vec![false; order.count() as usize],
             scales: falls.map(Scale::new),
             error: None,
             expected_samples: None,
@@ -227,9 +233,19 @@ impl Adaptive {
         &self.rounds
     }
 
-    /// Returns whether this round needs a geometric search for pixel features: in the first round, and while samples add new instants.
-    pub(crate) fn wants_features(&self) -> bool {
-        self.round == 0 || (self.is_open() && self.range.end <= self.order.count())
+    /// Returns the geometric search for pixel features at an instant, unless it is already done.
+    pub(crate) fn search<'a>(
+        &self,
+        (scene, camera): (&'a PreparedScene, &'a PreparedCamera),
+        instant: u32,
+    ) -> Option<FeatureSearch<'a>> {
+        let is_due = !self.searched[instant as usize];
+        is_due.then(|| FeatureSearch::new(scene, camera, self.is_open()))
+    }
+
+    /// Notes that the features of all tiles at an instant are stored.
+    pub(crate) fn end_search(&mut self, instant: u32) {
+        self.searched[instant as usize] = true;
     }
 
     /// Returns whether images in mirrors and glass have not been searched yet.
@@ -278,6 +294,9 @@ impl Adaptive {
         let sample = self.first_samples[instant as usize];
         let packets = self.packets[self.first_packet(tile)..].iter().zip((0_u32..).step_by(LANES));
         for (packet, (pixels, first_pixel)) in packets.take(PACKETS).enumerate() {
+            if pixels.active == 0 {
+                continue;
+            }
             let found = found.map(|found| found.of(packet).0);
             for (pixel, lane) in (first_pixel..).zip(0..LANES) {
                 if pixels.active >> lane & 1 == 1 {

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use super::*;
 use crate::color::Rgb;
 use crate::trace::math::{Dimension, PixelSamples};
-use crate::trace::render::visibility::reference_features;
+use crate::trace::render::visibility::FeatureSearch;
 use crate::trace::scene::{PatternLayout, PatternedSurface, PreparedCamera, PreparedPattern, PreparedScene};
 use crate::trace::shapes::{Plane, Sphere};
 use crate::trace::{Geometry, PatternFunction, PreparedShape, SurfaceMaterial};
@@ -329,8 +329,9 @@ fn only_borders_that_move_can_be_missed() {
         let mut adaptive = Adaptive::new(SIZE, (64, order, false), target, PixelMemory::default());
         for instant in [Instant::default(), second] {
             let (scene, camera) = (instant.scene(), instant.camera());
+            let search = FeatureSearch::new(&scene, &camera, true);
             for tile in Tile::all(SIZE) {
-                adaptive.record_features(&tile, &reference_features(&scene, &camera, &tile, true));
+                adaptive.record_features(&tile, &search.reference_features(&tile));
             }
         }
         let count = |class: Class| {

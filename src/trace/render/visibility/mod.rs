@@ -155,87 +155,100 @@ struct SeenShape {
 /// Maximum number of shapes for a linear scan if the tree cannot be traversed.
 const FEW: usize = 4096;
 
-/// Finds the features of a tile's pixels at an instant, by traversing the tree. With an open shutter, `before` is the digest of another
-/// instant's features; the result is `None` if they are the same.
-pub(crate) fn features(
-    scene: &PreparedScene,
-    camera: &PreparedCamera,
-    (tile, before): (&Tile, Option<u64>),
-    (scratch, search): (&mut FeatureScratch, &mut Scratch<'_>),
-) -> Option<TileFeatures> {
-    let add_sky = |found| Some(add_sky(scene, camera, tile, found));
-    let Some(rays) = tile_rays(camera, tile) else { return Some(unknown()) };
-    scratch.seen.clear();
-    let Scratch { stack, cancelled, .. } = search;
-    let ids = scene.unbounded.iter().copied();
-    let mut known =
-        ids.map(|id| see(scene, camera, &rays, id, &mut scratch.seen)).fold(true, |all, one| all & one);
-    let whole = !camera.has_lens()
-        && dispatch!(scene.simd.level(), simd => {
-            let visitor = &mut FeatureVisitor { scene, camera, rays: &rays, seen: &mut scratch.seen, known: true };
-            let whole = visit(simd, visitor, tile, stack, cancelled);
-            known &= visitor.known;
-            whole
+/// The search for the features of pixels at an instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FeatureSearch<'a> {
+    scene: &'a PreparedScene,
+    camera: &'a PreparedCamera,
+    /// With an open shutter: digests of the camera, and of the camera and the surroundings of shapes.
+    digests: Option<[u64; 2]>,
+}
+
+impl<'a> FeatureSearch<'a> {
+    /// Creates a search. `is_open` is true if the shutter is open.
+    pub(crate) fn new(scene: &'a PreparedScene, camera: &'a PreparedCamera, is_open: bool) -> Self {
+        let digests = is_open.then(|| {
+            let mut bytes = Bytes::default();
+            camera.write(&mut bytes);
+            let view = bytes.short_digest();
+            bytes.count(view);
+            scene.write_surroundings(&mut bytes);
+            [view, bytes.short_digest()]
         });
-    if !whole {
-        if scene.leaves.ids().len() > FEW {
+        Self { scene, camera, digests }
+    }
+
+    /// Finds the features of a tile's pixels by traversing the tree. `before` is the digest of another instant's features, if there is one;
+    /// the result is `None` if they are the same.
+    pub(crate) fn features(
+        &self,
+        (tile, before): (&Tile, Option<u64>),
+        (scratch, search): (&mut FeatureScratch, &mut Scratch<'_>),
+    ) -> Option<TileFeatures> {
+        let Self { scene, camera, .. } = *self;
+        let add_sky = |found| Some(add_sky(scene, camera, tile, found));
+        let Some(rays) = tile_rays(camera, tile) else { return Some(unknown()) };
+        scratch.seen.clear();
+        let Scratch { stack, cancelled, .. } = search;
+        let ids = scene.unbounded.iter().copied();
+        let mut known =
+            ids.map(|id| see(scene, camera, &rays, id, &mut scratch.seen)).fold(true, |all, one| all & one);
+        let whole = !camera.has_lens()
+            && dispatch!(scene.simd.level(), simd => {
+                let visitor = &mut FeatureVisitor { scene, camera, rays: &rays, seen: &mut scratch.seen, known: true };
+                let whole = visit(simd, visitor, tile, stack, cancelled);
+                known &= visitor.known;
+                whole
+            });
+        if !whole {
+            if scene.leaves.ids().len() > FEW {
+                return add_sky(unknown());
+            }
+            let ids = scene.leaves.ids();
+            known &= ids
+                .map(|id| see(scene, camera, &rays, id, &mut scratch.seen))
+                .fold(true, |all, one| all & one);
+        }
+        if !known {
             return add_sky(unknown());
         }
-        let ids = scene.leaves.ids();
-        known &=
-            ids.map(|id| see(scene, camera, &rays, id, &mut scratch.seen)).fold(true, |all, one| all & one);
+        let digest = self.digest(&mut scratch.seen);
+        if before == Some(digest) {
+            return None;
+        }
+        add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &scratch.seen) })
     }
-    if !known {
-        return add_sky(unknown());
-    }
-    let digest = if before.is_some() { digest_of(scene, camera, &mut scratch.seen) } else { 0 };
-    if before == Some(digest) {
-        return None;
-    }
-    add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &scratch.seen) })
-}
 
-/// Finds the features of a tile's pixels by a linear scan of all shapes. `is_open` is true if the shutter is open.
-pub(crate) fn reference_features(
-    scene: &PreparedScene,
-    camera: &PreparedCamera,
-    tile: &Tile,
-    is_open: bool,
-) -> TileFeatures {
-    let ids = scene.unbounded.iter().copied().chain(scene.leaves.ids());
-    let (Some(rays), mut seen) = (tile_rays(camera, tile), Vec::new()) else { return unknown() };
-    let add_sky = |found| add_sky(scene, camera, tile, found);
-    if camera.has_lens() && scene.leaves.ids().len() > FEW {
-        return add_sky(unknown());
+    /// Finds the features of a tile's pixels by a linear scan of all shapes.
+    pub(crate) fn reference_features(&self, tile: &Tile) -> TileFeatures {
+        let Self { scene, camera, .. } = *self;
+        let ids = scene.unbounded.iter().copied().chain(scene.leaves.ids());
+        let (Some(rays), mut seen) = (tile_rays(camera, tile), Vec::new()) else { return unknown() };
+        let add_sky = |found| add_sky(scene, camera, tile, found);
+        if camera.has_lens() && scene.leaves.ids().len() > FEW {
+            return add_sky(unknown());
+        }
+        let known = ids.map(|id| see(scene, camera, &rays, id, &mut seen)).fold(true, |all, one| all & one);
+        if !known {
+            return add_sky(unknown());
+        }
+        let digest = self.digest(&mut seen);
+        add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &seen) })
     }
-    let known = ids.map(|id| see(scene, camera, &rays, id, &mut seen)).fold(true, |all, one| all & one);
-    if !known {
-        return add_sky(unknown());
-    }
-    let digest = if is_open { digest_of(scene, camera, &mut seen) } else { 0 };
-    add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &seen) })
-}
 
-/// Computes the digests of the shapes seen through a tile, and returns one of all that determines the tile's features.
-fn digest_of(scene: &PreparedScene, camera: &PreparedCamera, seen: &mut [SeenShape]) -> u64 {
-    let digest = |write: &dyn Fn(&mut Bytes)| {
+    /// With an open shutter, computes the digests of the shapes seen through a tile, and returns one of all that determines the tile's
+    /// features. Otherwise returns 0.
+    fn digest(&self, seen: &mut [SeenShape]) -> u64 {
+        let Some([view, around]) = self.digests else { return 0 };
         let mut bytes = Bytes::default();
-        write(&mut bytes);
-        bytes.finish().first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
-    };
-    let view = digest(&|bytes| camera.write(bytes));
-    for shape in seen.iter_mut() {
-        shape.digest = digest(&|bytes| {
+        for shape in seen.iter_mut() {
             bytes.count(view);
-            scene.write_shape(shape.id, bytes);
-        });
+            self.scene.write_shape(shape.id, &mut bytes);
+            shape.digest = bytes.short_digest();
+        }
+        // A sum does not depend on the order of shapes.
+        seen.iter().fold(around, |sum, shape| sum.wrapping_add(shape.digest))
     }
-    let around = digest(&|bytes| {
-        bytes.count(view);
-        scene.write_surroundings(bytes);
-    });
-    // A sum does not depend on the order of shapes.
-    seen.iter().fold(around, |sum, shape| sum.wrapping_add(shape.digest))
 }
 
 /// Returns an edge in every pixel: any number of surfaces may show.
@@ -402,8 +415,9 @@ fn resolve(scene: &PreparedScene, rays: &TileRays, tile: &Tile, seen: &[SeenShap
                 let first = visible & nearest.of(shape.id);
                 whole.add_cover(first, shape);
                 if let Some(pattern) = scene.material(shape.id).pattern.as_deref() {
-                    for lane in lanes(first) {
-                        let Some(width) = shape.part_width(&pattern.layout, rays, place(lane)) else { continue };
+                    for lane in lanes(shape.bordered(first, &pattern.layout, rays, packet)) {
+                        let at = (place(lane), shape.half);
+                        let Some(width) = shape.part_width(&pattern.layout, rays, at) else { continue };
                         // Narrow parts are many, and fill the pixel together.
                         features[lane].join(shape.feature(f64::max(width * width, 1.0)));
                         whole.add_border(1 << lane, shape);
@@ -492,10 +506,25 @@ impl SeenShape {
         }
     }
 
-    /// Returns the [width](PatternLayout::part_width) of the narrowest part of the shape's pattern, in pixels, if it shows a border.
-    fn part_width(&self, layout: &PatternLayout, rays: &TileRays, pixel: DVec2) -> Option<f64> {
+    /// Returns the pixels of a packet that may show a border of the shape's pattern, among those it covers: none if the packet's square
+    /// shows no border.
+    fn bordered(&self, covered: u32, layout: &PatternLayout, rays: &TileRays, packet: usize) -> u32 {
+        let is_flat = (self.blocks.whole & self.blocks.one_face) >> packet & 1 == 1;
+        let square = (DVec2::new(BLOCKS.x[packet], BLOCKS.y[packet]), HALF_BLOCK + self.half);
+        let is_smooth = covered != 0 && is_flat && self.part_width(layout, rays, square).is_none();
+        if is_smooth { 0 } else { covered }
+    }
+
+    /// Returns the [width](PatternLayout::part_width) of the narrowest part of the shape's pattern, relative to a square around a place in the
+    /// tile, if it shows a border.
+    fn part_width(
+        &self,
+        layout: &PatternLayout,
+        rays: &TileRays,
+        (middle, half): (DVec2, f64),
+    ) -> Option<f64> {
         let places = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)].map(DVec2::from);
-        layout.part_width(self.outline.points(rays, places.map(|from| pixel + from * self.half)))
+        layout.part_width(self.outline.points(rays, places.map(|from| middle + from * half)))
     }
 }
 

@@ -46,8 +46,9 @@ fn missed(scene: &PreparedScene, camera: &PreparedCamera, samples: u32) -> (Vec<
         for i in (0..columns).step_by(TILE as usize) {
             let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
             let scratch = (&mut FeatureScratch::default(), &mut search);
-            let found = features(scene, camera, (&tile, None), scratch).unwrap();
-            let expected = reference_features(scene, camera, &tile, false);
+            let of_instant = FeatureSearch::new(scene, camera, false);
+            let found = of_instant.features((&tile, None), scratch).unwrap();
+            let expected = of_instant.reference_features(&tile);
             let differing: Vec<_> =
                 found.features.iter().zip(&expected.features).filter(|(one, other)| one != other).collect();
             assert!(
@@ -154,7 +155,8 @@ fn plain_pixels_have_no_feature_and_tiny_shapes_have() {
     let (missed_few, plain) = missed(&scene_of(&[sphere(-0.5, 1.0), floor]), &camera, 256);
     assert!(missed_few.is_empty() && plain > 80 * 80 * 9 / 10, "{missed_few:?}, {plain}");
     let tile = Tile { i: 32, j: 32, width: 16, height: 16 };
-    let found = reference_features(&scene_of(&[sphere(0.01, 0.003)]), &camera, &tile, false);
+    let found =
+        FeatureSearch::new(&scene_of(&[sphere(0.01, 0.003)]), &camera, false).reference_features(&tile);
     let small: Vec<f32> =
         found.features.iter().map(|feature| feature.area).filter(|area| *area > 0.0).collect();
     assert!(
@@ -173,7 +175,8 @@ fn features_of_the_same_view_are_found_once() {
         scene.ambient = Rgb::splat(ambient);
         let eye = DVec3::new(eye, 0.0, -5.0);
         let camera = PreparedCamera::new(eye, DVec3::Z, DVec3::Y, 1.0, (1.0, 1.0), (80, 80));
-        features(&scene, &camera, (&tile, before), (&mut FeatureScratch::default(), &mut Scratch::default()))
+        let scratch = (&mut FeatureScratch::default(), &mut Scratch::default());
+        FeatureSearch::new(&scene, &camera, before.is_some()).features((&tile, before), scratch)
     };
     assert_eq!(find(0.0, 0.0, 0.0, None).unwrap().digest, 0);
     let digest = find(0.0, 0.0, 0.0, Some(0)).unwrap().digest;
