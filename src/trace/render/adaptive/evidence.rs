@@ -172,11 +172,13 @@ impl PixelPacket {
         }
     }
 
-    /// Updates the statistics with the samples of a round. `doubled` must have been cleared.
+    /// Updates the statistics with the samples of a round.
     #[inline(always)]
     pub(super) fn update(&mut self, curve: OutputCurve, sums: &PacketSums) {
         let (mut moved, mut variance) = ([0.0_f32; LANES], [0.0_f32; LANES]);
-        let (is_first, is_single) = (self.taken == [0; LANES], self.goal == [1; LANES]);
+        let is_single = self.goal == [1; LANES];
+        let doubles = |lane: usize| (self.taken[lane] > 1) & (self.goal[lane] == 2 * self.taken[lane]);
+        let doubled = self.active & lanes_where(doubles);
         let ([mut of_all, mut of_others], mut count) = ([[0.0; LANES]; 2], [0.0_f32; LANES]);
         for lane in 0..LANES {
             let all = f64::from(self.goal[lane]);
@@ -190,9 +192,9 @@ impl PixelPacket {
             for lane in 0..LANES {
                 all[lane] = sums[lane] * of_all[lane];
             }
-            if !is_first {
+            if doubled != 0 {
                 for lane in 0..LANES {
-                    // Of use only if the count was doubled: both halves have the same distribution, so both differences count.
+                    // Both halves have the same distribution, so both differences count.
                     let halves = [mean[lane], single(2.0 * all[lane] - f64::from(mean[lane]))];
                     let of_all = curve.value(single(all[lane]));
                     let [old, new] = halves.map(|half| of_all - curve.value(half));
@@ -222,15 +224,14 @@ impl PixelPacket {
         }
         for lane in 0..LANES {
             let (before, goal, is_active) = (self.taken[lane], self.goal[lane], self.active >> lane & 1 == 1);
-            let is_doubled = before > 1 && goal == 2 * before;
-            self.doubled |= u32::from(is_active && is_doubled) << lane;
-            let moved = if is_doubled { moved[lane] } else { -1.0 };
+            let moved = if doubled >> lane & 1 == 1 { moved[lane] } else { -1.0 };
             let variance = if goal > 1 { variance[lane] } else { 0.0 };
             self.moved_before[lane] = if is_active { self.moved[lane] } else { self.moved_before[lane] };
             self.moved[lane] = if is_active { moved } else { self.moved[lane] };
             self.variance[lane] = if is_active { variance } else { self.variance[lane] };
             self.taken[lane] = if is_active { goal } else { before };
         }
+        self.doubled = doubled;
         self.measure_range();
         self.changed |= self.active;
         self.active = 0;
@@ -252,9 +253,15 @@ impl PixelPacket {
 
     /// Returns the estimates of squared errors, before scaling. `audited` is the variance of one sample in the audited pixels nearby. The
     /// variance of similar pixels nearby has half the weight, as the samples of one pixel may agree by chance. Plain pixels whose samples
-    /// vary no more than their neighbours differ are estimated as edges.
+    /// vary no more than their neighbours differ are estimated as edges. `before` are the former estimates, if neither these pixels nor
+    /// their neighbours have changed since.
     #[inline(always)]
-    pub(super) fn errors(&self, model: ErrorModel, audited: f32, around: Around<'_, Self>) -> [f32; LANES] {
+    pub(super) fn errors(
+        &self,
+        model: ErrorModel,
+        (audited, before): (f32, Option<[f32; LANES]>),
+        around: Around<'_, Self>,
+    ) -> [f32; LANES] {
         let ErrorModel { curve, edges, alpha, target, .. } = model;
         let count: [f32; LANES] = std::array::from_fn(|lane| single(f64::from(self.taken[lane])));
         let (mut missed, mut apart) = ([0.0; LANES], [0.0; LANES]);
@@ -277,6 +284,14 @@ impl PixelPacket {
         let featured = self.featured();
         if featured == 0 {
             return errors;
+        }
+        if let Some(before) = before {
+            // Audits tell nothing about features.
+            return std::array::from_fn(
+                |lane| {
+                    if featured >> lane & 1 == 1 { before[lane] } else { errors[lane] }
+                },
+            );
         }
         let missed = self.missed(curve, &Self::ranges(&around, Self::inside));
         let sampled = |packet: &Self| packet.featured() & lanes_where(|lane| packet.taken[lane] > 1);

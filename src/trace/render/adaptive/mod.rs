@@ -398,7 +398,10 @@ impl Adaptive {
                 dispatch!(SimdLevel::best().level(), _simd => {
                     for (packet, errors) in (tile * PACKETS..).zip(errors) {
                         let pixels = &self.packets[packet];
-                        *errors = pixels.errors(model, audited, self.around(packet));
+                        let around = self.around(packet);
+                        let is_outdated = around.iter().flatten().flatten().any(|pixels| pixels.changed != 0);
+                        let before = if is_outdated { None } else { Some(*errors) };
+                        *errors = pixels.errors(model, (audited, before), around);
                         for (class, sums) in pixels.classes.iter().zip(&mut sums) {
                             lanes(class & pixels.doubled).for_each(|lane| sums.add_doubled(pixels, lane, errors));
                         }
