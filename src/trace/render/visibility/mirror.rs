@@ -163,6 +163,12 @@ impl SpecularPoint {
         eye: DVec3,
         search: &mut Scratch<'_>,
     ) -> bool {
+        // Most places in the plane of a box's face are beside the face.
+        let is_beside =
+            |Bounds { min, max }| self.point.distance(self.point.clamp(min, max)) > 2.0 * OFF * self.near;
+        if scene.geometry().bounds(id).is_some_and(is_beside) {
+            return false;
+        }
         let Some(ray) = PreparedRay::new(eye, self.point - eye) else { return false };
         let hit = scene.closest(&ray, search).map(|found| found.hit);
         let is_here = |t: f64| ray.at(t).distance(self.point) < OFF * self.near;
