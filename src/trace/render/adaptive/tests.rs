@@ -7,7 +7,6 @@ use glam::{DAffine3, DVec3};
 use super::*;
 use crate::color::Rgb;
 use crate::trace::math::{Dimension, PixelSamples};
-use crate::trace::render::visibility::FeatureSearch;
 use crate::trace::scene::{PatternLayout, PatternedSurface, PreparedCamera, PreparedPattern, PreparedScene};
 use crate::trace::shapes::{Plane, Sphere};
 use crate::trace::{Geometry, PatternFunction, PreparedShape, SurfaceMaterial};
@@ -327,12 +326,14 @@ fn only_borders_that_move_can_be_missed() {
         let order = InstantOrder::new(true);
         let target = target(1.0, Convergence::Effects);
         let mut adaptive = Adaptive::new(SIZE, (64, order, false), target, PixelMemory::default());
-        for instant in [Instant::default(), second] {
+        for (index, instant) in (0..).zip([Instant::default(), second]) {
             let (scene, camera) = (instant.scene(), instant.camera());
-            let search = FeatureSearch::new(&scene, &camera, true);
+            let search = adaptive.search((&scene, &camera), index).unwrap();
             for tile in Tile::all(SIZE) {
                 adaptive.record_features(&tile, &search.reference_features(&tile));
             }
+            adaptive.end_search(index);
+            assert!(adaptive.search((&scene, &camera), index).is_none());
         }
         let count = |class: Class| {
             let of = |pixels: &PixelPacket| pixels.classes[class as usize].count_ones();

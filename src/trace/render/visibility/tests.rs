@@ -12,15 +12,15 @@ use crate::color::Rgb;
 use crate::trace::Effects;
 use crate::trace::math::PixelSampling;
 use crate::trace::rays::PreparedRay;
-use crate::trace::scene::{LightSource, PreparedLight, ShapeRef};
+use crate::trace::scene::{LightSource, PatternedSurface, PreparedLight, PreparedPattern, ShapeRef};
 use crate::trace::shading::RenderContext;
 use crate::trace::shapes::{AlignedBox, BoxImage, Plane, Rod, RodImage, Sphere, SphereImage};
-use crate::trace::{Geometry, PreparedShape, SurfaceMaterial};
+use crate::trace::{Geometry, PatternFunction, PreparedShape, SurfaceMaterial};
 
 const SIDE_PIXELS: u32 = 20;
 
-/// The shape that a ray hits, and for boxes the axis and side of the face.
-type Surface = Option<(ShapeId, [i8; 3])>;
+/// The shape that a ray hits, for boxes the axis and side of the face, and whether it has the pattern's second colour there.
+type Surface = Option<(ShapeId, [i8; 3], bool)>;
 
 fn surface(scene: &PreparedScene, ray: &PreparedRay, search: &mut Scratch<'_>) -> Surface {
     let hit = scene.closest_of_all(ray, search)?;
@@ -34,7 +34,8 @@ fn surface(scene: &PreparedScene, ray: &PreparedRay, search: &mut Scratch<'_>) -
     };
     let is_flat = flat_end.is_some_and(|axis| axis.dot(point.normal).abs() > 0.999_999);
     let face = if is_flat { [2; 3] } else { face };
-    Some((point.hit.id, face))
+    let is_second = scene.material(point.hit.id).pattern_share(point.point, point.normal) > 0.5;
+    Some((point.hit.id, face, is_second))
 }
 
 /// Returns the pixels without a feature whose samples hit more than one surface, and the total number of pixels without a feature.
@@ -84,6 +85,44 @@ fn scene_of(shapes: &[PreparedShape]) -> PreparedScene {
     let mut geometry = Geometry::default();
     shapes.iter().for_each(|shape| _ = geometry.push(*shape));
     PreparedScene::new(geometry, vec![SurfaceMaterial::default(); shapes.len()])
+}
+
+/// Creates a scene whose spheres, planes and boxes have a pattern.
+fn patterned_scene_of(shapes: &[PreparedShape], function: PatternFunction) -> PreparedScene {
+    let material = |shape: &PreparedShape| {
+        let (map, surface) = match shape {
+            PreparedShape::Sphere(Sphere { center, radius }) => {
+                let map = DAffine3::from_translation(*center) * DAffine3::from_scale(DVec3::splat(*radius));
+                (map, PatternedSurface::Sphere)
+            }
+            PreparedShape::Plane(plane) => {
+                (DAffine3::from_translation(plane.point()), PatternedSurface::plane(plane.unit_normal()))
+            }
+            PreparedShape::AlignedBox(AlignedBox { min, max }) => {
+                (DAffine3::from_translation(min.midpoint(*max)), PatternedSurface::Box((*max - *min) / 2.0))
+            }
+            PreparedShape::BoxImage(image) => (*image.forward(), PatternedSurface::Box(image.half())),
+            _ => return SurfaceMaterial::default(),
+        };
+        let pattern = PatternLayout::new(map, surface, function)
+            .map(|layout| Box::new(PreparedPattern { ambient: Rgb::ZERO, diffuse: Rgb::ZERO, layout }));
+        SurfaceMaterial { pattern, ..SurfaceMaterial::default() }
+    };
+    let mut geometry = Geometry::default();
+    shapes.iter().for_each(|shape| _ = geometry.push(*shape));
+    PreparedScene::new(geometry, shapes.iter().map(material).collect::<Vec<_>>())
+}
+
+fn pattern() -> impl Strategy<Value = PatternFunction> {
+    let size = || 0.1..20.0;
+    prop_oneof![
+        size().prop_map(|size| PatternFunction::Checker { size }),
+        (size(), 0.1..0.9, point(1.0), -1.0..1.0).prop_map(|(size, ratio, direction, offset)| {
+            PatternFunction::Stripes { size, ratio, direction, offset }
+        }),
+        (size(), size(), size(), 0.01..0.1)
+            .prop_map(|(x, y, z, mortar)| PatternFunction::Bricks { size: DVec3::new(x, y, z), mortar }),
+    ]
 }
 
 fn point(range: f64) -> impl Strategy<Value = DVec3> {
@@ -141,6 +180,19 @@ proptest! {
     ) {
         let camera = PreparedCamera::new(eye, view - eye, DVec3::Y, 1.0, (wide, wide), (SIDE_PIXELS, SIDE_PIXELS)).with_lens(lens, 5.0);
         let (missed, _) = missed(&scene_of(&shapes), &camera, 64);
+        prop_assert!(missed.is_empty(), "{:?}", missed);
+    }
+
+    #[test]
+    fn pixels_without_a_feature_show_one_colour_of_a_pattern(
+        shapes in prop::collection::vec(shape(), 1..4),
+        function in pattern(),
+        eye in point(8.0),
+        view in point(1.0),
+        wide in prop_oneof![Just(0.3), Just(1.0), Just(3.0)],
+    ) {
+        let camera = PreparedCamera::new(eye, view - eye, DVec3::Y, 1.0, (wide, wide), (SIDE_PIXELS, SIDE_PIXELS));
+        let (missed, _) = missed(&patterned_scene_of(&shapes, function), &camera, 64);
         prop_assert!(missed.is_empty(), "{:?}", missed);
     }
 }
