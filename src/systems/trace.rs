@@ -238,16 +238,11 @@ fn trace_reference<E: Encoding>(
     let (first, identifying) = (frame.first_instants(), frame.identifying_instants());
     let mut rest = first.len();
     if identifying != first {
-        simulation.visit(
-            frame,
-            identifying,
-            report,
-            cancelled,
-            |PreparedInstant { data, index, .. }| {
-                reference(frame, data).search(sums.get_or_insert_with(|| start_sums(data)), index);
-                NextInstants::Continue
-            },
-        )?;
+        simulation.visit(frame, identifying, report, cancelled, |instant| {
+            let PreparedInstant { data, index, .. } = instant;
+            reference(frame, data).search(sums.get_or_insert_with(|| start_sums(data)), index);
+            NextInstants::Continue
+        })?;
     }
     simulation.visit(frame, first, report, cancelled, |PreparedInstant { data, index, .. }| {
         overlay = data.overlay();

@@ -124,7 +124,7 @@ fn slow(samples: u32) -> String {
 
 #[test]
 fn pictures_get_finer_up_to_the_full_one() {
-    // A fast machine needs that many for a full picture after the first unfinished one.
+    // So many samples that even a fast machine shows the picture unfinished.
     let stage = Stage::new(Some(&slow(64)));
     let (first, _) = first_picture(&stage);
     let mut seen = vec![first];

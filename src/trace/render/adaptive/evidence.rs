@@ -287,11 +287,8 @@ impl PixelPacket {
         }
         if let Some(before) = before {
             // Audits tell nothing about features.
-            return std::array::from_fn(
-                |lane| {
-                    if featured >> lane & 1 == 1 { before[lane] } else { errors[lane] }
-                },
-            );
+            lanes(featured).for_each(|lane| errors[lane] = before[lane]);
+            return errors;
         }
         let missed = self.missed(curve, &Self::ranges(&around, Self::inside));
         let sampled = |packet: &Self| packet.featured() & lanes_where(|lane| packet.taken[lane] > 1);

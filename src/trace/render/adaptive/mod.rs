@@ -129,7 +129,7 @@ pub(crate) struct Adaptive {
     order: InstantOrder,
     /// First sample of each instant.
     first_samples: Vec<u32>,
-    /// The instants at which all tiles were searched for features.
+    /// By instant: whether all tiles were searched for features.
     searched: Vec<bool>,
     round: u32,
     /// Range that holds all samples of the current round.

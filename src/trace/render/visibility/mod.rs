@@ -489,12 +489,16 @@ impl SeenShape {
     /// Computes the shape's coverage of the pixels of a packet.
     #[inline(always)]
     fn covers(&self, packet: usize, pixels: &Squares<LANES>) -> Covers<LANES> {
-        let is = |mask: u32| mask >> packet & 1 == 1;
-        if is(self.blocks.whole & self.blocks.one_face) {
+        if self.fills(packet) {
             let depth = self.blocks.depth.map(|bounds| [bounds[packet]; LANES]);
             return Covers { seen: WHOLE, whole: WHOLE, one_face: WHOLE, depth };
         }
         self.outline.covers(&pixels.widened(self.half))
+    }
+
+    /// Returns whether a single face of the shape covers the square of a packet.
+    fn fills(&self, packet: usize) -> bool {
+        (self.blocks.whole & self.blocks.one_face) >> packet & 1 == 1
     }
 
     /// Returns the feature of a pixel at the border of the shape, or of a part of its pattern, with an area in pixels.
@@ -509,9 +513,8 @@ impl SeenShape {
     /// Returns the pixels of a packet that may show a border of the shape's pattern, among those it covers: none if the packet's square
     /// shows no border.
     fn bordered(&self, covered: u32, layout: &PatternLayout, rays: &TileRays, packet: usize) -> u32 {
-        let is_flat = (self.blocks.whole & self.blocks.one_face) >> packet & 1 == 1;
         let square = (DVec2::new(BLOCKS.x[packet], BLOCKS.y[packet]), HALF_BLOCK + self.half);
-        let is_smooth = covered != 0 && is_flat && self.part_width(layout, rays, square).is_none();
+        let is_smooth = covered != 0 && self.fills(packet) && self.part_width(layout, rays, square).is_none();
         if is_smooth { 0 } else { covered }
     }
 

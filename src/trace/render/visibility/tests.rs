@@ -82,14 +82,21 @@ fn missed(scene: &PreparedScene, camera: &PreparedCamera, samples: u32) -> (Vec<
 }
 
 fn scene_of(shapes: &[PreparedShape]) -> PreparedScene {
+    scene_with(shapes, |_| SurfaceMaterial::default())
+}
+
+fn scene_with(
+    shapes: &[PreparedShape],
+    material: impl FnMut(&PreparedShape) -> SurfaceMaterial,
+) -> PreparedScene {
     let mut geometry = Geometry::default();
     shapes.iter().for_each(|shape| _ = geometry.push(*shape));
-    PreparedScene::new(geometry, vec![SurfaceMaterial::default(); shapes.len()])
+    PreparedScene::new(geometry, shapes.iter().map(material).collect::<Vec<_>>())
 }
 
 /// Creates a scene whose spheres, planes and boxes have a pattern.
 fn patterned_scene_of(shapes: &[PreparedShape], function: PatternFunction) -> PreparedScene {
-    let material = |shape: &PreparedShape| {
+    scene_with(shapes, |shape| {
         let (map, surface) = match shape {
             PreparedShape::Sphere(Sphere { center, radius }) => {
                 let map = DAffine3::from_translation(*center) * DAffine3::from_scale(DVec3::splat(*radius));
@@ -107,10 +114,7 @@ fn patterned_scene_of(shapes: &[PreparedShape], function: PatternFunction) -> Pr
         let pattern = PatternLayout::new(map, surface, function)
             .map(|layout| Box::new(PreparedPattern { ambient: Rgb::ZERO, diffuse: Rgb::ZERO, layout }));
         SurfaceMaterial { pattern, ..SurfaceMaterial::default() }
-    };
-    let mut geometry = Geometry::default();
-    shapes.iter().for_each(|shape| _ = geometry.push(*shape));
-    PreparedScene::new(geometry, shapes.iter().map(material).collect::<Vec<_>>())
+    })
 }
 
 fn pattern() -> impl Strategy<Value = PatternFunction> {
