@@ -62,6 +62,7 @@ pub(crate) enum Dimension {
 }
 
 impl Dimension {
+    #[inline(always)]
     fn hashed_into(self, key: u64) -> u64 {
         match self {
             Self::Pixel => mixed(key, 0),
@@ -80,6 +81,7 @@ pub(crate) struct PixelSamples {
 impl PixelSamples {
     /// Returns the sample points of the pixel in column `i` and row `j`.
     #[must_use]
+    #[inline(always)]
     pub(crate) fn new(seed: u64, i: u32, j: u32) -> Self {
         Self { key: mixed(mixed(0, seed), u64::from(i) << 32 | u64::from(j)) }
     }
@@ -197,6 +199,7 @@ fn unit(reversed_digits: u32) -> f64 {
 }
 
 /// Hashes a key and a number with the finalizer of SplitMix64 (Steele, Lea and Flood, 2014), applied to both.
+#[inline(always)]
 pub(crate) fn mixed(key: u64, number: u64) -> u64 {
     let step = |value: u64| {
         let value = (value ^ value >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

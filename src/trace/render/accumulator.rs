@@ -100,26 +100,34 @@ impl TileAccumulator for TileSums<'_> {
 impl TileSums<'_> {
     /// Adds samples whose slots are compacted, each to its pixel, in the order of slots.
     fn add_scattered(&mut self, TileSamples { light, slots, covered }: &TileSamples<'_>) {
-        for (packet, lane, pixel) in slots.iter() {
-            let (home, place) = (pixel / LANES, pixel % LANES);
-            let color = light[packet].get(lane).as_dvec3();
-            let add = |sums: &mut [Vectors], color: DVec3| {
-                if let Some(sums) = sums.get_mut(home) {
-                    sums.set(place, sums.get(place) + color);
-                }
-            };
-            add(self.all, color);
-            add(self.squares, color * color);
-            if let Some(counts) = self.counts.get_mut(home) {
-                counts.set(place, counts.get(place) + 1.0);
-            }
-            if covered.of_packet(packet) & (1 << lane) != 0 {
-                add(self.covered, color);
-                if let Some(counts) = self.covered_counts.get_mut(home) {
-                    counts.set(place, counts.get(place) + 1.0);
-                }
+        for (pixel, run) in slots.runs() {
+            let colors = |slot: usize| light[slot / LANES % PACKETS].get(slot % LANES).as_dvec3();
+            let is_covered = |slot: &usize| covered.of_packet(slot / LANES) >> (slot % LANES) & 1 == 1;
+            add_to_pixel(self.all, pixel, run.clone().map(colors));
+            add_to_pixel(self.squares, pixel, run.clone().map(colors).map(|color| color * color));
+            add_to_count(self.counts, pixel, run.len());
+            if !self.covered.is_empty() {
+                add_to_pixel(self.covered, pixel, run.clone().filter(is_covered).map(colors));
+                add_to_count(self.covered_counts, pixel, run.filter(is_covered).count());
             }
         }
+    }
+}
+
+/// Adds colours to the sum of a pixel, one after the other, if there are sums.
+#[inline(always)]
+fn add_to_pixel(sums: &mut [Vectors], pixel: usize, colors: impl Iterator<Item = DVec3>) {
+    if let Some(sums) = sums.get_mut(pixel / LANES) {
+        let sum = colors.fold(sums.get(pixel % LANES), |sum, color| sum + color);
+        sums.set(pixel % LANES, sum);
+    }
+}
+
+/// Adds a number to the count of a pixel, if there are counts.
+#[inline(always)]
+fn add_to_count(counts: &mut [Numbers], pixel: usize, number: usize) {
+    if let Some(counts) = counts.get_mut(pixel / LANES) {
+        counts.set(pixel % LANES, counts.get(pixel % LANES) + number as f64);
     }
 }
 

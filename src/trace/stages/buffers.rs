@@ -100,10 +100,10 @@ impl<'a> TileBuffers<'a> {
         }
     }
 
-    /// Prepares the buffers for a sample of a tile. Discards the data of a cancelled sample.
-    pub(super) fn begin(&mut self, context: &RenderContext<'_>) {
+    /// Prepares the buffers for samples in `packets` packets of a tile. Discards the data of cancelled samples.
+    pub(super) fn begin(&mut self, context: &RenderContext<'_>, packets: usize) {
         self.wavefront.count = 0;
-        self.pixels.fill(Colors::splat(Rgb::ZERO));
+        self.pixels[..packets].fill(Colors::splat(Rgb::ZERO));
         self.covered = self.covered.map(|_| TileLanes::NONE);
         if let Some(recorder) = &mut self.recorder {
             recorder.begin_sample();

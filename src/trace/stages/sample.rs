@@ -35,7 +35,7 @@ pub(crate) fn render_sample(
     buffers: &mut TileBuffers<'_>,
 ) -> bool {
     let sample = Sample { context, tile, slots };
-    buffers.begin(context);
+    buffers.begin(context, slots.count);
     if fill_empty_tile(&sample, buffers) {
         return !buffers.is_cancelled();
     }
@@ -118,12 +118,11 @@ fn camera_rays(sample: &Sample<'_>, buffers: &mut TileBuffers<'_>) {
     buffers.rays_traced.camera += u64::from(buffers.wavefront.len());
 }
 
-/// Generates the rays through pixel centres, or the rays of the slots' samples if there are several per pixel. Packets beyond the wavefront's
-/// count get no rays.
+/// Generates the rays through pixel centres, or the rays of the slots' samples if there are several per pixel.
 #[inline(always)]
 fn make_rays<S: Simd>(simd: S, sample: &Sample<'_>, tile_sampler: &TileSampler, wavefront: &mut Wavefront) {
     let Sample { context, tile, slots } = *sample;
-    for packet in 0..PACKETS {
+    for packet in 0..slots.count {
         let rays = &mut wavefront.rays[packet];
         if context.sampling.samples > 1 {
             context.camera.sample_rays(

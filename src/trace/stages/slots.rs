@@ -1,7 +1,9 @@
 //! The slots of a tile's camera rays: one sample of one pixel in each lane of its packets.
 //!
-//! If most pixels take a sample, each sample has the slot of its pixel. If few pixels take several samples, slots are compacted: the samples
-//! of a pixel have adjacent slots, in as few packets as possible, so that packets are full and their rays are coherent.
+//! If most pixels take a sample, each sample has the slot of its pixel. Otherwise, slots are compacted: the samples of a pixel have adjacent
+//! slots, in as few packets as possible, so that packets are full and their rays are coherent.
+
+use std::ops::Range;
 
 use super::tile::{PACKETS, PIXELS, TILE_PIXELS, Tile};
 use crate::trace::math::LANES;
@@ -38,7 +40,7 @@ pub(crate) struct Slots {
     pub(crate) lanes: [u32; PACKETS],
     /// True if every slot has the index of its pixel.
     pub(crate) in_place: bool,
-    /// Scratch memory: portions with more samples than all have in common.
+    /// Scratch memory: portions with samples that are not in earlier batches.
     rest: Vec<Portion>,
 }
 
@@ -63,60 +65,63 @@ impl Slots {
         self.lanes = std::array::from_fn(|packet| tile.square(packet).map_or(0, |square| square.lanes()));
     }
 
-    /// Sets batch number `batch` of the pixels' samples. Returns `false` if there is none. The samples that all pixels take come first, then
-    /// the samples that few pixels take in addition.
+    /// Sets batch number `batch` of the pixels' samples. Returns `false` if there is none. While most pixels take a sample, a batch holds one
+    /// sample of each, in place; the others are full.
     pub(crate) fn set_batch(&mut self, portions: &[Portion], batch: u32) -> bool {
-        let at_once = |pixels: usize| to_u32(TILE_PIXELS / pixels.max(1)).max(1);
-        let common = match at_once(portions.len()) {
-            1 => portions.iter().map(|portion| portion.count).min().unwrap_or(0),
-            _ => 0,
-        };
-        if batch < common {
-            self.set(portions, (batch, 1));
-            return true;
-        }
-        self.rest.clear();
-        self.rest.extend(portions.iter().copied().filter(|portion| portion.count > common));
-        let at_once = at_once(self.rest.len());
-        let Some(from) = (batch - common).checked_mul(at_once) else { return false };
-        let from = from.saturating_add(common);
-        let more = self.rest.iter().any(|portion| portion.count > from);
-        if more {
-            let rest = std::mem::take(&mut self.rest);
-            self.set(&rest, (from, at_once));
-            self.rest = rest;
-        }
-        more
-    }
-
-    /// Sets `at_once` samples of each portion, from number `from` on.
-    fn set(&mut self, portions: &[Portion], (from, at_once): (u32, u32)) {
-        self.in_place = at_once == 1 && !are_sparse(portions);
-        self.lanes = [0; PACKETS];
-        for (place, portion) in portions.iter().enumerate() {
-            for number in 0..at_once {
-                let slot =
-                    if self.in_place { portion.pixel } else { to_u32(place) * at_once + number } as usize;
-                let (packet, lane) = (slot / LANES % PACKETS, slot % LANES);
-                self.pixels[packet][lane] = portion.pixel;
-                self.samples[packet][lane] = portion.first + portion.stride.wrapping_mul(from + number);
-                self.lanes[packet] |= u32::from(from + number < portion.count) << lane;
+        let mut rest = std::mem::take(&mut self.rest);
+        rest.clear();
+        rest.extend_from_slice(portions);
+        // Number of batches in place.
+        let mut in_place = 0;
+        while in_place <= batch && 2 * rest.len() > TILE_PIXELS && !are_sparse(&rest) {
+            in_place = rest.iter().map(|portion| portion.count).min().unwrap_or(0);
+            if in_place <= batch {
+                rest.retain(|portion| portion.count > in_place);
             }
         }
-        self.count = if self.in_place {
-            *self.pixels = PIXELS;
-            PACKETS
+        (self.in_place, self.lanes) = (batch < in_place, [0; PACKETS]);
+        if self.in_place {
+            (self.count, *self.pixels) = (PACKETS, PIXELS);
+            rest.iter().for_each(|portion| self.put(portion.pixel as usize, portion, batch));
         } else {
-            (portions.len() * at_once as usize).div_ceil(LANES)
-        };
+            self.fill(&rest, (in_place, (batch - in_place).saturating_mul(to_u32(TILE_PIXELS))));
+        }
+        self.rest = rest;
+        self.count > 0
     }
 
-    /// Iterates over the slots in use: packet, lane, and the pixel's index in the tile.
+    /// Fills all slots with the samples of portions, from number `from` of each on, without the first `taken` of them.
+    fn fill(&mut self, portions: &[Portion], (from, mut taken): (u32, u32)) {
+        let samples = portions.iter().flat_map(|portion| {
+            let first = from.saturating_add(taken).min(portion.count);
+            taken -= first.saturating_sub(from);
+            (first..portion.count).map(move |number| (portion, number))
+        });
+        self.count = 0;
+        for (slot, (portion, number)) in samples.take(TILE_PIXELS).enumerate() {
+            self.put(slot, portion, number);
+            self.count = slot / LANES + 1;
+        }
+    }
+
+    /// Puts a sample of a portion into a slot.
     #[inline(always)]
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, usize, usize)> {
-        (0..self.count).flat_map(move |packet| {
-            crate::trace::math::lanes(self.lanes[packet])
-                .map(move |lane| (packet, lane, self.pixels[packet][lane] as usize))
+    fn put(&mut self, slot: usize, portion: &Portion, number: u32) {
+        let (packet, lane) = (slot / LANES % PACKETS, slot % LANES);
+        self.pixels[packet][lane] = portion.pixel;
+        self.samples[packet][lane] = portion.first + portion.stride * number;
+        self.lanes[packet] |= 1 << lane;
+    }
+
+    /// Iterates over the pixels of compacted slots: the pixel's index in the tile, and its slots.
+    #[inline(always)]
+    pub(crate) fn runs(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let used: u32 = self.lanes.iter().map(|lanes| lanes.count_ones()).sum();
+        let mut end = 0;
+        self.pixels.as_flattened()[..used as usize].chunk_by(u32::eq).map(move |run| {
+            let first = end;
+            end += run.len();
+            (run[0] as usize, first..end)
         })
     }
 
@@ -159,9 +164,12 @@ mod tests {
             if !slots.set_batch(portions, batch) {
                 break;
             }
-            for (packet, lane, pixel) in slots.iter() {
-                assert!(!slots.in_place || packet * LANES + lane == pixel);
-                taken[pixel].push(slots.samples[packet][lane]);
+            let samples = slots.samples.as_flattened();
+            if slots.in_place {
+                let used = |slot: &usize| slots.lanes[slot / LANES] >> (slot % LANES) & 1 == 1;
+                (0..TILE_PIXELS).filter(used).for_each(|slot| taken[slot].push(samples[slot]));
+            } else {
+                slots.runs().for_each(|(pixel, run)| taken[pixel].extend_from_slice(&samples[run]));
             }
         }
         taken
@@ -193,10 +201,14 @@ mod tests {
         };
         let mut slots = Slots::default();
         assert!(slots.set_batch(&portions(&[3, 200]), 0));
-        assert_eq!((slots.count, slots.lanes[0], slots.in_place), (16, 0xf, false));
+        assert_eq!((slots.count, slots.lanes[0], slots.in_place), (1, 0xff, false));
+        assert!(!slots.set_batch(&portions(&[3, 200]), 1));
         assert!(slots.set_batch(&portions(&(0..250).collect::<Vec<_>>()), 3) && slots.in_place);
         let every_other: Vec<u32> = (0..256).filter(|pixel| pixel % 32 < 18).collect();
-        assert!(slots.set_batch(&portions(&every_other), 0));
-        assert_eq!((slots.count, slots.in_place), (9, false));
+        for (batch, packets) in [(0, 16), (1, 16), (2, 4)] {
+            assert!(slots.set_batch(&portions(&every_other), batch));
+            assert_eq!((slots.count, slots.in_place), (packets, false));
+        }
+        assert!(!slots.set_batch(&portions(&every_other), 3));
     }
 }

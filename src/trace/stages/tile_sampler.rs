@@ -1,5 +1,7 @@
 //! Data that the batches of a tile's samples share.
 
+use fearless_simd::dispatch;
+
 use super::slots::Slots;
 use super::tile::{PACKETS, Tile};
 use crate::trace::intersect::{LensCandidates, Scratch};
@@ -21,6 +23,7 @@ pub(super) struct TileSampler {
 #[derive(Debug, PartialEq, Eq)]
 struct KnownSlots {
     tile: Tile,
+    in_place: bool,
     pixels: [[u32; LANES]; PACKETS],
     lanes: [u32; PACKETS],
 }
@@ -45,17 +48,25 @@ impl TileSampler {
             return;
         }
         let (seed, has_lens) = (context.sampling.seed, context.camera.has_lens());
-        let packets = slots.pixels.iter().zip(slots.lanes);
-        for (keys, (pixels, lanes)) in self.keys.iter_mut().zip(packets) {
-            keys.find(seed, (&pixels.map(|pixel| tile.pixel(pixel)), lanes), has_lens);
-        }
-        if has_lens || context.camera.is_orthographic() {
+        let packets = slots.pixels.iter().zip(slots.lanes).take(slots.count);
+        let packets = self.keys.iter_mut().zip(packets);
+        dispatch!(context.scene.simd.level(), _simd => {
+            for (keys, (pixels, lanes)) in packets {
+                let mut places = [(0, 0); LANES];
+                places.iter_mut().zip(pixels).for_each(|(place, pixel)| *place = tile.pixel(*pixel));
+                keys.find(seed, (&places, lanes), has_lens);
+            }
+        });
+        let has_candidates =
+            self.known.as_ref().is_some_and(|known| (known.tile, known.in_place) == (tile, slots.in_place));
+        if !has_candidates && (has_lens || context.camera.is_orthographic()) {
             self.find_candidates(context, tile, search);
             if !slots.in_place {
                 self.candidates.mix_packets();
             }
         }
-        self.known = Some(KnownSlots { tile, pixels: *slots.pixels, lanes: slots.lanes });
+        let Slots { in_place, lanes, .. } = *slots;
+        self.known = Some(KnownSlots { tile, in_place, pixels: *slots.pixels, lanes });
     }
 
     /// Collects the shapes that rays of a tile's pixels can hit.
@@ -77,7 +88,7 @@ impl KnownSlots {
     /// Returns whether keys were computed for these slots. The last batch of a tile may leave some slots empty.
     fn serves(&self, tile: Tile, slots: &Slots) -> bool {
         let covers = |(known, needed): (&u32, &u32)| needed & !known == 0;
-        self.tile == tile
+        (self.tile, self.in_place) == (tile, slots.in_place)
             && self.lanes.iter().zip(&slots.lanes).all(covers)
             && self.pixels[..slots.count] == slots.pixels[..slots.count]
     }

@@ -64,10 +64,15 @@ impl InstantOrder {
 
     /// Returns the samples of a pixel, within the range `samples`, that belong to the same instant as `sample`.
     pub(super) fn portion(self, pixel: u32, samples: Range<u32>, sample: u32) -> Option<Portion> {
-        let stride = self.count();
-        let first = samples.start + (sample.wrapping_sub(samples.start) & (stride - 1));
+        let (first, stride) = (self.next_at(samples.start, sample), self.count());
         let count = samples.end.saturating_sub(first).div_ceil(stride);
         (count > 0).then_some(Portion { pixel, first, stride, count })
+    }
+
+    /// Returns the first sample from `start` on that belongs to the same instant as `sample`.
+    #[inline(always)]
+    pub(super) fn next_at(self, start: u32, sample: u32) -> u32 {
+        start + (sample.wrapping_sub(start) & (self.count() - 1))
     }
 
     /// Returns the first sample of each instant.

@@ -144,16 +144,20 @@ impl PixelKeys {
     };
 
     /// Computes the keys of the pixels in some lanes, given by column and row, and their keys on the lens if there is one.
+    #[inline(always)]
     pub(crate) fn find(&mut self, seed: u64, (pixels, mask): (&[(u32, u32); LANES], u32), has_lens: bool) {
         (self.lanes, self.pixels) = (mask, *pixels);
-        for lane in lanes(mask) {
-            let (i, j) = pixels[lane];
-            self.columns.set(lane, f64::from(i));
-            self.rows.set(lane, f64::from(j));
-            let samples = PixelSamples::new(seed, i, j);
-            self.on_screen.set(lane, &samples, Dimension::Pixel);
-            if has_lens {
-                self.on_lens.set(lane, &samples, Dimension::Lens);
+        // In all lanes and in short loops, so that compilers vectorize the hashes.
+        for (lane, (i, j)) in pixels.iter().enumerate() {
+            self.columns.set(lane, f64::from(*i));
+            self.rows.set(lane, f64::from(*j));
+        }
+        for (lane, (i, j)) in pixels.iter().enumerate() {
+            self.on_screen.set(lane, &PixelSamples::new(seed, *i, *j), Dimension::Pixel);
+        }
+        if has_lens {
+            for (lane, (i, j)) in pixels.iter().enumerate() {
+                self.on_lens.set(lane, &PixelSamples::new(seed, *i, *j), Dimension::Lens);
             }
         }
     }
