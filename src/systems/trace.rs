@@ -104,7 +104,7 @@ fn trace<E: Encoding>(
     let is_fresh = job.is_none();
     let first = job.as_ref().map_or_else(|| frame.first_instants(), RenderJob::instants);
     let identifying = frame.identifying_instants();
-    // With an open shutter, the first round visits few instants. The others are searched too, since shapes may be visible only there.
+    // With an open shutter, the first round visits few instants. Others are searched too, since shapes may be visible only there.
     if identifying != first && (is_fresh || fingerprint) {
         simulation.visit(frame, identifying, report, signals.cancelled, |instant| {
             if let Some(hashed) = &mut hashed {
@@ -115,6 +115,13 @@ fn trace<E: Encoding>(
                 let PreparedInstant { data, index, .. } = instant;
                 job.search((data.scene(), data.camera()), index, signals.cancelled);
             }
+            NextInstants::Continue
+        })?;
+        let between = job.as_mut().filter(|_| is_fresh).map_or_else(Vec::new, RenderJob::instants_between);
+        simulation.visit(frame, between, report, signals.cancelled, |instant| {
+            let PreparedInstant { data, index, .. } = instant;
+            job.iter_mut()
+                .for_each(|job| job.search((data.scene(), data.camera()), index, signals.cancelled));
             NextInstants::Continue
         })?;
     }
@@ -241,6 +248,11 @@ fn trace_reference<E: Encoding>(
         simulation.visit(frame, identifying, report, cancelled, |instant| {
             let PreparedInstant { data, index, .. } = instant;
             reference(frame, data).search(sums.get_or_insert_with(|| start_sums(data)), index);
+            NextInstants::Continue
+        })?;
+        let between = sums.as_mut().map_or_else(Vec::new, ReferenceSums::instants_between);
+        simulation.visit(frame, between, report, cancelled, |PreparedInstant { data, index, .. }| {
+            sums.iter_mut().for_each(|sums| reference(frame, data).search(sums, index));
             NextInstants::Continue
         })?;
     }

@@ -80,6 +80,7 @@ impl<'a> Reference<'a> {
             adaptive.record_features(&tile, &search.reference_features(&tile));
         }
         adaptive.end_search(instant);
+        adaptive.track((scene, camera));
     }
 
     /// Returns the rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera's position is not finite.
@@ -195,6 +196,11 @@ impl ReferenceSums {
     /// Returns the instants of this round's samples, in chronological order.
     pub(crate) fn instants(&self) -> Vec<u32> {
         self.adaptive.as_ref().map_or_else(|| (0..self.plan.instants).collect(), Adaptive::instants)
+    }
+
+    /// Returns the instants to search in advance in addition to those that were searched. Empty from the second call on.
+    pub(crate) fn instants_between(&mut self) -> Vec<u32> {
+        self.adaptive.as_mut().map_or_else(Vec::new, Adaptive::instants_between)
     }
 
     /// Starts the next round unless the picture has reached its error target. Returns whether there is a next round.

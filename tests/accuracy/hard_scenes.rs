@@ -206,6 +206,12 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
             "(0, (-150, 0, 0)), (0.5, (150, 0, 0))",
         ),
         mover(
+            "cannonball",
+            (AMBIENT, ""),
+            &format!("(name: \"mover\", shape: Sphere(radius: {}), material: \"white\")", 10.0 * PIXEL),
+            "(0, (-520, 1, 0)), (0.5, (440, 1, 0))",
+        ),
+        mover(
             "belt",
             (bright, &glossy.replace("size: 0.5", "size: 2")),
             &format!(

@@ -338,8 +338,8 @@ impl<E: Encoding> RenderJob<E> {
         whole
     }
 
-    /// Searches for the features of all pixels at an instant, without sampling: with an open shutter, moving shapes may lie where no sample
-    /// is taken.
+    /// Searches for the features of all pixels at an instant in advance, without sampling: with an open shutter, moving shapes may lie where
+    /// no sample is taken.
     pub(crate) fn search(
         &mut self,
         of_instant: (&PreparedScene, &PreparedCamera),
@@ -364,7 +364,13 @@ impl<E: Encoding> RenderJob<E> {
         if !cancelled.load(Ordering::Relaxed) {
             found.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));
             adaptive.end_search(instant);
+            adaptive.track(of_instant);
         }
+    }
+
+    /// Returns the instants to search in advance in addition to those that were searched. Empty from the second call on.
+    pub(crate) fn instants_between(&mut self) -> Vec<u32> {
+        self.adaptive.as_mut().map_or_else(Vec::new, Adaptive::instants_between)
     }
 
     /// Returns whether all samples of the current round are added.

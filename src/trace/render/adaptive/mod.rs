@@ -15,7 +15,8 @@
 //!
 //! 1. **Geometry** finds the pixels in which more than one surface can show, or the image of a small shape in a mirror, or a small highlight
 //!    ([`visibility`](super::visibility)). Their error estimate is at least the error possible for their contrast and the size of the
-//!    smallest feature, even if all samples agree (`evidence`).
+//!    smallest feature, even if all samples agree (`evidence`). With an open shutter, it searches 16 instants before any sample is taken,
+//!    and as many more as it takes for no shape to cross a pixel unnoticed between two of them, up to 256.
 //! 2. **Neighbours**: where the means of two plain pixels differ, the edge of a shadow, or of an image in a mirror or in glass, lies in one
 //!    of them. Their estimate is at least that of an edge of this contrast, and what their samples show of it falls as at an edge.
 //! 3. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
@@ -34,6 +35,7 @@
 //! loops, with identical results at every SIMD level.
 
 mod convergence;
+mod error;
 mod evidence;
 mod feature_light;
 mod hidden_images;
@@ -51,15 +53,17 @@ use rayon::prelude::*;
 
 use fearless_simd::dispatch;
 
-use crate::color::{ErrorNorm, Transfer};
+use crate::color::ErrorNorm;
 use crate::trace::math::{LANES, SimdLevel, lanes, lanes_where};
 use crate::trace::rays::ShapeId;
 use crate::trace::render::visibility::{
-    CoverPacket, Feature, FeatureSearch, Images, TileFeatures, UNCOVERED,
+    CoverPacket, Feature, FeatureSearch, Images, MotionTracker, TileFeatures, UNCOVERED,
 };
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
 pub(crate) use convergence::Convergence;
+pub(crate) use error::ErrorTarget;
+pub use error::EstimatedError;
 pub(crate) use evidence::PacketSums;
 use evidence::{CLASSES, Class, ErrorModel, FEWEST, PixelPacket, next_goal, single};
 use feature_light::FeatureLight;
@@ -71,31 +75,6 @@ use output_curve::OutputCurve;
 pub(crate) use pixel_memory::PixelMemory;
 pub use round_policy::{Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 use scale::{ClassSums, Scale};
-
-/// The error target of a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ErrorTarget {
-    /// Target error in output values (8-bit levels), greater than 0.
-    pub(crate) error: f64,
-    pub(crate) norm: ErrorNorm,
-    /// Minimum sample count per pixel.
-    pub(crate) least: u32,
-    /// The transfer function from light to output values.
-    pub(crate) transfer: Transfer,
-    pub(crate) convergence: Convergence,
-}
-
-/// The estimate of a picture's error, in output values.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EstimatedError {
-    /// Error in the norm of the target: RMS over pixels and channels, maximum, or 99th percentile.
-    pub value: f64,
-    /// Standard deviation of the estimate.
-    pub deviation: f64,
-    /// Additional RMS error from images of small shapes in mirrors and glass that lie where no sample was taken: the expected value if all
-    /// of them are visible. 0 while samples are added.
-    pub hidden: f64,
-}
 
 /// The fraction of the target that sampling aims at, because estimates scatter.
 const AIM: f64 = 0.85;
@@ -132,6 +111,8 @@ pub(crate) struct Adaptive {
     /// By instant: whether all tiles were searched for features.
     searched: Vec<bool>,
     round: u32,
+    /// With an open shutter, until all instants are chosen that are searched in advance: the motion of shapes.
+    motion: Option<MotionTracker>,
     /// Range that holds all samples of the current round.
     range: Range<u32>,
     /// Pixel packets, tile by tile.
@@ -190,6 +171,7 @@ impl Adaptive {
             digests: vec![0; covered / PACKETS],
             first_samples: order.first_samples(),
             searched: vec![false; order.count() as usize],
+            motion: (order.count() > 1).then(MotionTracker::default),
             scales: falls.map(Scale::new),
             error: None,
             expected_samples: None,
@@ -248,6 +230,22 @@ impl Adaptive {
         self.searched[instant as usize] = true;
     }
 
+    /// Notes the motion of shapes up to an instant that is searched in advance.
+    pub(crate) fn track(&mut self, (scene, camera): (&PreparedScene, &PreparedCamera)) {
+        self.motion.iter_mut().for_each(|motion| motion.add(scene, camera));
+    }
+
+    /// Returns the instants to search in advance in addition to those that were searched, which are spread evenly: shapes may have moved
+    /// across pixels between them. Empty from the second call on.
+    pub(crate) fn instants_between(&mut self) -> Vec<u32> {
+        let Some(motion) = self.motion.take() else { return Vec::new() };
+        let searched = self.searched.iter().fold(0, |count, is| count + u32::from(*is));
+        let wanted = searched.saturating_mul(motion.steps()).min(self.order.count()).next_power_of_two();
+        let mut instants = self.order.instants(0..wanted);
+        instants.retain(|instant| !self.searched[*instant as usize]);
+        instants
+    }
+
     /// Returns whether images in mirrors and glass have not been searched yet.
     pub(crate) fn wants_images(&self) -> bool {
         self.images.is_none()
@@ -292,21 +290,21 @@ impl Adaptive {
         portions.clear();
         let found = found.filter(|_| self.round == 0);
         let sample = self.first_samples[instant as usize];
+        let least = next_goal(0, self.most);
         let packets = self.packets[self.first_packet(tile)..].iter().zip((0_u32..).step_by(LANES));
-        for (packet, (pixels, first_pixel)) in packets.take(PACKETS).enumerate() {
-            if pixels.active == 0 {
-                continue;
-            }
-            let found = found.map(|found| found.of(packet).0);
-            for (pixel, lane) in (first_pixel..).zip(0..LANES) {
-                if pixels.active >> lane & 1 == 1 {
-                    let is_plain = found.is_none_or(|found| found[lane] == Feature::NONE);
-                    let least = if is_plain { 0 } else { next_goal(0, self.most) };
-                    let samples = pixels.taken[lane]..pixels.goal[lane].max(least);
-                    portions.extend(self.order.portion(pixel, samples, sample));
+        let packets = packets.take(PACKETS).enumerate().filter(|(_, (pixels, _))| pixels.active != 0);
+        dispatch!(SimdLevel::best().level(), _simd => {
+            for (packet, (&PixelPacket { active, taken, mut goal, .. }, first_pixel)) in packets {
+                if let Some((features, _)) = found.map(|found| found.of(packet)) {
+                    let has_feature = |lane: &usize| features[*lane] != Feature::NONE;
+                    (0..LANES).filter(has_feature).for_each(|lane| goal[lane] = goal[lane].max(least));
+                }
+                let due = active & lanes_where(|lane| self.order.next_at(taken[lane], sample) < goal[lane]);
+                for (pixel, lane) in (first_pixel..).zip(0..LANES).filter(|(_, lane)| due >> lane & 1 == 1) {
+                    portions.extend(self.order.portion(pixel, taken[lane]..goal[lane], sample));
                 }
             }
-        }
+        });
     }
 
     /// Stores the features of a tile's pixels at an instant.

@@ -5,7 +5,7 @@ use std::array::from_fn;
 use glam::{DAffine3, DVec3};
 
 use super::*;
-use crate::color::Rgb;
+use crate::color::{Rgb, Transfer};
 use crate::trace::math::{Dimension, PixelSamples};
 use crate::trace::scene::{PatternLayout, PatternedSurface, PreparedCamera, PreparedPattern, PreparedScene};
 use crate::trace::shapes::{Plane, Sphere};

@@ -17,6 +17,8 @@
 //!     it covers a part    -> feature of the shape's size
 //! ```
 //!
+//! With an open shutter, shapes may pass through pixels between two searches (`motion`).
+//!
 //! Images of small shapes in mirrors and small highlights are found shape by shape (`images`), at the point that reflects them (`mirror`).
 //!
 //! With a lens, every pixel sees a disc of each plane: squares are widened by the circle of confusion. The result depends only on the
@@ -24,6 +26,7 @@
 
 mod images;
 mod mirror;
+mod motion;
 mod outline;
 mod sky;
 
@@ -41,6 +44,7 @@ use crate::trace::scene::{PatternLayout, PreparedCamera, PreparedScene, SIDE};
 use crate::trace::shading::most_radiance;
 use crate::trace::stages::{PACKETS, TILE, TILE_PIXELS, Tile};
 pub(crate) use images::{HiddenImage, Images, images};
+pub(crate) use motion::MotionTracker;
 use outline::{Covers, Outline, Squares, TileRays, where_less};
 use sky::add_sky;
 

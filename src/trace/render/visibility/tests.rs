@@ -394,3 +394,74 @@ fn images_and_highlights_are_where_the_law_of_reflection_puts_them() {
     assert_eq!(found(sphere([0.0, 0.999, 0.0], 0.01), away).hidden.len(), 1);
     assert_eq!(found(sphere([0.0, 0.0, 5.0], 0.01), away).hidden.len(), 0);
 }
+
+/// Creates a scene of one shape of one of three kinds.
+fn scene_of_one(kind: u8, map: DAffine3, half: DVec3) -> PreparedScene {
+    let middle = map.translation;
+    scene_of(&[match kind {
+        0 => PreparedShape::Sphere(Sphere { center: middle, radius: half.x }),
+        1 => PreparedShape::AlignedBox(AlignedBox { min: middle - half, max: middle + half }),
+        _ => PreparedShape::BoxImage(BoxImage::new(map, half).unwrap()),
+    }])
+}
+
+/// Returns which pixels have a feature or a cover in one of the scenes.
+fn noticed(scenes: impl Iterator<Item = PreparedScene>, camera: &PreparedCamera) -> Vec<bool> {
+    let mut noticed = vec![false; (SIDE_PIXELS * SIDE_PIXELS) as usize];
+    for scene in scenes {
+        let search = FeatureSearch::new(&scene, camera, true);
+        for tile in Tile::all(camera.resolution()) {
+            let found = search.reference_features(&tile);
+            for (column, row) in (0..tile.height).flat_map(|row| (0..tile.width).map(move |i| (i, row))) {
+                let (packet, lane) = Tile::lane_of(column as usize, row as usize);
+                let (features, cover) = found.of(packet);
+                let is_noticed = features[lane] != Feature::NONE || cover.ids[lane] != UNCOVERED;
+                noticed[((tile.j + row) * SIDE_PIXELS + tile.i + column) as usize] |= is_noticed;
+            }
+        }
+    }
+    noticed
+}
+
+/// Checks that shapes hardly show in pixels that they cross unnoticed between the steps that were found to be necessary, but do between fewer
+/// steps. Corners of pixels can be crossed faster than in any step.
+#[test]
+fn shapes_that_move_hardly_leave_out_pixels_between_steps() {
+    const INSTANTS: u32 = 16;
+    const MOMENTS: u32 = 64;
+    let (position, pixels) = (DVec3::new(0.0, 0.0, -10.0), (SIDE_PIXELS, SIDE_PIXELS));
+    let camera = PreparedCamera::new(position, DVec3::Z, DVec3::Y, 10.0, (4.0, 4.0), pixels);
+    let mut runner = TestRunner::deterministic();
+    let (mut search, mut shown, mut left_out) = (Scratch::default(), 0, [0; 2]);
+    for _ in 0..100 {
+        // Up to five times the width of the film.
+        let movers = (placed(), 0_u8..3, point(20.0));
+        let ((map, half), kind, way) = movers.new_tree(&mut runner).unwrap().current();
+        let scene = |moment: f64| {
+            let offset = way * DVec3::new(1.0, 1.0, 0.05) * (moment - 0.5);
+            scene_of_one(kind, DAffine3::from_translation(offset) * map, 0.5 * half)
+        };
+        let instants =
+            |count: u32| (0..=count).map(move |instant| scene(f64::from(instant) / f64::from(count)));
+        let mut motion = MotionTracker::default();
+        instants(INSTANTS).for_each(|scene| motion.add(&scene, &camera));
+        let noticed = [motion.steps(), 1].map(|steps| noticed(instants(INSTANTS * steps), &camera));
+        let sampling = PixelSampling { samples: MOMENTS, seed: 1 };
+        for sample in 0..MOMENTS {
+            let scene = scene((f64::from(sample) + 0.5) / f64::from(MOMENTS));
+            for pixel in 0..SIDE_PIXELS * SIDE_PIXELS {
+                let ray = camera.sample_ray(sampling, pixel % SIDE_PIXELS, pixel / SIDE_PIXELS, sample);
+                if scene.closest(&ray.unwrap(), &mut search).is_some() {
+                    shown += 1;
+                    for (count, noticed) in left_out.iter_mut().zip(&noticed) {
+                        *count += i32::from(!noticed[pixel as usize]);
+                    }
+                }
+            }
+        }
+    }
+    assert!(
+        shown > 5000 && 1000 * left_out[0] < shown && 20 * left_out[1] > shown,
+        "{left_out:?} of {shown}"
+    );
+}
