@@ -211,6 +211,18 @@ pub(crate) fn hard_scenes() -> Vec<HardScene> {
             &format!("(name: \"mover\", shape: Sphere(radius: {}), material: \"white\")", 10.0 * PIXEL),
             "(0, (-520, 1, 0)), (0.5, (440, 1, 0))",
         ),
+        // The bar is behind the camera.
+        mover(
+            "fast shadow",
+            ("ambient: (0.1, 0.1, 0.1),", "\"matte\": (k_a: 0.5, k_d: 0.8, color: (255, 255, 255))"),
+            &format!(
+                "(shape: Plane(normal: (0, 0, -1)), transform: (translation: (0, 0, 1)), material: \"matte\"),\
+                 (light: Directional(direction: (0, 0, 1), intensity: (1, 1, 1))),\
+                 (name: \"mover\", shape: Box(size: ({}, 5, 1)), material: \"matte\")",
+                2.0 * PIXEL
+            ),
+            "(0, (-150, 0, -20)), (0.5, (150, 0, -20))",
+        ),
         mover(
             "belt",
             (bright, &glossy.replace("size: 0.5", "size: 2")),

@@ -104,7 +104,7 @@ fn error_targets_are_met() {
 /// Checks targets between the usual ones: at none of them, pixels that shapes cross between two instants are left out.
 #[test]
 fn motion_meets_all_targets() {
-    for hard in named(&["fast ball", "fast bar", "belt", "cannonball"]) {
+    for hard in named(&["fast ball", "fast bar", "cannonball", "fast shadow", "belt"]) {
         for target in [24.0, 16.0, 12.0, 10.0, 8.0, 6.0, 3.0] {
             let (found, estimate) = errors(hard, target);
             let name = hard.0.name;
