@@ -24,6 +24,7 @@ const STEP: f64 = 2.0;
 pub(crate) struct MotionTracker {
     /// The boxes around the images of all shapes at the last instant.
     before: Option<Vec<Vec4>>,
+    /// The most steps that a shape needs between two instants.
     steps: u32,
 }
 
@@ -51,10 +52,10 @@ impl MotionTracker {
             let steps = |(id, (before, now)): (&ShapeId, (&Vec4, &Vec4))| {
                 let (least, most) = (before.min(*now).xy(), before.max(*now).zw());
                 let crosses_film = least.cmplt(film).all() && most.cmpgt(-film).all();
-                if crosses_film { steps(geometry.shape(*id), &rays, *now - *before) } else { 1 }
+                if crosses_film { steps_of(geometry.shape(*id), &rays, *now - *before) } else { 1 }
             };
-            let most = ids.par_iter().zip(before.par_iter().zip(&now)).map(steps).max();
-            self.steps = self.steps.max(most.unwrap_or(1));
+            let steps = ids.par_iter().zip(before.par_iter().zip(&now)).map(steps).max();
+            self.steps = self.steps.max(steps.unwrap_or(1));
         }
         self.before = Some(now);
     }
@@ -80,7 +81,7 @@ fn screen_box(camera: &PreparedCamera, Bounds { min, max }: &Bounds) -> Option<V
 }
 
 /// Returns the number of steps into which the way of a shape must be divided, given the motion of the box around its image.
-fn steps(shape: ShapeRef<'_>, rays: &TileRays, moved: Vec4) -> u32 {
+fn steps_of(shape: ShapeRef<'_>, rays: &TileRays, moved: Vec4) -> u32 {
     let way = f64::from(moved.xy().length().max(moved.zw().length()));
     if way.is_nan() || way <= 1.0 {
         return 1;
