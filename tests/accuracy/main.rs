@@ -101,7 +101,7 @@ fn error_targets_are_met() {
     }
 }
 
-/// Checks targets between the usual ones: at none of them, pixels that shapes cross between two instants are left out.
+/// Checks targets between the usual ones: estimates include the pixels that fast shapes cross between two instants.
 #[test]
 fn motion_meets_all_targets() {
     for hard in named(&["fast ball", "fast bar", "cannonball", "fast shadow", "belt"]) {

@@ -16,7 +16,7 @@
 //! 1. **Geometry** finds the pixels in which more than one surface can show, or the image of a small shape in a mirror, or a small highlight
 //!    ([`visibility`](super::visibility)). Their error estimate is at least the error possible for their contrast and the size of the
 //!    smallest feature, even if all samples agree (`evidence`). With an open shutter, it searches 16 instants before any sample is taken,
-//!    and as many more as it takes for no shape to cross a pixel unnoticed between two of them, up to 256.
+//!    and more, up to 256, if fast shapes would skip pixels between two of them.
 //! 2. **Neighbours**: where the means of two plain pixels differ, the edge of a shadow, or of an image in a mirror or in glass, lies in one
 //!    of them. Their estimate is at least that of an edge of this contrast, and what their samples show of it falls as at an edge.
 //! 3. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
@@ -230,13 +230,13 @@ impl Adaptive {
         self.searched[instant as usize] = true;
     }
 
-    /// Notes the motion of shapes up to an instant that is searched in advance.
+    /// Adds the motion of shapes since the last instant that was searched in advance.
     pub(crate) fn track(&mut self, (scene, camera): (&PreparedScene, &PreparedCamera)) {
         self.motion.iter_mut().for_each(|motion| motion.add(scene, camera));
     }
 
-    /// Returns the instants to search in advance in addition to those that were searched, which are spread evenly: shapes may have moved
-    /// across pixels between them. Empty from the second call on.
+    /// Returns the instants to search in advance in addition to those that were searched, which are spread evenly: shapes may have skipped
+    /// pixels between them. Empty from the second call on.
     pub(crate) fn instants_between(&mut self) -> Vec<u32> {
         let Some(motion) = self.motion.take() else { return Vec::new() };
         let searched = self.searched.iter().fold(0, |count, is| count + u32::from(*is));

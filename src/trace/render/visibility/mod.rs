@@ -17,7 +17,7 @@
 //!     it covers a part    -> feature of the shape's size
 //! ```
 //!
-//! With an open shutter, shapes may pass through pixels between two searches (`motion`).
+//! With an open shutter, fast shapes may skip pixels between two instants: `motion` determines how many instants must be searched.
 //!
 //! Images of small shapes in mirrors and small highlights are found shape by shape (`images`), at the point that reflects them (`mirror`).
 //!

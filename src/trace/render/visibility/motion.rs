@@ -1,7 +1,7 @@
 //! The motion of shapes on the screen, from instant to instant of an open shutter.
 //!
-//! Between the images of a shape at two instants, there may be pixels that the shape crosses unnoticed, however large it is: a ball that moves by
-//! its diameter leaves out those at the rim of its path.
+//! A shape may skip pixels between two instants: it shows in them, but not at either instant. This happens to large shapes, too: a ball that
+//! moves by its diameter skips pixels at the rim of its path.
 
 use std::f64::consts::PI;
 
@@ -15,8 +15,8 @@ use crate::trace::scene::{PreparedCamera, PreparedScene, ShapeRef};
 use crate::trace::shapes::Bounds;
 use crate::trace::stages::Tile;
 
-/// The longest step of a wide shape, in pixels. An upright square that moves along its diagonal leaves out triangles with legs of 1.4 pixels;
-/// a pixel needs legs of 2. The rest is for sharper corners.
+/// The longest step of a wide shape, in pixels. An upright square that moves along its diagonal skips triangles with legs of 1.4 pixels; a
+/// pixel fits if they are 2 pixels long. The margin is for sharper corners.
 const STEP: f64 = 2.0;
 
 /// The motion of all shapes from instant to instant.
@@ -24,12 +24,12 @@ const STEP: f64 = 2.0;
 pub(crate) struct MotionTracker {
     /// The boxes around the images of all shapes at the last instant.
     before: Option<Vec<Vec4>>,
-    /// The most steps that a shape needs between two instants.
+    /// The largest number of [steps](Self::steps) between two instants.
     steps: u32,
 }
 
 impl MotionTracker {
-    /// Returns the number of equal steps into which all ways must be divided so that the images of no shape leave out a pixel.
+    /// Returns the number of equal steps into which each interval between two instants must be divided so that no shape skips a pixel.
     pub(crate) fn steps(&self) -> u32 {
         self.steps.max(1)
     }
@@ -39,7 +39,7 @@ impl MotionTracker {
         let geometry = scene.geometry();
         let (columns, rows) = camera.resolution();
         let film = DVec2::new(columns.into(), rows.into()).as_vec2() / 2.0;
-        // Beyond the film, motions do not matter. Near the plane of the eye, they are long.
+        // Displacements beyond the film do not matter, and are large near the plane of the eye.
         let around = (film + 1.0).xyxy();
         let box_of = |id: &ShapeId| {
             let bounds = geometry.bounds(*id)?;
@@ -80,16 +80,16 @@ fn screen_box(camera: &PreparedCamera, Bounds { min, max }: &Bounds) -> Option<V
     Some(DVec4::new(least.x, least.y, most.x, most.y).as_vec4())
 }
 
-/// Returns the number of steps into which the way of a shape must be divided, given the motion of the box around its image.
-fn steps_of(shape: ShapeRef<'_>, rays: &TileRays, moved: Vec4) -> u32 {
-    let way = f64::from(moved.xy().length().max(moved.zw().length()));
-    if way.is_nan() || way <= 1.0 {
+/// Returns the number of steps into which a shape's motion must be divided, given the displacement of the box around its image.
+fn steps_of(shape: ShapeRef<'_>, rays: &TileRays, displacement: Vec4) -> u32 {
+    let distance = f64::from(displacement.xy().length().max(displacement.zw().length()));
+    if distance.is_nan() || distance <= 1.0 {
         return 1;
     }
     let Ok(Some(outline)) = Outline::of(shape, rays) else { return 1 };
     // The outline's area is at most the width of a shape that is longer than a pixel.
     let width = outline.area.min(2.0 * (outline.area / PI).sqrt());
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-    let steps = (way / (1.0 + 0.5 * width).min(STEP)).ceil() as u32;
+    let steps = (distance / (1.0 + 0.5 * width).min(STEP)).ceil() as u32;
     steps
 }
