@@ -17,7 +17,7 @@ use crate::trace::render::adaptive::{
 use crate::trace::render::film::{self, Film};
 use crate::trace::render::image::RenderedImage;
 use crate::trace::render::job::SamplePlan;
-use crate::trace::render::visibility::images;
+use crate::trace::render::visibility::{FeatureScratch, FeatureSearch, images};
 use crate::trace::scene::{
     Attenuation, PassageTerms, PreparedCamera, PreparedLight, PreparedScene, RayClass, SIDE,
 };
@@ -55,7 +55,9 @@ impl<'a> Reference<'a> {
         if let Some(adaptive) = sums.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
             adaptive.record_images(&images(&self.context, adaptive.is_open()));
         }
-        self.search(sums, instant);
+        if sums.adaptive.as_ref().is_some_and(Adaptive::is_unsearched) {
+            self.search(sums, instant);
+        }
         for tile in Tile::all(resolution) {
             sums.portions(&tile, instant, &mut portions);
             for portion in &portions {
@@ -71,16 +73,17 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Finds the features of all pixels at an instant, unless they are known.
+    /// Searches for the features of pixels at an instant.
     pub(crate) fn search(&self, sums: &mut ReferenceSums, instant: u32) {
         let Some(adaptive) = &mut sums.adaptive else { return };
         let RenderContext { scene, camera, .. } = self.context;
-        let Some(search) = adaptive.search((scene, camera), instant) else { return };
-        for tile in Tile::all(camera.resolution()) {
-            adaptive.record_features(&tile, &search.reference_features(&tile));
+        let search = FeatureSearch::new(scene, camera, adaptive.is_open());
+        let mut scratch = FeatureScratch::default();
+        for mut tile in adaptive.tiles_to_search(instant) {
+            let found = search.reference_features((tile.tile(), &tile.known()), &mut scratch);
+            found.into_iter().for_each(|found| tile.record(found));
         }
-        adaptive.end_search(instant);
-        adaptive.track((scene, camera));
+        adaptive.end_search((scene, camera));
     }
 
     /// Returns the rays of sample `index` of the pixel in column `i` and row `j`. `None` if the camera's position is not finite.
@@ -214,7 +217,7 @@ impl ReferenceSums {
     /// Collects the samples of a tile's pixels at an instant in this round.
     fn portions(&self, tile: &Tile, instant: u32, portions: &mut Vec<Portion>) {
         if let Some(adaptive) = &self.adaptive {
-            adaptive.portions(tile, instant, None, portions);
+            adaptive.portions(tile, instant, portions);
             return;
         }
         let samples = block(self.plan.samples, self.plan.instants, instant);

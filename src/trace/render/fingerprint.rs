@@ -22,7 +22,7 @@ use crate::trace::scene::{PreparedCamera, PreparedScene};
 pub const SEMANTICS: u32 = 3;
 
 /// The version of the choice of samples for an error target. It affects only frames that have a target.
-const ADAPTIVE_SEMANTICS: u32 = 11;
+const ADAPTIVE_SEMANTICS: u32 = 12;
 
 /// The fingerprint of a picture: pictures with equal fingerprints have equal pixels.
 ///

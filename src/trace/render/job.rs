@@ -19,8 +19,8 @@ use crate::trace::render::film::{self, Film};
 use crate::trace::render::film_overlay::FilmOverlay;
 use crate::trace::render::image::RenderedImage;
 use crate::trace::render::reuse::{ReusablePicture, TileReuse};
-use crate::trace::render::tile_work::{FoundFeatures, Signals, TileProgress, TileWork};
-use crate::trace::render::visibility::{self, FeatureScratch};
+use crate::trace::render::tile_work::{Signals, TileProgress, TileWork};
+use crate::trace::render::visibility::{self, FeatureScratch, FeatureSearch};
 use crate::trace::render_stats::{RenderStats, TileStats};
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::shading::RenderContext;
@@ -298,7 +298,6 @@ impl<E: Encoding> RenderJob<E> {
 
     fn add_with(&mut self, context: &RenderContext<'_>, signals: Signals<'_>) -> bool {
         let count = self.tiles.iter().filter(|progress| !progress.is_reused).count();
-        let tiles = self.tiles.iter_mut();
         let (width, height) = (self.width, self.height);
         let SamplePlan { samples, instants, .. } = self.plan;
         let naive = Naive::of(context.scene);
@@ -306,8 +305,10 @@ impl<E: Encoding> RenderJob<E> {
         if let Some(adaptive) = self.adaptive.as_mut().filter(|adaptive| adaptive.wants_images()) {
             adaptive.record_images(&visibility::images(context, adaptive.is_open()));
         }
-        let of_instant = (context.scene, context.camera);
-        let search = self.adaptive.as_ref().and_then(|adaptive| adaptive.search(of_instant, self.instant));
+        if self.adaptive.as_ref().is_some_and(Adaptive::is_unsearched) {
+            self.search((context.scene, context.camera), self.instant, signals.cancelled);
+        }
+        let tiles = self.tiles.iter_mut();
         let work = TileWork {
             context,
             naive: naive.as_ref(),
@@ -315,9 +316,8 @@ impl<E: Encoding> RenderJob<E> {
             everywhere: block(samples, instants, self.instant),
             adaptive: self.adaptive.as_ref(),
             instant: self.instant,
-            search,
         };
-        let (stats, whole, features) = match &mut self.pixels {
+        let (stats, whole) = match &mut self.pixels {
             Pixels::Picture(film) => {
                 let film = film.get_or_insert_with(|| Film::black(self.encoding, width, height));
                 let tiles = tiles.zip(film.tiles_mut(self.encoding, overlay.as_deref()));
@@ -329,42 +329,30 @@ impl<E: Encoding> RenderJob<E> {
             }
         };
         self.stats += stats;
-        if let Some(adaptive) = &mut self.adaptive {
-            features.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));
-            if whole {
-                adaptive.end_search(self.instant);
-            }
-        }
         whole
     }
 
-    /// Searches for the features of all pixels at an instant in advance, without sampling: with an open shutter, moving shapes may lie where
-    /// no sample is taken.
+    /// Searches for the features of pixels at an instant, without sampling: with an open shutter, moving shapes may lie where no sample is
+    /// taken.
     pub(crate) fn search(
         &mut self,
-        of_instant: (&PreparedScene, &PreparedCamera),
+        (scene, camera): (&PreparedScene, &PreparedCamera),
         instant: u32,
         cancelled: &AtomicBool,
     ) {
         let Some(adaptive) = &mut self.adaptive else { return };
-        let Some(search) = adaptive.search(of_instant, instant) else { return };
-        let found: FoundFeatures = self
-            .tiles
-            .par_iter()
-            .map_init(
-                || (FeatureScratch::default(), Scratch::new(cancelled, None)),
-                |(features, scratch), progress| {
-                    let tile = (&progress.tile, adaptive.digest(&progress.tile));
-                    let found = search.features(tile, (features, scratch))?;
-                    Some((progress.tile, Box::new(found)))
-                },
-            )
-            .flatten()
-            .collect();
+        let search = FeatureSearch::new(scene, camera, adaptive.is_open());
+        adaptive.tiles_to_search(instant).into_par_iter().for_each_init(
+            || (FeatureScratch::default(), Scratch::new(cancelled, None)),
+            |(features, scratch), mut tile| {
+                let found = search.features((tile.tile(), &tile.known()), (features, scratch));
+                if let Some(found) = found.filter(|_| !cancelled.load(Ordering::Relaxed)) {
+                    tile.record(found);
+                }
+            },
+        );
         if !cancelled.load(Ordering::Relaxed) {
-            found.iter().for_each(|(tile, features)| adaptive.record_features(tile, features));
-            adaptive.end_search(instant);
-            adaptive.track(of_instant);
+            adaptive.end_search((scene, camera));
         }
     }
 

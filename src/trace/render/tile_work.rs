@@ -10,7 +10,6 @@ use fearless_simd::dispatch;
 use super::accumulator::{TileAccumulator, TileSamples};
 use super::adaptive::Adaptive;
 use super::reuse::TileRecord;
-use super::visibility::{FeatureScratch, FeatureSearch, TileFeatures};
 use super::work_queue::WorkQueue;
 use crate::trace::intersect::Naive;
 use crate::trace::render_stats::{RayCounts, RenderStats};
@@ -75,12 +74,7 @@ pub(in crate::trace) struct TileWork<'a> {
     pub(in crate::trace) everywhere: Range<u32>,
     pub(in crate::trace) adaptive: Option<&'a Adaptive>,
     pub(in crate::trace) instant: u32,
-    /// The search for pixel features, if it is due.
-    pub(in crate::trace) search: Option<FeatureSearch<'a>>,
 }
-
-/// The features found, tile by tile.
-pub(in crate::trace) type FoundFeatures = Vec<(Tile, Box<TileFeatures>)>;
 
 impl TileProgress {
     /// Creates a tile without samples.
@@ -90,29 +84,28 @@ impl TileProgress {
 }
 
 impl TileWork<'_> {
-    /// Adds samples to all tiles on all threads. Returns render statistics, whether all samples were added, and the features found.
+    /// Adds samples to all tiles on all threads. Returns render statistics, and whether all samples were added.
     pub(in crate::trace) fn add<'t, L: TileAccumulator>(
         &self,
         tiles: impl Iterator<Item = (&'t mut TileProgress, L)> + Send,
         count: usize,
-    ) -> (RenderStats, bool, FoundFeatures) {
+    ) -> (RenderStats, bool) {
         let threads = rayon::current_num_threads();
         let queue = WorkQueue::new(tiles, count, threads);
-        let total = Mutex::new((RenderStats::default(), true, FoundFeatures::new()));
+        let total = Mutex::new((RenderStats::default(), true));
         let work = || {
             let (mut share, mut memory) = (Vec::new(), None);
-            let (mut stats, mut whole, mut found) = (RenderStats::default(), true, FoundFeatures::new());
+            let (mut stats, mut whole) = (RenderStats::default(), true);
             while queue.take_share(&mut share) {
                 let memory =
                     memory.get_or_insert_with(|| WorkMemory::new(self.signals.cancelled, self.naive));
                 for (progress, mut light) in share.drain(..) {
-                    whole &= self.add_to_tile(progress, &mut light, memory, (&mut stats, &mut found));
+                    whole &= self.add_to_tile(progress, &mut light, memory, &mut stats);
                 }
             }
             let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
             total.0 += stats;
             total.1 &= whole;
-            total.2.append(&mut found);
         };
         rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work())));
         total.into_inner().unwrap_or_else(PoisonError::into_inner)
@@ -123,25 +116,14 @@ impl TileWork<'_> {
         &self,
         progress: &mut TileProgress,
         light: &mut impl TileAccumulator,
-        WorkMemory { buffers, slots, portions, features }: &mut WorkMemory<'_>,
-        (stats, found): (&mut RenderStats, &mut FoundFeatures),
+        WorkMemory { buffers, slots, portions }: &mut WorkMemory<'_>,
+        stats: &mut RenderStats,
     ) -> bool {
         let adaptive = self.adaptive;
         let tile = progress.tile;
         buffers.record_coverage(light.asks_for_coverage());
         if let Some(adaptive) = adaptive {
-            let search = self.search.filter(|_| progress.batches == 0);
-            let tile_features = search.and_then(|search| {
-                search.features((&tile, adaptive.digest(&tile)), (features, buffers.search()))
-            });
-            adaptive.portions(&tile, self.instant, tile_features.as_ref(), portions);
-            if let Some(tile_features) = tile_features {
-                // With an open shutter, the covers of consecutive instants are compared even without features.
-                let matters = adaptive.is_open() || !tile_features.are_none();
-                if matters && !self.signals.cancelled.load(Ordering::Relaxed) {
-                    found.push((tile, Box::new(tile_features)));
-                }
-            }
+            adaptive.portions(&tile, self.instant, portions);
         }
         buffers.record_dependencies(progress.record.is_some());
         let whole = self.add_batches(progress, light, (buffers, slots, portions), stats);
@@ -201,16 +183,10 @@ struct WorkMemory<'a> {
     buffers: TileBuffers<'a>,
     slots: Slots,
     portions: Vec<Portion>,
-    features: FeatureScratch,
 }
 
 impl<'a> WorkMemory<'a> {
     fn new(cancelled: &'a AtomicBool, naive: Option<&'a Naive>) -> Self {
-        Self {
-            buffers: TileBuffers::new(cancelled, naive),
-            slots: Slots::default(),
-            portions: Vec::new(),
-            features: FeatureScratch::default(),
-        }
+        Self { buffers: TileBuffers::new(cancelled, naive), slots: Slots::default(), portions: Vec::new() }
     }
 }

@@ -216,9 +216,13 @@ impl PatternLayout {
                 if patch.ball().1 > SMALL_PART * smallest {
                     return Some(0.0);
                 }
-                let values = patch.points.map(|own| fraction(noise_blend(own / size, octaves, contrast)));
-                let [least, most] = bounds_of(values.map(f64::from));
-                (most - least <= SMOOTH.into(), f64::INFINITY)
+                let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+                let is_smooth = patch.points.into_iter().all(|own| {
+                    let value = f64::from(fraction(noise_blend(own / size, octaves, contrast)));
+                    range = [range[0].min(value), range[1].max(value)];
+                    range[1] - range[0] <= SMOOTH.into()
+                });
+                (is_smooth, f64::INFINITY)
             }
         };
         (!is_smooth).then_some(width)

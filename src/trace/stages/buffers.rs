@@ -12,7 +12,7 @@ use super::tile_sampler::TileSampler;
 use super::trees::Trees;
 use super::wavefront::Wavefront;
 use crate::color::Rgb;
-use crate::trace::intersect::{Candidates, HitPacket, Naive, PacketScratch, Scratch, SurfacePacket};
+use crate::trace::intersect::{Candidates, HitPacket, Naive, PacketScratch, SurfacePacket};
 use crate::trace::math::{Colors, Vectors};
 use crate::trace::rays::ShapeId;
 use crate::trace::render_stats::{RayCounts, RenderStats, StageCounts, TreeEnds};
@@ -148,11 +148,6 @@ impl<'a> TileBuffers<'a> {
         if let Some(recorder) = &mut self.recorder {
             recorder.move_to(tile);
         }
-    }
-
-    /// Returns the scratch memory of queries.
-    pub(crate) fn search(&mut self) -> &mut Scratch<'a> {
-        &mut self.scratch.search
     }
 
     /// Returns the radiance of the last sample, by packet of the camera rays.

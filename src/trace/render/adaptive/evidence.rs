@@ -152,6 +152,12 @@ impl PixelPacket {
         self.classes[Class::Edge as usize] | self.classes[Class::Small as usize]
     }
 
+    /// Returns the radiance of features of a pixel's area; negative for smaller features.
+    #[inline(always)]
+    pub(super) fn radiance_of_whole(&self) -> [f32; LANES] {
+        std::array::from_fn(|lane| if self.area[lane] < 1.0 { -1.0 } else { self.radiance[lane] })
+    }
+
     /// Adds a feature to a pixel. In the first round, the pixel then takes enough samples for a variance, but at most `most`.
     pub(super) fn join(&mut self, lane: usize, feature: Feature, most: u32) {
         let before = Feature { area: self.area[lane], radiance: self.radiance[lane] };

@@ -16,7 +16,7 @@
 //! 1. **Geometry** finds the pixels in which more than one surface can show, or the image of a small shape in a mirror, or a small highlight
 //!    ([`visibility`](super::visibility)). Their error estimate is at least the error possible for their contrast and the size of the
 //!    smallest feature, even if all samples agree (`evidence`). With an open shutter, it searches 16 instants before any sample is taken,
-//!    and more, up to 256, if fast shapes would skip pixels between two of them.
+//!    and more, up to 256, in tiles where fast shapes would skip pixels between two of them.
 //! 2. **Neighbours**: where the means of two plain pixels differ, the edge of a shadow, or of an image in a mirror or in glass, lies in one
 //!    of them. Their estimate is at least that of an edge of this contrast, and what their samples show of it falls as at an edge.
 //! 3. **The variance of single samples**, not the difference between two halves, measures the variation of a pixel: halves of
@@ -46,6 +46,7 @@ mod output_curve;
 mod pixel_memory;
 pub(crate) mod round_policy;
 mod scale;
+mod tile_search;
 
 use std::ops::Range;
 
@@ -55,10 +56,7 @@ use fearless_simd::dispatch;
 
 use crate::color::ErrorNorm;
 use crate::trace::math::{LANES, SimdLevel, lanes, lanes_where};
-use crate::trace::rays::ShapeId;
-use crate::trace::render::visibility::{
-    CoverPacket, Feature, FeatureSearch, Images, MotionTracker, TileFeatures, UNCOVERED,
-};
+use crate::trace::render::visibility::{Images, MotionTracker};
 use crate::trace::scene::{PreparedCamera, PreparedScene};
 use crate::trace::stages::{PACKETS, Portion, TILE, Tile};
 pub(crate) use convergence::Convergence;
@@ -75,6 +73,8 @@ use output_curve::OutputCurve;
 pub(crate) use pixel_memory::PixelMemory;
 pub use round_policy::{Outlook, Replay, RoundPolicy, SharedRoundPolicy};
 use scale::{ClassSums, Scale};
+use tile_search::LastInstant;
+pub(crate) use tile_search::TileSearch;
 
 /// The fraction of the target that sampling aims at, because estimates scatter.
 const AIM: f64 = 0.85;
@@ -100,7 +100,8 @@ pub(crate) trait SampleSums: Sync {
 pub(crate) struct Adaptive {
     target: ErrorTarget,
     curve: OutputCurve,
-    /// Number of pixels of the film, and of tiles per row and per column.
+    /// Number of columns and rows of the film, of its pixels, and of tiles per row and per column.
+    resolution: (u32, u32),
     pixels: f64,
     tiles: (usize, usize),
     /// Maximum sample count of a pixel.
@@ -108,8 +109,10 @@ pub(crate) struct Adaptive {
     order: InstantOrder,
     /// First sample of each instant.
     first_samples: Vec<u32>,
-    /// By instant: whether all tiles were searched for features.
-    searched: Vec<bool>,
+    /// Number of instants at which all tiles were searched for features.
+    searched: u32,
+    /// By tile, once the motion of shapes is known: the end of the samples at whose instants it is searched. Empty before.
+    searched_until: Vec<u32>,
     round: u32,
     /// With an open shutter, until all instants are chosen that are searched in advance: the motion of shapes.
     motion: Option<MotionTracker>,
@@ -119,9 +122,8 @@ pub(crate) struct Adaptive {
     packets: Vec<PixelPacket>,
     /// Estimates of squared errors, before scaling.
     errors: Vec<[f32; LANES]>,
-    /// With an open shutter: the large shapes in each pixel at the last searched instant, and the digest of each tile's features.
-    covers: Vec<CoverPacket>,
-    digests: Vec<u64>,
+    /// With an open shutter: the last instant at which each tile was searched.
+    last_instant: Vec<LastInstant>,
     /// Correction of the estimates of each class.
     scales: [Scale; CLASSES],
     error: Option<EstimatedError>,
@@ -155,10 +157,11 @@ impl Adaptive {
         }
         let of_doubling = target.convergence.of_doubling();
         let falls = [of_doubling, of_doubling, 0.5];
-        let covered = if order.count() > 1 { packets.len() } else { 0 };
+        let is_open = order.count() > 1;
         Self {
             target,
             curve: OutputCurve::of(target.transfer),
+            resolution: (columns, rows),
             pixels: f64::from(columns) * f64::from(rows),
             tiles,
             most,
@@ -167,11 +170,11 @@ impl Adaptive {
             range: 0..goal.max(next_goal(0, most)),
             packets,
             errors,
-            covers: vec![CoverPacket::all(UNSEEN); covered],
-            digests: vec![0; covered / PACKETS],
+            last_instant: vec![LastInstant::NONE; if is_open { tiles.0 * tiles.1 } else { 0 }],
             first_samples: order.first_samples(),
-            searched: vec![false; order.count() as usize],
-            motion: (order.count() > 1).then(MotionTracker::default),
+            searched: 0,
+            searched_until: Vec::new(),
+            motion: is_open.then(|| MotionTracker::new((columns, rows))),
             scales: falls.map(Scale::new),
             error: None,
             expected_samples: None,
@@ -215,35 +218,39 @@ impl Adaptive {
         &self.rounds
     }
 
-    /// Returns the geometric search for pixel features at an instant, unless it is already done.
-    pub(crate) fn search<'a>(
-        &self,
-        (scene, camera): (&'a PreparedScene, &'a PreparedCamera),
-        instant: u32,
-    ) -> Option<FeatureSearch<'a>> {
-        let is_due = !self.searched[instant as usize];
-        is_due.then(|| FeatureSearch::new(scene, camera, self.is_open()))
+    /// Returns whether no instant was searched for the features of pixels.
+    pub(crate) fn is_unsearched(&self) -> bool {
+        self.searched == 0
     }
 
-    /// Notes that the features of all tiles at an instant are stored.
-    pub(crate) fn end_search(&mut self, instant: u32) {
-        self.searched[instant as usize] = true;
+    /// Returns the tiles to search for the features of their pixels at an instant.
+    pub(crate) fn tiles_to_search(&mut self, instant: u32) -> Vec<TileSearch<'_>> {
+        let Self { most, ref searched_until, resolution, .. } = *self;
+        let sample = self.first_samples[instant as usize];
+        let last = self.last_instant.iter_mut().map(Some).chain(std::iter::repeat_with(|| None));
+        let tiles = Tile::all(resolution).zip(self.packets.chunks_mut(PACKETS)).zip(last).enumerate();
+        let is_due = |tile: usize| searched_until.get(tile).is_none_or(|end| sample < *end);
+        let tiles = tiles.filter(|(index, _)| is_due(*index));
+        tiles.map(|(_, ((tile, packets), last))| TileSearch { tile, packets, last, most }).collect()
     }
 
-    /// Adds the motion of shapes since the last instant that was searched in advance.
-    pub(crate) fn track(&mut self, (scene, camera): (&PreparedScene, &PreparedCamera)) {
+    /// Notes that the tiles were searched at an instant. With an open shutter, adds the motion of shapes since the last instant.
+    pub(crate) fn end_search(&mut self, (scene, camera): (&PreparedScene, &PreparedCamera)) {
+        if self.searched_until.is_empty() {
+            self.searched += 1;
+        }
         self.motion.iter_mut().for_each(|motion| motion.add(scene, camera));
     }
 
-    /// Returns the instants to search in advance in addition to those that were searched, which are spread evenly: shapes may have skipped
-    /// pixels between them. Empty from the second call on.
+    /// Returns the instants to search in addition to those that were searched, which are spread evenly: shapes may have skipped pixels of some
+    /// tiles between them. Empty from the second call on.
     pub(crate) fn instants_between(&mut self) -> Vec<u32> {
         let Some(motion) = self.motion.take() else { return Vec::new() };
-        let searched = self.searched.iter().fold(0, |count, is| count + u32::from(*is));
-        let wanted = searched.saturating_mul(motion.steps()).min(self.order.count()).next_power_of_two();
-        let mut instants = self.order.instants(0..wanted);
-        instants.retain(|instant| !self.searched[*instant as usize]);
-        instants
+        let (searched, count) = (self.searched, self.order.count());
+        let until = |steps: &u32| searched.saturating_mul(*steps).min(count).next_power_of_two();
+        self.searched_until = motion.steps().iter().map(until).collect();
+        let end = self.searched_until.iter().copied().max().unwrap_or(searched);
+        self.order.instants(searched..end.max(searched))
     }
 
     /// Returns whether images in mirrors and glass have not been searched yet.
@@ -268,68 +275,25 @@ impl Adaptive {
         self.order.count() > 1
     }
 
-    /// Returns the digest of a tile's features at the last searched instant, if the shutter is open.
-    pub(crate) fn digest(&self, tile: &Tile) -> Option<u64> {
-        self.digests.get(self.first_packet(tile) / PACKETS).copied()
-    }
-
     /// Returns the instants of this round's samples in chronological order.
     pub(crate) fn instants(&self) -> Vec<u32> {
         self.order.instants(self.range.clone())
     }
 
-    /// Collects the samples that a tile's pixels take at an instant in this round. Features found at this instant count as if already
-    /// noted.
-    pub(crate) fn portions(
-        &self,
-        tile: &Tile,
-        instant: u32,
-        found: Option<&TileFeatures>,
-        portions: &mut Vec<Portion>,
-    ) {
+    /// Collects the samples that a tile's pixels take at an instant in this round.
+    pub(crate) fn portions(&self, tile: &Tile, instant: u32, portions: &mut Vec<Portion>) {
         portions.clear();
-        let found = found.filter(|_| self.round == 0);
         let sample = self.first_samples[instant as usize];
-        let least = next_goal(0, self.most);
         let packets = self.packets[self.first_packet(tile)..].iter().zip((0_u32..).step_by(LANES));
-        let packets = packets.take(PACKETS).enumerate().filter(|(_, (pixels, _))| pixels.active != 0);
+        let packets = packets.take(PACKETS).filter(|(pixels, _)| pixels.active != 0);
         dispatch!(SimdLevel::best().level(), _simd => {
-            for (packet, (&PixelPacket { active, taken, mut goal, .. }, first_pixel)) in packets {
-                if let Some((features, _)) = found.map(|found| found.of(packet)) {
-                    let has_feature = |lane: &usize| features[*lane] != Feature::NONE;
-                    (0..LANES).filter(has_feature).for_each(|lane| goal[lane] = goal[lane].max(least));
-                }
+            for (PixelPacket { active, taken, goal, .. }, first_pixel) in packets {
                 let due = active & lanes_where(|lane| self.order.next_at(taken[lane], sample) < goal[lane]);
                 for (pixel, lane) in (first_pixel..).zip(0..LANES).filter(|(_, lane)| due >> lane & 1 == 1) {
                     portions.extend(self.order.portion(pixel, taken[lane]..goal[lane], sample));
                 }
             }
         });
-    }
-
-    /// Stores the features of a tile's pixels at an instant.
-    pub(crate) fn record_features(&mut self, tile: &Tile, found: &TileFeatures) {
-        let (first, most) = (self.first_packet(tile), self.most);
-        if let Some(digest) = self.digests.get_mut(first / PACKETS) {
-            *digest = found.digest;
-        }
-        let mut covers = self.covers.get_mut(first..).unwrap_or_default().iter_mut();
-        for (packet, pixels) in self.packets[first..][..PACKETS].iter_mut().enumerate() {
-            let (features, cover) = found.of(packet);
-            let is = |lane: &usize| features[*lane] != Feature::NONE;
-            lanes(pixels.inside()).filter(is).for_each(|lane| pixels.join(lane, features[lane], most));
-            let Some(before) = covers.next() else { continue };
-            // A large shape that covers a pixel at one instant but not at the next, or has its border elsewhere, moves through it.
-            let changes = |lane: usize| {
-                (before.ids[lane] != cover.ids[lane]) | (before.borders[lane] != cover.borders[lane])
-            };
-            let differs = |lane: usize| changes(lane) & (before.ids[lane] != UNSEEN);
-            for lane in lanes(lanes_where(differs) & pixels.inside()) {
-                let radiance = before.radiance[lane].max(cover.radiance[lane]);
-                pixels.join(lane, Feature { area: 1.0, radiance }, most);
-            }
-            *before = *cover;
-        }
     }
 
     /// Estimates errors after a round and chooses the samples of the next one, as required by the target or by `policy`. Returns `false` if
@@ -570,9 +534,6 @@ impl Adaptive {
         self.error = Some(EstimatedError { value, deviation: relative * deviation, hidden: 0.0 });
     }
 }
-
-/// The cover of pixels that were not searched yet. No shape has this id.
-const UNSEEN: ShapeId = ShapeId(UNCOVERED.0 - 1);
 
 /// An empty span of samples (first, end).
 const NO_SAMPLES: (u32, u32) = (u32::MAX, 0);

@@ -7,6 +7,7 @@ use glam::{DAffine3, DVec3};
 use super::*;
 use crate::color::{Rgb, Transfer};
 use crate::trace::math::{Dimension, PixelSamples};
+use crate::trace::render::visibility::{Feature, FeatureScratch, FeatureSearch};
 use crate::trace::scene::{PatternLayout, PatternedSurface, PreparedCamera, PreparedPattern, PreparedScene};
 use crate::trace::shapes::{Plane, Sphere};
 use crate::trace::{Geometry, PatternFunction, PreparedShape, SurfaceMaterial};
@@ -56,7 +57,7 @@ fn rendered(
     let mut portions = Vec::new();
     loop {
         for tile in Tile::all(SIZE) {
-            adaptive.portions(&tile, 0, None, &mut portions);
+            adaptive.portions(&tile, 0, &mut portions);
             for portion in &portions {
                 let (column, row) = tile.pixel(portion.pixel);
                 let pixel = (row * SIZE.0 + column) as usize;
@@ -326,14 +327,14 @@ fn only_borders_that_move_can_be_missed() {
         let order = InstantOrder::new(true);
         let target = target(1.0, Convergence::Effects);
         let mut adaptive = Adaptive::new(SIZE, (64, order, false), target, PixelMemory::default());
+        let mut scratch = FeatureScratch::default();
         for (index, instant) in (0..).zip([Instant::default(), second]) {
             let (scene, camera) = (instant.scene(), instant.camera());
-            let search = adaptive.search((&scene, &camera), index).unwrap();
-            for tile in Tile::all(SIZE) {
-                adaptive.record_features(&tile, &search.reference_features(&tile));
+            let search = FeatureSearch::new(&scene, &camera, true);
+            for mut tile in adaptive.tiles_to_search(index) {
+                let found = search.reference_features((tile.tile(), &tile.known()), &mut scratch);
+                found.into_iter().for_each(|found| tile.record(found));
             }
-            adaptive.end_search(index);
-            assert!(adaptive.search((&scene, &camera), index).is_none());
         }
         let count = |class: Class| {
             let of = |pixels: &PixelPacket| pixels.classes[class as usize].count_ones();

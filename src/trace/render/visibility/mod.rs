@@ -17,7 +17,7 @@
 //!     it covers a part    -> feature of the shape's size
 //! ```
 //!
-//! With an open shutter, fast shapes may skip pixels between two instants: `motion` determines how many instants must be searched.
+//! With an open shutter, fast shapes may skip pixels between two instants: `motion` determines how many instants must be searched in each tile.
 //!
 //! Images of small shapes in mirrors and small highlights are found shape by shape (`images`), at the point that reflects them (`mirror`).
 //!
@@ -38,7 +38,7 @@ use glam::{DVec2, DVec3};
 use crate::color::to_f32;
 use crate::trace::bvh::{Depth, FrustumVisitor, LeafBox, LeafId, SlopeRange};
 use crate::trace::intersect::Scratch;
-use crate::trace::math::{Bytes, LANES, Vectors, WHOLE, lanes};
+use crate::trace::math::{Bytes, LANES, Vectors, WHOLE, lanes, lanes_where};
 use crate::trace::rays::ShapeId;
 use crate::trace::scene::{PatternLayout, PreparedCamera, PreparedScene, SIDE};
 use crate::trace::shading::most_radiance;
@@ -123,11 +123,6 @@ impl CoverPacket {
 pub(crate) const UNCOVERED: ShapeId = ShapeId(u32::MAX);
 
 impl TileFeatures {
-    /// Returns whether no pixel has a feature.
-    pub(crate) fn are_none(&self) -> bool {
-        self.features.iter().all(|feature| *feature == Feature::NONE)
-    }
-
     /// Returns the features and covers of a packet's pixels.
     #[inline(always)]
     pub(crate) fn of(&self, packet: usize) -> (&[Feature], &CoverPacket) {
@@ -135,10 +130,36 @@ impl TileFeatures {
     }
 }
 
+/// The features of a tile that other instants of an open shutter have shown.
+#[derive(Clone, Debug)]
+pub(crate) struct KnownFeatures {
+    /// The digest of the features at the last instant; 0 before the first.
+    pub(crate) digest: u64,
+    /// By packet, the radiance of features of a pixel's area; negative for smaller features.
+    pub(crate) radiance: [[f32; LANES]; PACKETS],
+}
+
+impl KnownFeatures {
+    /// Nothing is known.
+    pub(crate) const NONE: Self = Self { digest: 0, radiance: [[-1.0; LANES]; PACKETS] };
+
+    /// Returns the pixels of a packet to which no feature of at most this radiance adds anything.
+    fn outshine(&self, packet: usize, radiance: f32) -> u32 {
+        lanes_where(|lane| self.radiance[packet][lane] >= radiance)
+    }
+}
+
 /// Reusable memory of the search.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct FeatureScratch {
     seen: Vec<SeenShape>,
+    found: TileFeatures,
+}
+
+impl Default for FeatureScratch {
+    fn default() -> Self {
+        Self { seen: Vec::new(), found: unknown() }
+    }
 }
 
 /// A shape seen through a tile.
@@ -182,62 +203,72 @@ impl<'a> FeatureSearch<'a> {
         Self { scene, camera, digests }
     }
 
-    /// Finds the features of a tile's pixels by traversing the tree. `before` is the digest of another instant's features, if there is one;
-    /// the result is `None` if they are the same.
-    pub(crate) fn features(
+    /// Finds the features of a tile's pixels by traversing the tree. `None` if nothing has changed since the last instant.
+    pub(crate) fn features<'s>(
         &self,
-        (tile, before): (&Tile, Option<u64>),
-        (scratch, search): (&mut FeatureScratch, &mut Scratch<'_>),
-    ) -> Option<TileFeatures> {
+        (tile, known): (&Tile, &KnownFeatures),
+        (scratch, search): (&'s mut FeatureScratch, &mut Scratch<'_>),
+    ) -> Option<&'s TileFeatures> {
         let Self { scene, camera, .. } = *self;
-        let add_sky = |found| Some(add_sky(scene, camera, tile, found));
-        let Some(rays) = tile_rays(camera, tile) else { return Some(unknown()) };
-        scratch.seen.clear();
-        let Scratch { stack, cancelled, .. } = search;
-        let ids = scene.unbounded.iter().copied();
-        let mut known =
-            ids.map(|id| see(scene, camera, &rays, id, &mut scratch.seen)).fold(true, |all, one| all & one);
-        let whole = !camera.has_lens()
-            && dispatch!(scene.simd.level(), simd => {
-                let visitor = &mut FeatureVisitor { scene, camera, rays: &rays, seen: &mut scratch.seen, known: true };
-                let whole = visit(simd, visitor, tile, stack, cancelled);
-                known &= visitor.known;
-                whole
-            });
-        if !whole {
-            if scene.leaves.ids().len() > FEW {
-                return add_sky(unknown());
-            }
+        let see_all = |rays: &TileRays, seen: &mut Vec<SeenShape>| {
+            let Scratch { stack, cancelled, .. } = search;
+            let ids = scene.unbounded.iter().copied();
+            let mut is_known = self.see_each(ids, rays, seen);
+            let is_whole = !camera.has_lens()
+                && dispatch!(scene.simd.level(), simd => {
+                    let visitor = &mut FeatureVisitor { scene, camera, rays, seen, known: true };
+                    let is_whole = visit(simd, visitor, tile, stack, cancelled);
+                    is_known &= visitor.known;
+                    is_whole
+                });
             let ids = scene.leaves.ids();
-            known &= ids
-                .map(|id| see(scene, camera, &rays, id, &mut scratch.seen))
-                .fold(true, |all, one| all & one);
-        }
-        if !known {
-            return add_sky(unknown());
-        }
-        let digest = self.digest(&mut scratch.seen);
-        if before == Some(digest) {
-            return None;
-        }
-        add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &scratch.seen) })
+            is_known && (is_whole || ids.len() <= FEW && self.see_each(ids, rays, seen))
+        };
+        self.find((tile, known), scratch, see_all)
     }
 
-    /// Finds the features of a tile's pixels by a linear scan of all shapes.
-    pub(crate) fn reference_features(&self, tile: &Tile) -> TileFeatures {
+    /// Finds the features of a tile's pixels by a linear scan of all shapes. `None` if nothing has changed since the last instant.
+    pub(crate) fn reference_features<'s>(
+        &self,
+        of_tile: (&Tile, &KnownFeatures),
+        scratch: &'s mut FeatureScratch,
+    ) -> Option<&'s TileFeatures> {
         let Self { scene, camera, .. } = *self;
+        let is_feasible = !camera.has_lens() || scene.leaves.ids().len() <= FEW;
         let ids = scene.unbounded.iter().copied().chain(scene.leaves.ids());
-        let (Some(rays), mut seen) = (tile_rays(camera, tile), Vec::new()) else { return unknown() };
-        let add_sky = |found| add_sky(scene, camera, tile, found);
-        if camera.has_lens() && scene.leaves.ids().len() > FEW {
-            return add_sky(unknown());
+        self.find(of_tile, scratch, |rays, seen| is_feasible && self.see_each(ids, rays, seen))
+    }
+
+    /// Finds the features of a tile's pixels, given the search for all shapes seen through it, which returns `false` if any outline is unknown.
+    fn find<'s>(
+        &self,
+        (tile, known): (&Tile, &KnownFeatures),
+        FeatureScratch { seen, found }: &'s mut FeatureScratch,
+        see_all: impl FnOnce(&TileRays, &mut Vec<SeenShape>) -> bool,
+    ) -> Option<&'s TileFeatures> {
+        let Self { scene, camera, .. } = *self;
+        *found = unknown();
+        let Some(rays) = tile_rays(camera, tile) else { return Some(found) };
+        seen.clear();
+        if see_all(&rays, seen) {
+            found.digest = self.digest(seen);
+            if self.digests.is_some() && found.digest == known.digest {
+                return None;
+            }
+            resolve(scene, (&rays, tile, known), seen, found);
         }
-        let known = ids.map(|id| see(scene, camera, &rays, id, &mut seen)).fold(true, |all, one| all & one);
-        if !known {
-            return add_sky(unknown());
-        }
-        let digest = self.digest(&mut seen);
-        add_sky(TileFeatures { digest, ..resolve(scene, &rays, tile, &seen) })
+        add_sky(scene, camera, tile, found);
+        Some(found)
+    }
+
+    /// Appends the shapes that may be seen through a tile. Returns `false` if an outline is unknown.
+    fn see_each(
+        &self,
+        mut ids: impl Iterator<Item = ShapeId>,
+        rays: &TileRays,
+        seen: &mut Vec<SeenShape>,
+    ) -> bool {
+        ids.all(|id| see(self.scene, self.camera, rays, id, seen))
     }
 
     /// With an open shutter, computes the digests of the shapes seen through a tile, and returns one of all that determines the tile's
@@ -297,8 +328,6 @@ fn see(
         return true;
     }
     let Ok(outline) = Outline::of(scene.geometry().shape(id), rays) else { return false };
-    /// Finite and larger than any tile.
-    const WIDEST: f64 = 1e6;
     let half = HALF + if camera.has_lens() { confusion(scene, camera, id).min(WIDEST) } else { 0.0 };
     if let Some(mut outline) = outline {
         if half > 1.0 {
@@ -313,6 +342,9 @@ fn see(
     }
     true
 }
+
+/// Limit of circles of confusion in pixels: finite, and larger than any film.
+const WIDEST: f64 = 1e6;
 
 /// Returns the radius of the largest circle of confusion of a shape, in pixels.
 fn confusion(scene: &PreparedScene, camera: &PreparedCamera, id: ShapeId) -> f64 {
@@ -398,8 +430,13 @@ const BLOCKS: Squares<PACKETS> = {
 
 /// Determines the features of each pixel from the shapes that are seen through the tile. First resolves squares of four by four pixels:
 /// shapes behind a shape that covers a square fully are skipped in its pixels.
-fn resolve(scene: &PreparedScene, rays: &TileRays, tile: &Tile, seen: &[SeenShape]) -> TileFeatures {
-    let mut found = TileFeatures { features: [Feature::NONE; TILE_PIXELS], ..unknown() };
+fn resolve(
+    scene: &PreparedScene,
+    (rays, tile, known): (&TileRays, &Tile, &KnownFeatures),
+    seen: &[SeenShape],
+    found: &mut TileFeatures,
+) {
+    found.features = [Feature::NONE; TILE_PIXELS];
     dispatch!(scene.simd.level(), _simd => {
         let mut covers = Vec::with_capacity(seen.len());
         let mut nearest = NearestCovers::<PACKETS>::new();
@@ -410,6 +447,8 @@ fn resolve(scene: &PreparedScene, rays: &TileRays, tile: &Tile, seen: &[SeenShap
             let shapes = seen.iter().zip(&in_sight).filter(|(_, packets)| *packets >> packet & 1 == 1);
             covers.clear();
             covers.extend(shapes.map(|(shape, _)| (shape, shape.covers(packet, &pixels))));
+            let brightest = covers.iter().map(|(shape, _)| shape.radiance).fold(0.0, f32::max);
+            let known = known.outshine(packet, brightest);
             let mut nearest = NearestCovers::<LANES>::new();
             covers.iter().for_each(|(shape, cover)| nearest.update(shape, cover));
             let place = |lane: usize| DVec2::new(pixels.x[lane], pixels.y[lane]);
@@ -419,7 +458,7 @@ fn resolve(scene: &PreparedScene, rays: &TileRays, tile: &Tile, seen: &[SeenShap
                 let first = visible & nearest.of(shape.id);
                 whole.add_cover(first, shape);
                 if let Some(pattern) = scene.material(shape.id).pattern.as_deref() {
-                    for lane in lanes(shape.bordered(first, &pattern.layout, rays, packet)) {
+                    for lane in lanes(shape.bordered(first & !known, &pattern.layout, rays, packet)) {
                         let at = (place(lane), shape.half);
                         let Some(width) = shape.part_width(&pattern.layout, rays, at) else { continue };
                         // Narrow parts are many, and fill the pixel together.
@@ -437,7 +476,6 @@ fn resolve(scene: &PreparedScene, rays: &TileRays, tile: &Tile, seen: &[SeenShap
             }
         }
     });
-    found
 }
 
 /// Returns the centres of a packet's pixels as squares of size 0.

@@ -46,10 +46,12 @@ fn missed(scene: &PreparedScene, camera: &PreparedCamera, samples: u32) -> (Vec<
     for j in (0..rows).step_by(TILE as usize) {
         for i in (0..columns).step_by(TILE as usize) {
             let tile = Tile { i, j, width: TILE.min(columns - i), height: TILE.min(rows - j) };
-            let scratch = (&mut FeatureScratch::default(), &mut search);
+            let (mut found, mut expected) = (FeatureScratch::default(), FeatureScratch::default());
+            let scratch = (&mut found, &mut search);
             let of_instant = FeatureSearch::new(scene, camera, false);
-            let found = of_instant.features((&tile, None), scratch).unwrap();
-            let expected = of_instant.reference_features(&tile);
+            let found = of_instant.features((&tile, &KnownFeatures::NONE), scratch).unwrap();
+            let expected =
+                of_instant.reference_features((&tile, &KnownFeatures::NONE), &mut expected).unwrap();
             let differing: Vec<_> =
                 found.features.iter().zip(&expected.features).filter(|(one, other)| one != other).collect();
             assert!(
@@ -211,8 +213,9 @@ fn plain_pixels_have_no_feature_and_tiny_shapes_have() {
     let (missed_few, plain) = missed(&scene_of(&[sphere(-0.5, 1.0), floor]), &camera, 256);
     assert!(missed_few.is_empty() && plain > 80 * 80 * 9 / 10, "{missed_few:?}, {plain}");
     let tile = Tile { i: 32, j: 32, width: 16, height: 16 };
-    let found =
-        FeatureSearch::new(&scene_of(&[sphere(0.01, 0.003)]), &camera, false).reference_features(&tile);
+    let (scene, mut scratch) = (scene_of(&[sphere(0.01, 0.003)]), FeatureScratch::default());
+    let search = FeatureSearch::new(&scene, &camera, false);
+    let found = search.reference_features((&tile, &KnownFeatures::NONE), &mut scratch).unwrap();
     let small: Vec<f32> =
         found.features.iter().map(|feature| feature.area).filter(|area| *area > 0.0).collect();
     assert!(
@@ -232,14 +235,16 @@ fn features_of_the_same_view_are_found_once() {
         let eye = DVec3::new(eye, 0.0, -5.0);
         let camera = PreparedCamera::new(eye, DVec3::Z, DVec3::Y, 1.0, (1.0, 1.0), (80, 80));
         let scratch = (&mut FeatureScratch::default(), &mut Scratch::default());
-        FeatureSearch::new(&scene, &camera, before.is_some()).features((&tile, before), scratch)
+        let known = KnownFeatures { digest: before.unwrap_or_default(), ..KnownFeatures::NONE };
+        let search = FeatureSearch::new(&scene, &camera, before.is_some());
+        search.features((&tile, &known), scratch).map(|found| found.digest)
     };
-    assert_eq!(find(0.0, 0.0, 0.0, None).unwrap().digest, 0);
-    let digest = find(0.0, 0.0, 0.0, Some(0)).unwrap().digest;
+    assert_eq!(find(0.0, 0.0, 0.0, None), Some(0));
+    let digest = find(0.0, 0.0, 0.0, Some(0)).unwrap();
     assert!(digest != 0 && find(0.0, 0.0, 0.0, Some(digest)).is_none());
     for (ball, eye, ambient) in [(1e-9, 0.0, 0.0), (0.0, 1e-9, 0.0), (0.0, 0.0, 0.1)] {
         let changed = find(ball, eye, ambient, Some(digest)).unwrap();
-        assert_ne!(changed.digest, digest, "{ball}, {eye}, {ambient}");
+        assert_ne!(changed, digest, "{ball}, {eye}, {ambient}");
     }
 }
 
@@ -405,13 +410,17 @@ fn scene_of_one(kind: u8, map: DAffine3, half: DVec3) -> PreparedScene {
     }])
 }
 
-/// Returns which pixels have a feature or a cover in one of the scenes.
-fn noticed(scenes: impl Iterator<Item = PreparedScene>, camera: &PreparedCamera) -> Vec<bool> {
+/// Returns which pixels have a feature or a cover in one of a tile's scenes.
+fn noticed<S: Iterator<Item = PreparedScene>>(
+    scenes: impl Fn(usize) -> S,
+    camera: &PreparedCamera,
+) -> Vec<bool> {
     let mut noticed = vec![false; (SIDE_PIXELS * SIDE_PIXELS) as usize];
-    for scene in scenes {
-        let search = FeatureSearch::new(&scene, camera, true);
-        for tile in Tile::all(camera.resolution()) {
-            let found = search.reference_features(&tile);
+    let mut scratch = FeatureScratch::default();
+    for (index, tile) in Tile::all(camera.resolution()).enumerate() {
+        for scene in scenes(index) {
+            let search = FeatureSearch::new(&scene, camera, true);
+            let found = search.reference_features((&tile, &KnownFeatures::NONE), &mut scratch).unwrap();
             for (column, row) in (0..tile.height).flat_map(|row| (0..tile.width).map(move |i| (i, row))) {
                 let (packet, lane) = Tile::lane_of(column as usize, row as usize);
                 let (features, cover) = found.of(packet);
@@ -429,6 +438,7 @@ fn noticed(scenes: impl Iterator<Item = PreparedScene>, camera: &PreparedCamera)
 fn fast_shapes_skip_hardly_any_pixel_between_steps() {
     const INSTANTS: u32 = 16;
     const MOMENTS: u32 = 64;
+    const THIRD: f64 = 1.0 / 3.0;
     let (position, pixels) = (DVec3::new(0.0, 0.0, -10.0), (SIDE_PIXELS, SIDE_PIXELS));
     let camera = PreparedCamera::new(position, DVec3::Z, DVec3::Y, 10.0, (4.0, 4.0), pixels);
     let mut runner = TestRunner::deterministic();
@@ -441,11 +451,13 @@ fn fast_shapes_skip_hardly_any_pixel_between_steps() {
             let offset = displacement * DVec3::new(1.0, 1.0, 0.05) * (moment - 0.5);
             scene_of_one(kind, DAffine3::from_translation(offset) * map, 0.5 * half)
         };
-        let instants =
-            |count: u32| (0..=count).map(move |instant| scene(f64::from(instant) / f64::from(count)));
-        let mut motion = MotionTracker::default();
+        let instants = |count: u32| {
+            (0..count).map(move |instant| scene((f64::from(instant) + THIRD) / f64::from(count)))
+        };
+        let mut motion = MotionTracker::new(pixels);
         instants(INSTANTS).for_each(|scene| motion.add(&scene, &camera));
-        let noticed = [motion.steps(), 1].map(|steps| noticed(instants(INSTANTS * steps), &camera));
+        let with_steps = noticed(|tile| instants(INSTANTS * motion.steps()[tile]), &camera);
+        let noticed = [with_steps, noticed(|_| instants(INSTANTS), &camera)];
         let sampling = PixelSampling { samples: MOMENTS, seed: 1 };
         for sample in 0..MOMENTS {
             let scene = scene((f64::from(sample) + 0.5) / f64::from(MOMENTS));
@@ -461,4 +473,19 @@ fn fast_shapes_skip_hardly_any_pixel_between_steps() {
         }
     }
     assert!(shown > 5000 && 1000 * skipped[0] < shown && 20 * skipped[1] > shown, "{skipped:?} of {shown}");
+}
+
+/// Checks that a ball that flies across the film divides the intervals in its path, up to the borders of the film, and nowhere else.
+#[test]
+fn intervals_are_divided_only_where_shapes_are_fast() {
+    let position = DVec3::new(0.0, 0.0, -100.0);
+    let camera = PreparedCamera::new(position, DVec3::Z, DVec3::Y, 100.0, (80.0, 80.0), (80, 80));
+    let mut motion = MotionTracker::new((80, 80));
+    // From just inside of the left border to just inside of the right one. The front of the ball moves by 18.4 pixels from instant to instant.
+    for x in [-36.0, -18.0, 0.0, 18.0, 36.0] {
+        let ball = Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 2.0 };
+        motion.add(&scene_of(&[PreparedShape::Sphere(ball)]), &camera);
+    }
+    let rows: Vec<&[u32]> = motion.steps().chunks(5).collect();
+    assert_eq!(rows, [[1; 5], [1; 5], [10; 5], [1; 5], [1; 5]]);
 }
