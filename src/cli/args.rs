@@ -223,7 +223,7 @@ pub(super) struct RenderArguments {
 pub(super) struct AllowArguments {
     /// Do not warn of these, as in --allow one-color,idle-light: dark-color, not-drawn, no-light, nothing-seen, passed-target,
     /// short-turn, distorted, replaced-value, one-color, cut-off, idle-light, too-bright, black-surface, default-view, at-origin,
-    /// out-of-date, incomplete, data-file, left-handed [can be repeated]
+    /// out-of-date, incomplete, data-file, left-handed, hidden-background [can be repeated]
     #[arg(long = "allow", value_name = "WARNINGS", value_parser = parse_warning, value_delimiter = ',')]
     pub(super) warnings: Vec<&'static str>,
 }

@@ -3,6 +3,7 @@
 use super::clouds::{DATA_LABEL, MIRRORED_LABEL};
 use super::error::original;
 use super::files::Files;
+use super::validate::HIDDEN_LABEL;
 use super::{Diagnostic, SourcePosition};
 
 /// A value of a scene that is valid and surely not meant, such as a colour with channels from 0 to 1, or a truncated data file.
@@ -32,8 +33,8 @@ pub struct SceneWarning {
 }
 
 impl SceneWarning {
-    /// The names of the warnings: about colours from 0 to 1, data files, and molecules in left-handed space.
-    pub const NAMES: [&str; 3] = ["dark-color", "data-file", "left-handed"];
+    /// The names of the warnings: about colours from 0 to 1, data files, molecules in left-handed space, and backgrounds that fog hides.
+    pub const NAMES: [&str; 4] = ["dark-color", "data-file", "left-handed", "hidden-background"];
 }
 
 /// Returns the warnings about all files, by file and position.
@@ -50,10 +51,11 @@ pub(super) fn warnings_of(files: &mut Files) -> Vec<SceneWarning> {
                 .map_or((&of_file.name, &*of_file.text), |source| (&source.file, &source.text));
             let start = span.map_or(0, |span| span.start);
             let is_hexadecimal = text.as_bytes().get(start) == Some(&b'"');
-            let [of_color, of_data, of_space] = SceneWarning::NAMES;
+            let [of_color, of_data, of_space, of_fog] = SceneWarning::NAMES;
             let kind = match label.as_str() {
                 DATA_LABEL => of_data,
                 MIRRORED_LABEL => of_space,
+                HIDDEN_LABEL => of_fog,
                 _ if is_hexadecimal => return None,
                 _ => of_color,
             };

@@ -85,6 +85,35 @@ fn colors_from_0_to_1() {
 }
 
 #[test]
+fn backgrounds_hidden_by_fog() {
+    const SKY: &str = "(bottom: (200, 200, 200), top: (90, 90, 200))";
+    const CLEARS_UP: &str = "(target: \"scene\", channel: FogDensity, track: Keys([(0, 0.1), (1, 0)]))";
+    let foggy = |background: &str, fog: &str| {
+        let settings = format!("background: {background}, fog: (color: (90, 90, 90), density: {fog}),");
+        ball(MATTE, LAMP, &settings)
+    };
+    check(
+        "hidden-background",
+        &[
+            foggy(SKY, "0.1"),
+            foggy("(90, 90, 200)", "0.1"),
+            foggy("(stops: [(0, (9, 9, 9)), (1, (90, 90, 90))])", "0.1"),
+            foggy("(90, 90, 90), stars: ()", "0.1"),
+        ],
+        &[
+            foggy(SKY, "0"),
+            foggy(SKY, "0.1, height: 2"),
+            foggy(SKY, "0.1, hides_background: true"),
+            foggy(SKY, "0.1, hides_background: false"),
+            foggy("(90, 90, 90)", "0.1"),
+            foggy("(0, 0, 0)", "0.1"),
+            foggy(SKY, "0.1")
+                .replace("entities:", &format!("animate: [{CLEARS_UP}], timeline: (duration: 1), entities:")),
+        ],
+    );
+}
+
+#[test]
 fn pictures_of_one_color() {
     let ambient = "ambient: (1, 1, 1),";
     let away = r#"(film: (width: 32, height: 18), camera: (position: (0, 0, -5), view: (0, 0, -1)), ambient: (1, 1, 1),

@@ -121,6 +121,7 @@ fn a_lens_focuses_on_an_entity() {
     for (moment, depth) in [(time(0), 5), (time(5), 7)] {
         let focused = film("lens: (aperture: 2, focus: 1), focus_on: \"ball\"", moment);
         assert!(focused == film(&format!("lens: (aperture: 2, focus: {depth})"), moment));
+        assert!(focused == film("lens: (aperture: 2), focus_on: \"ball\"", moment));
         assert!(focused != film("lens: (aperture: 2, focus: 1)", moment));
     }
     // An entity behind the camera is not in focus.
@@ -132,6 +133,7 @@ fn a_lens_focuses_on_an_entity() {
     assert!(camera(", focus_on: \"ball\"") == camera(""));
     for (camera, expected) in [
         ("focus_on: \"ball\"", "without a `lens` everything is in focus"),
+        ("lens: (aperture: 2)", "the lens has no distance in focus"),
         ("lens: (aperture: 2, focus: 3), focus_on: \"bell\"", "there is no entity \"bell\""),
     ] {
         let camera = format!("camera: (position: (0, 0, 9), view: (0, 0, 1), {camera}),");

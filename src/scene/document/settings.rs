@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
-use super::values::yes;
 use super::{
     AnimationDocument, BackgroundDocument, CloudDocument, ColorDocument, EntityDocument, Entries,
     IncludeDocument, MaterialDocument, OverlayDocument, RateDocument, ScriptDocument, Triple, whole,
@@ -148,8 +147,7 @@ pub(crate) struct FogDocument {
     pub(crate) height: Option<f64>,
     #[serde(default)]
     pub(crate) level: f64,
-    #[serde(default = "yes")]
-    pub(crate) hides_background: bool,
+    pub(crate) hides_background: Option<bool>,
 }
 
 /// The frame rate and the duration.
@@ -302,7 +300,7 @@ fn upwards() -> Triple {
 #[serde(deny_unknown_fields, rename = "Lens")]
 pub(crate) struct LensDocument {
     pub(crate) aperture: f64,
-    pub(crate) focus: f64,
+    pub(crate) focus: Option<f64>,
 }
 
 /// The screen in front of the camera.

@@ -191,7 +191,8 @@ fn spawn_settings(world: &mut World, document: &SceneDocument, transfer: Transfe
     }
     if let Some(fog) = document.fog {
         let FogDocument { color, density, height, level, hides_background } = fog;
-        builder.add(Fog { color: transfer.decode(color.0), density, height, level, hides_background });
+        let (color, hides_background) = (transfer.decode(color.0), hides_background.unwrap_or(true));
+        builder.add(Fog { color, density, height, level, hides_background });
     }
     world.spawn(builder.build())
 }
@@ -323,7 +324,9 @@ fn camera(document: &CameraDocument) -> Camera {
         .map(|degrees| Projection::HorizontalFieldOfView { horizontal: radians(degrees) });
     let orthographic = document.orthographic.map(|height| Projection::Orthographic { height });
     let projection = screen.or(vertical).or(horizontal).or(orthographic).unwrap_or(defaults.projection);
-    let lens = document.lens.as_ref().map(|lens| Lens { aperture: lens.aperture, focus: lens.focus });
+    // With `focus_on`, the distance matters only while its entity is behind the camera.
+    let lens = document.lens.as_ref();
+    let lens = lens.map(|lens| Lens { aperture: lens.aperture, focus: lens.focus.unwrap_or(1.0) });
     Camera {
         position: document.position.into(),
         view,

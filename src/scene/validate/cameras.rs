@@ -197,7 +197,7 @@ fn shutter(share: f64, at: &At<'_>, problems: &mut Problems) {
 fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     let Some(lens) = &document.lens else {
         if document.focus_on.is_some() {
-            let help = "add a lens, as `lens: (aperture: 0.1, focus: 5)`, or remove `focus_on`";
+            let help = "add a lens, as `lens: (aperture: 0.1)`, or remove `focus_on`";
             let message = "without a `lens` everything is in focus";
             problems.add(&at.field("focus_on"), message, "nothing to focus", help);
         }
@@ -205,7 +205,12 @@ fn lens(document: &CameraDocument, at: &At<'_>, problems: &mut Problems) {
     };
     let at = at.field("lens");
     aperture(lens.aperture, &at.field("aperture"), problems);
-    check::size(lens.focus, "the distance in focus", &at.field("focus"), problems);
+    if let Some(focus) = lens.focus {
+        check::size(focus, "the distance in focus", &at.field("focus"), problems);
+    } else if document.focus_on.is_none() {
+        let help = "add the distance, as `focus: 5`, or `focus_on: \"name\"` to the camera";
+        problems.add(&at, "the lens has no distance in focus", "neither `focus` nor `focus_on`", help);
+    }
 }
 
 pub(super) fn aperture(aperture: f64, at: &At<'_>, problems: &mut Problems) {

@@ -21,6 +21,7 @@ pub(super) use clouds::{frame_rate, start_time};
 pub(super) use extends::add_misplaced_extends;
 pub(super) use problems::{At, ProblemList, Problems, help_for};
 use problems::{Named, check};
+pub(super) use settings::HIDDEN_LABEL;
 
 /// Adds all semantic errors of a file's document to `problems`. `scope` holds the names that the file can refer to.
 pub(super) fn validate(document: &SceneDocument, scope: Scope<'_>, problems: &mut Problems) {

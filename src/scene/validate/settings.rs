@@ -2,7 +2,9 @@
 
 use super::{At, Problems, check};
 use crate::color::ColorRamp;
-use crate::components::{AmbientOcclusion, FilmSettings, Quality, Quantity, Sampling, Stars, ValidRange};
+use crate::components::{
+    AmbientOcclusion, FilmSettings, Property, Quality, Quantity, Sampling, Stars, ValidRange,
+};
 use crate::scene::document::{
     AmbientOcclusionDocument, BackgroundDocument, ColorDocument, FilmDocument, FogDocument, QualityDocument,
     SamplingDocument, SceneDocument, StarsDocument, SunDocument, TimelineDocument,
@@ -26,6 +28,10 @@ pub(super) fn validate(document: &SceneDocument, scene: &At<'_>, problems: &mut 
     }
     if let Some(fog) = &document.fog {
         self::fog(fog, &scene.field("fog"), problems);
+        if hides_background(fog, document) {
+            let help = "add `hides_background: false`, or `true` if this is meant";
+            problems.warn(&scene.field("fog"), "the fog hides the background", HIDDEN_LABEL, help);
+        }
     }
     quality(&document.quality, &scene.field("quality"), problems);
     sampling(&document.sampling, &scene.field("sampling"), problems);
@@ -114,6 +120,19 @@ fn fog(document: &FogDocument, at: &At<'_>, problems: &mut Problems) {
         let help = "add `height: ..`, or remove the level: uniform fog is the same at every height";
         problems.add(&level_at, "a fog without a height has no level", "no height", help);
     }
+}
+
+/// The label of warnings about backgrounds that fog hides.
+pub(in crate::scene) const HIDDEN_LABEL: &str = "beyond all shapes, only fog shows";
+
+/// Returns whether a background, though given, shows nowhere, and nothing says that this is meant.
+fn hides_background(fog: &FogDocument, document: &SceneDocument) -> bool {
+    let clears_up = document.animate.iter().any(|animation| animation.channel.0 == Property::FogDensity);
+    let is_endless =
+        fog.hides_background.is_none() && fog.height.is_none() && fog.density > 0.0 && !clears_up;
+    let is_plain =
+        [BackgroundDocument::default(), BackgroundDocument::Flat(fog.color)].contains(&document.background);
+    is_endless && !(is_plain && document.stars.is_none())
 }
 
 pub(super) fn density(density: f64, at: &At<'_>, problems: &mut Problems) {
