@@ -101,13 +101,16 @@ fn fingers_move_the_selected_entity() {
     assert_eq!(browser.evaluate("scrollY"), json!(0));
     touch(&browser, "touchEnd", &[]);
     until(&browser, "state.edits.undoable === 1 && state.edits.tried.length === 0");
-    let x = browser.evaluate("placement.position[0]").as_f64().unwrap();
     let kept = fs::read_to_string(preview.folder.path().join("ball.ron")).unwrap();
+    let (_, translation) = kept.split_once("transform: (translation: (").unwrap();
+    let x: f64 = translation.split(',').next().unwrap().parse().unwrap();
     let expected = scene.replace(
         "material: \"clay\"),",
         &format!("material: \"clay\", transform: (translation: ({x}, 0, 0))),"),
     );
     assert!(kept == expected && x < -0.2, "{kept}");
+    // The page learns the place with the next picture.
+    until(&browser, &format!("placement.position[0] === {x}"));
     assert_eq!(browser.evaluate("[view.selected.entity, view.spot]"), json!(["ball", null]));
     assert_eq!(browser.console(), json!([]));
 }
